@@ -69,8 +69,6 @@ class Method:
     citation : (key of `report/references.bib`, where in it or with what values), ...
     solves : which scenes it runs, in words
     remembers : whether it runs laws whose force depends on events before
-    keeps_ledger : whether it fills the energy ledger
-    located : whether the ends of a contact or a yield are steps of their own, so that the order holds there too
     """
 
     name: str
@@ -82,8 +80,6 @@ class Method:
     citation: tuple[tuple[str, str], ...]
     solves: str = "every scene"
     remembers: bool = False
-    keeps_ledger: bool = False
-    located: bool = False
 
     @property
     def takes_step(self) -> bool:
@@ -101,13 +97,13 @@ _LIST = (
     Method(
         "taylor", "Taylor with events", 0, ACCURACY, "chooses its steps itself", "locates it to rounding",
         (("jorba2005", ""),),
-        remembers=True, keeps_ledger=True, located=True,
+        remembers=True,
     ),
     Method(
         "dop853", "Dormand-Prince 8(5,3) with events", 8, ACCURACY, "chooses its steps itself",
         "locates it to rounding",
         (("hairer1993", "section II.10"),),
-        remembers=True, keeps_ledger=True, located=True,
+        remembers=True,
     ),
     Method(
         "central-difference", "central difference", 2, TIME_STEP, "2 (√(1 + 4 ξ²) - 2 ξ) / ω", _STEPPED_OVER,

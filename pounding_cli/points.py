@@ -26,7 +26,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.study.axes import SweepAxis, read_axes
 from pounding_cli.study.file import Problems, put, read_study
 from pounding_cli.study.kinds import refuse_other_kinds
@@ -44,9 +44,11 @@ QUESTIONS = ("connector", "wall")
 MESH = ("corner", "element", "axis", "side")
 """Dimensions of fields on a mesh, which are drawn and not kept in the results file."""
 
-_UNITS = {"N": ("kN", 1e-3), "N s": ("kN s", 1e-3), "N m": ("kN m", 1e-3), "N/m2": ("N/mm²", 1e-6), "s": ("ms", 1e3),
-          "1": ("", 1.0)}  # fmt: skip
-"""SI unit -> the unit that tables show, and one SI unit in it."""
+_UNITS = {
+    "N": Unit("kN", 1e3, "N"), "N s": Unit("kN s", 1e3, "N s"), "N m": Unit("kN m", 1e3, "N m"),
+    "N/m2": Unit("N/mm²", 1e6, "N/m2"), "s": Unit("ms", 1e-3, "s"), "1": Unit("", 1.0, "1"),
+}  # fmt: skip
+"""SI unit -> the unit that tables show."""
 
 
 @dataclass(frozen=True)
@@ -165,7 +167,8 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
 
     from pounding_cli.report.document import Report, Section
     from pounding_cli.report.references import REFERENCES
-    from pounding_cli.report.table import Column, Table, from_rows
+    from pounding_cli.report.table import from_rows
+    from pounding_cli.results.tables import Column, Table
 
     asked, done = sweep.asked, [point for point in points if point.data["status"] == "done"]
     frame = pd.DataFrame([
@@ -173,14 +176,14 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         for point in points
     ])  # fmt: skip
     columns = {
-        name: Column(name, unit.name, 1 / unit.factor)
+        name: Column("swept", unit, name)
         for axis in sweep.axes
         for name, unit in zip(axis.names, axis.units, strict=True)
     }
     shown = [name for name in (*columns, *asked.SHOWN) if name in frame]
     for name, each in (done or points)[0].data.data_vars.items():
-        unit, factor = _UNITS.get(each.attrs["units"], (each.attrs["units"], 1.0))
-        columns[str(name)] = Column(str(name).replace("_", " "), unit, factor, each.attrs["long_name"])
+        unit = _UNITS.get(each.attrs["units"], Unit(each.attrs["units"], 1.0, each.attrs["units"]))
+        columns[str(name)] = Column(each.attrs["long_name"], unit, str(name).replace("_", " "))
     pictures = asked.pictures(sweep.title, done, sweep.axes) if done else []
     judged = []
     for point in done:
@@ -199,7 +202,7 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         lambda: [
             Section("Against the paper", tables=[from_rows("", ["point", *asked.STATEMENTS], judged)]),
             *([Section("Further figures", pictures=pictures[1:])] if pictures[1:] else []),
-            Section("Numbers", tables=[Table("Numbers at every point", frame, columns, sweep.name)]),
+            Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),
             Section("References", tables=[from_rows("", ("reference", "for"), cited)]),
             Section("Study", widget="study"),
         ],

@@ -33,7 +33,7 @@ class Variable:
     judged : what a difference is relative to when two files are compared: ITSELF, the largest of another variable in
         the scene, or COUNTED (no difference is allowed); "" for one that is not compared, as it follows from others
     charts : charts of the page that offer it: "height" (storey by storey, link by link), "sweep"
-    label, brief : what pages and figures call it, and its meaning in short; name and `text` unless given
+    label : what pages and figures call it; its name unless given
     always : whether every file has it; not so where it came later, or where only some studies have it
     """
 
@@ -49,7 +49,6 @@ class Variable:
     judged: str = ""
     charts: tuple[str, ...] = ()
     label: str = ""
-    brief: str = ""
     always: bool = True
 
 
@@ -61,18 +60,18 @@ RESPONSES = (
     Variable("V0", STOREY, "N", "largest storey shear of the building alone",
              of="building.shear", alone=True, judged=ITSELF, label="V₀"),
     Variable("V_ratio", STOREY, "1", "V / V0",
-             ratio=("V", "V0"), charts=_BOTH, label="V/V₀", brief="storey shear over that alone"),
+             ratio=("V", "V0"), charts=_BOTH, label="V/V₀"),
     Variable("mu", STOREY, "1", "ductility, largest drift over yield drift",
-             of="building.ductility", judged=ITSELF, charts=_BOTH, label="μ", brief="ductility"),
+             of="building.ductility", judged=ITSELF, charts=_BOTH, label="μ"),
     Variable("mu0", STOREY, "1", "ductility of the building alone",
              of="building.ductility", alone=True, judged=ITSELF, label="μ₀"),
     Variable("mu_ratio", STOREY, "1", "mu / mu0",
-             ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀", brief="ductility over that alone"),
+             ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀"),
     Variable("drift", STOREY, "m", "largest storey drift", of="building.drift", judged=ITSELF, charts=_BOTH),
     Variable("drift0", STOREY, "m", "largest storey drift of the building alone",
              of="building.drift", alone=True, judged=ITSELF, label="drift alone"),
     Variable("drift_ratio", STOREY, "1", "drift / height of the storey",
-             charts=_BOTH, label="drift ratio", brief="storey drift over the height of the storey", always=False),
+             charts=_BOTH, label="drift ratio", always=False),
     Variable("residual_drift", STOREY, "m", "storey drift at the end",
              of="building.residual_drift", judged="drift", charts=_BOTH),
     Variable("acceleration", FLOOR, "m/s2", "largest total floor acceleration",
@@ -80,21 +79,21 @@ RESPONSES = (
     Variable("acceleration0", FLOOR, "m/s2", "largest total floor acceleration of the building alone",
              of="building.acceleration", alone=True, judged="acceleration0", label="acceleration alone"),
     Variable("acceleration_ratio", FLOOR, "1", "acceleration / acceleration0",
-             ratio=("acceleration", "acceleration0"), charts=_BOTH, label="a/a₀",
-             brief="floor acceleration over that alone"),
+             ratio=("acceleration", "acceleration0"), charts=_BOTH, label="a/a₀"),
     Variable("displacement", FLOOR, "m", "largest floor displacement relative to the ground, either way",
-             formula=lambda of: np.maximum(of["displacement_max"], -of["displacement_min"]), charts=_BOTH,
-             brief="largest, either way"),
+             formula=lambda of: np.maximum(of["displacement_max"], -of["displacement_min"]), charts=_BOTH),
     Variable("displacement_max", FLOOR, "m", "largest floor displacement to the right",
              of="building.displacement_max", judged="displacement", label="displacement, right"),
     Variable("displacement_min", FLOOR, "m", "smallest floor displacement (to the left: negative)",
              of="building.displacement_min", judged="displacement", label="displacement, left"),
     Variable("sway", BUILDING, "m", "largest translation of the foundation", of="building.sway"),
     Variable("rocking", BUILDING, "rad", "largest rotation of the foundation", of="building.rocking"),
+    Variable("isolator_displacement", BUILDING, "m", "largest displacement of the isolators; NaN of a base without",
+             of="building.isolator_displacement", label="isolator displacement", always=False),
     Variable("collapsed", BUILDING, "1", "storey that collapsed, from 1; 0 where none did", kind="i", always=False),
     Variable("collapsed0", BUILDING, "1", "likewise of the building alone", kind="i", alone=True, always=False),
     Variable("impacts", LINK, "1", "number of times the link closed",
-             of="link.impacts", judged=COUNTED, charts=_BOTH, label="contacts", brief="times the link closed"),
+             of="link.impacts", judged=COUNTED, charts=_BOTH, label="contacts"),
     Variable("peak_force", LINK, "N", "largest link force",
              of="link.peak_force", judged="peak_force", charts=_BOTH, label="peak force"),
     Variable("max_closing", LINK, "m", "largest closing of the two floors, gap not subtracted",

@@ -16,10 +16,13 @@ from matplotlib.figure import Figure
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
-from pounding_cli.laws.connector import Connector as Connector
 from pounding_cli.laws.isolation import Bearings as Bearings
 from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
+from pounding_cli.laws.isolation import Rubber as Rubber
+from pounding_cli.laws.joints import Connector as Connector
+from pounding_cli.records.hazard import read_hazard as read_hazard
 from pounding_cli.report import report as report
+from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
@@ -27,6 +30,8 @@ from pounding_cli.study import expand, load_study, study_of
 from pounding_cli.study.expression import read_limit as read_limit
 from pounding_cli.workflows import gap as gap
 from pounding_cli.workflows import search as search
+from pounding_cli.workflows.hazard import Hazard as Hazard
+from pounding_cli.workflows.hazard import probability as probability
 
 
 def sketch(results: pound.Results) -> Figure:

@@ -16,17 +16,12 @@ from matplotlib.patches import Rectangle
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.bilinear_contact import BilinearContact
-from pounding_cli.laws.connector import Connector
-from pounding_cli.laws.damper import Damper
-from pounding_cli.laws.friction import Friction
-from pounding_cli.laws.hertz import Hertz, HertzDamp
+from pounding_cli.laws.hertz import Hertz, HertzDamp, Jankowski
 from pounding_cli.laws.infill import Infill
-from pounding_cli.laws.jankowski import Jankowski
+from pounding_cli.laws.joints import Connector, Damper, Friction, Maxwell, Viscous
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.maxwell import Maxwell
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.laws.storey import StoreyLaw
-from pounding_cli.laws.viscous import Viscous
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene

@@ -28,7 +28,7 @@ API = {
     ),
     "A study": ("pounding_cli.study.study.Study",),
     "Results": ("pounding_cli.api.results.Results",),
-    "Histories": ("pounding_cli.api.histories.History",),
+    "Histories": ("pounding_cli.results.histories.History",),
     "One scene by hand": (
         "pounding_cli.api.scenes.building",
         "pounding_cli.api.scenes.motion",
@@ -42,7 +42,7 @@ API = {
         "pounding_cli.model.links.Link",
         "pounding_cli.laws.pounding.Pounding",
         "pounding_cli.laws.infill.Infill",
-        "pounding_cli.laws.connector.Connector",
+        "pounding_cli.laws.joints.Connector",
         "pounding_cli.records.motion.Motion",
     ),
     "Laws of links": (

@@ -81,7 +81,6 @@ def run_study(
     engine: str = "threads",
     scheduler: str | None = None,
     replace: bool = False,
-    all_effects: bool = False,
 ) -> Outcome:
     """Solve what the cache beside `output` lacks and write the results file; parameters as those of `api.run`.
 
@@ -97,20 +96,20 @@ def run_study(
     workers_of = pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
-        content = _content(workflow, workflow.plan(study), all_effects)
+        content = _content(workflow, workflow.plan(study))
         check_results(output, study, workflow.name, replace)
         if not replace and (scenes := _finished(output, content)) is not None:
             return Outcome(output, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
         _tell_reuse(cache, told)
-        solver = Solver(cache, workers_of, told, all_effects)
+        solver = Solver(cache, workers_of, told)
         try:
             found = workflow.run(study, solver)
         except KeyboardInterrupt:
             told.say(f"{counted(solver.solved, 'scene')} solved now and kept in {cache.path}")
             raise
-        plan = solver.asked(found.plan)
-        histories = kept_histories(plan, found.dataset, output, told.say, replace)
+        plan = found.plan
+        histories = kept_histories(plan, found.dataset, told.say)
         wall = time.perf_counter() - begin
         said = {
             "content": content,
@@ -134,14 +133,13 @@ def run_study(
     return Outcome(output, *counts, failures, solver.engine, solver.workers, solver.seconds, wall)
 
 
-def _content(workflow: Workflow, plan: Plan, all_effects: bool) -> str:
+def _content(workflow: Workflow, plan: Plan) -> str:
     """SHA-256 of all that results follow from: the study, its scenes, the solver."""
     study = plan.study
     sha = hashlib.sha256()
     for part in (
         solution_key(plan),
         workflow.name,
-        str(all_effects),
         study.title,
         study.text,
         json.dumps(study.resolved(), default=str, sort_keys=True),

@@ -19,7 +19,7 @@ from pounding_cli.study.quantity import ACCELERATION, TIME, Quantity
 from pounding_cli.study.single import building_of, by_place, links_between, quantity
 
 if TYPE_CHECKING:
-    from pounding_cli.api.histories import History
+    from pounding_cli.results.histories import History
 
 _SCALE = Quantity("scale", "", "1.5", 0.0, 1000.0, open_low=True)
 _TAIL = TIME.but(name="tail", example="5 s", open_low=False)
@@ -143,7 +143,7 @@ def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -
     ------
     InputError : the output step is not above zero; the run did not end, and why
     """
-    from pounding_cli.api.histories import History
+    from pounding_cli.results.histories import History
     from pounding_cli.solver.histories import history as kept
 
     return History.of(kept(scene, accuracy, quantity(_EVERY, every, "every")))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
+import re
 import signal
 import threading
 import time
@@ -12,7 +13,6 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
-from urllib.parse import urlsplit
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.results.keys import solver_version
@@ -21,6 +21,8 @@ ENGINES = ("threads", "processes", "dask", "serial")
 
 PATIENCE = 60.0
 """Time that a Dask scheduler has to answer, and that it may have no workers [s]."""
+
+_ADDRESS = re.compile(r"((tcp|tls)://)?[^/]+:\d+")
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,9 @@ def _dask(workers: int, is_asked: bool, scheduler: str | None) -> Pool:
         about: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "n_workers": workers}
         client = distributed.Client(set_as_default=False, silence_logs=50, **about)
     else:
-        _check_address(scheduler)
+        if not _ADDRESS.fullmatch(scheduler):
+            what = f"'{scheduler}' is no address of a Dask scheduler: protocol (tcp or tls), host and port"
+            raise InputError(Problem(what, "write e.g. tcp://node:8786"))
         try:
             client = distributed.Client(scheduler, set_as_default=False, timeout=PATIENCE)
         except (OSError, ValueError, RuntimeError) as error:
@@ -121,46 +125,27 @@ def _dask(workers: int, is_asked: bool, scheduler: str | None) -> Pool:
             _close(client)
             raise
     count = max(1, sum(client.nthreads().values()))
-    count = min(count, workers) if is_asked else count
-    watch = _Watch(client)
-    return Pool("dask", count, lambda: client.get_executor(pure=False, retries=0), watch, lambda: _close(client))
+    seen = time.monotonic()
 
-
-class _Watch:
-    """Whether a cluster has workers."""
-
-    def __init__(self, client: Any) -> None:
-        self._client, self._seen = client, time.monotonic()
-
-    def __call__(self) -> None:
-        """Raises InputError where there were none for a while."""
+    def check() -> None:
+        """Whether the cluster has workers; raises InputError where there were none for a while."""
+        nonlocal seen
         is_there = False
         with contextlib.suppress(Exception):  # whatever a connection that is lost may say
-            is_there = self._client.status == "running" and bool(self._client.nthreads())
+            is_there = client.status == "running" and bool(client.nthreads())
         if is_there:
-            self._seen = time.monotonic()
-        elif time.monotonic() - self._seen > PATIENCE:
+            seen = time.monotonic()
+        elif time.monotonic() - seen > PATIENCE:
             hint = "start some; what was solved is kept, and the same command goes on"
             raise InputError(Problem("the Dask cluster has no worker any more", hint))
+
+    count = min(count, workers) if is_asked else count
+    return Pool("dask", count, lambda: client.get_executor(pure=False, retries=0), check, lambda: _close(client))
 
 
 def _close(client: Any) -> None:
     with contextlib.suppress(Exception):  # what it solved is kept
         client.close(timeout=5)
-
-
-def _check_address(scheduler: str) -> None:
-    """Raises InputError where an address is none of a scheduler."""
-    found = urlsplit(scheduler if "//" in scheduler else f"tcp://{scheduler}")
-    hint = "write e.g. tcp://node:8786"
-    if found.scheme not in ("tcp", "tls"):
-        raise InputError(Problem(f"'{scheduler}': {found.scheme} is no protocol of Dask", hint))
-    try:
-        port = found.port
-    except ValueError:
-        port = None
-    if not port or not found.hostname:
-        raise InputError(Problem(f"'{scheduler}' has no port", hint))
 
 
 def _check_workers(client: Any, scheduler: str) -> None:
@@ -169,13 +154,9 @@ def _check_workers(client: Any, scheduler: str) -> None:
         hint = f"start some with: dask worker {scheduler}"
         raise InputError(Problem(f"the Dask scheduler at {scheduler} has no workers", hint))
     try:
-        versions = set(client.run(_version).values())
+        versions = set(client.run(solver_version).values())
     except Exception as error:  # whatever a worker without this program may say
         versions = {f"none: {error}"}
     if other := sorted(versions - {solver_version()}):
         what = f"a worker at {scheduler} has another version of pounding_cli ({other[0]})"
         raise InputError(Problem(what, f"install {solver_version()} on every worker"))
-
-
-def _version() -> str:
-    return solver_version()

@@ -75,16 +75,20 @@ class Lines(Progress):
         is_first = not self.done + self.failed
         super().start(total, reused)
         if is_first:  # later ones may be many, and each a moment
-            self.say(f"{counted(total, 'scene')} to solve{f' ({reused} already solved)' if reused else ''}")
+            self._report("start")
 
     def step(self, done: int, failed: int) -> None:
         super().step(done, failed)
         if time.monotonic() - self._last > self.every:
             self._last = time.monotonic()
-            self.say(self.words)
+            self._report("progress")
 
     def say(self, sentence: str) -> None:
         _write(sentence, self.stream)
+
+    def _report(self, event: str) -> None:
+        known = f" ({self.reused} already solved)" if self.reused else ""
+        self.say(f"{counted(self.left, 'scene')} to solve{known}" if event == "start" else self.words)
 
 
 class JsonLines(Lines):
@@ -93,30 +97,18 @@ class JsonLines(Lines):
     def __init__(self, stream: TextIO | None = None, every: float = 1.0) -> None:
         super().__init__(stream or sys.stdout, every)
 
-    def start(self, total: int, reused: int) -> None:
-        is_first = not self.done + self.failed
-        Progress.start(self, total, reused)
-        if is_first:
-            self._counts("start")
-
-    def step(self, done: int, failed: int) -> None:
-        Progress.step(self, done, failed)
-        if time.monotonic() - self._last > self.every:
-            self._last = time.monotonic()
-            self._counts("progress")
-
     def say(self, sentence: str) -> None:
         self.tell("note", text=sentence)
 
     def finish(self) -> None:
         """The run is over."""
-        self._counts("stop")
+        self._report("stop")
 
     def tell(self, event: str, **facts: Any) -> None:
         """Any line."""
         _write(json.dumps({"event": event, "time": round(time.time(), 3), **facts}), self.stream)
 
-    def _counts(self, event: str) -> None:
+    def _report(self, event: str) -> None:
         seconds = self.seconds_left
         left = None if seconds is None else round(seconds, 1)
         self.tell(event, done=self.done, failed=self.failed, reused=self.reused, left=self.left, seconds_left=left)

@@ -64,7 +64,7 @@ def accuracy(
       pound accuracy configs/fig6.yaml
       pound accuracy configs/fig6.yaml --methods taylor,dop853,newmark --budget 90s
     """
-    from pounding_cli.api import load_study
+    from pounding_cli.api.studies import load_study
     from pounding_cli.outputs import check_folder
     from pounding_cli.report.accuracy import accuracy_report
     from pounding_cli.solver.work_precision import chosen, measure

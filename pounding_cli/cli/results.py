@@ -13,7 +13,7 @@ import click
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted, listed
-from pounding_cli.results.columns import ANSWERS
+from pounding_cli.results.tables import ANSWERS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,10 +22,15 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
 TABLES = (
-    *("storey", "floor", "link", "struck", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
+    *("storey", "floor", "link", "struck", "base", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
     *(table for tables in ANSWERS.values() for table in tables),
 )
-_NOTHING = {"link": "no links", "struck": "no columns that a slab strikes", "flagged": "no flags"}
+_NOTHING = {
+    "link": "no links",
+    "struck": "no columns that a slab strikes",
+    "base": "no base that moves",
+    "flagged": "no flags",
+}
 """What a case without rows in a table has none of."""
 _SENTENCES = ("effects", "dropped", "flags")
 _ASIDE = {
@@ -117,7 +122,7 @@ def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> N
       pound show results/fig6.h5 accuracy --record elcentro
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.results.results import open_results
+    from pounding_cli.api.studies import open_results
     from pounding_cli.texts import cells
 
     results = open_results(file)
@@ -145,7 +150,6 @@ def _filtered(
 ) -> pd.DataFrame:
     """The rows asked for; a key or value that is not there is refused with those that are."""
     problems, chosen = [], dict[str, list[Any]]()
-    units = _units(results, table)
     for said, given, value in wanted:
         swept = _swept(results, given)
         key = given if given in frame.columns or len(swept) != 1 else swept[0]
@@ -156,8 +160,7 @@ def _filtered(
             hint = f"leave the option out, or write one of: {listed(map(str, frame.columns))}"
             problems.append(Problem(message, hint))
             continue
-        si = results.meaning(table, key)[0] if key not in units else ""
-        unit = units.get(key) or (Unit() if si in ("", "1") else Unit(si, 1.0, si))
+        unit = results.column(table, key).unit
         there = results.axes.get(key, list(dict.fromkeys(frame[key])))
         values = _meant(there, value, unit)
         chosen.setdefault(key, []).extend(values)
@@ -178,11 +181,6 @@ def _filtered(
     return frame
 
 
-def _units(results: Results, table: str) -> dict[str, Unit]:
-    """The units of the study in which columns are shown."""
-    return dict(results.units) | (dict(results.answer(table).units) if table in results.answers else {})
-
-
 def _json(frame: pd.DataFrame) -> str:
     """Rows as JSON objects with all digits; null where there is no number, lists of sentences."""
     rows = frame.astype(object).where(frame.notna(), None).to_dict("records")
@@ -197,13 +195,11 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
 
     if frame.empty:
         return "no rows"
-    shown = _units(results, table)
-    for key, unit in shown.items():
-        if key in frame.columns and pd.api.types.is_numeric_dtype(frame[key]):
-            frame = frame.assign(**{key: [unit.number(value) for value in frame[key]]})
-    units = {str(name): results.meaning(table, str(name))[0] for name in frame}
-    units |= {key: unit.name for key, unit in shown.items()}
-    headings = {name: f"{name} [{unit}]" for name, unit in units.items() if unit not in ("", "1")}
+    units = {name: results.column(table, name).unit for name in map(str, frame)}
+    for name, unit in units.items():
+        if unit.factor != 1 and pd.api.types.is_numeric_dtype(frame[name]):
+            frame = frame.assign(**{name: [unit.number(value) for value in frame[name]]})
+    headings = {name: unit.label(name) for name, unit in units.items()}
     return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")
 
 
@@ -261,11 +257,11 @@ def report(
       pound report results/fig6.h5 -o paper --figures-for-paper
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
+    from pounding_cli.api.studies import open_results
     from pounding_cli.report import report as of
     from pounding_cli.report.claims import compare_claims, verdicts
     from pounding_cli.report.style import FORMATS, for_paper
     from pounding_cli.report.sweep import Asked, Choice
-    from pounding_cli.results.results import open_results
 
     if figures_for_paper and no_figures:
         hint = "leave one of them out"
@@ -366,8 +362,8 @@ def export(file: Path, tables: tuple[str, ...], output: Path | None, form: str |
       pound export results/fig6.h5 storey -o storey.parquet
       pound export results/fig6.h5 --format netcdf
     """
+    from pounding_cli.api.studies import open_results
     from pounding_cli.results.export import export as written
-    from pounding_cli.results.results import open_results
 
     for path in written(open_results(file), output, form, tables):
         click.echo(f"wrote {path}")
@@ -391,8 +387,8 @@ def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
       pound compare results/old.h5 results/new.h5
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
+    from pounding_cli.api.studies import open_results
     from pounding_cli.results.compare import compare as compared
-    from pounding_cli.results.results import open_results
 
     found = compared(open_results(first), open_results(second))
     for line in _told(found, everything):
@@ -403,7 +399,7 @@ def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
 
 def _told(found: Comparison, everything: bool) -> list[str]:
     """What changed, line by line."""
-    from pounding_cli.results.columns import meaning
+    from pounding_cli.results.tables import column_of
 
     def some(lines: Sequence[str]) -> list[str]:
         if everything or len(lines) <= _FEW:
@@ -430,7 +426,7 @@ def _told(found: Comparison, everything: bool) -> list[str]:
         what = counted(found.unestimated, "scene carries", "scenes carry")
         said.append(f"  {what} no error estimate: the accuracy asked or rounding is used instead.")
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
-        unit = meaning(str(table), str(column))[0].replace("1", "").rstrip()
+        unit = column_of(str(column), str(table)).unit.name
         said.append(f"  {table} {column}:" if everything else f"  {table} {column}: {len(rows)} differ, most:")
         for row in rows.itertuples() if everything else rows.head(1).itertuples():
             change = f"{row.before:.6g} -> {row.after:.6g} {unit}".rstrip()

@@ -59,7 +59,6 @@ def solving_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.command()
 @study_argument
 @output_option("results/<study>.h5 in the current folder")
-@click.option("--all-effects", is_flag=True, help="Simulate also effects that cannot change the results; slower.")
 @solving_options
 def run(ctx: click.Context, **options: Any) -> None:
     """Run STUDY, write one results file and print a summary.
@@ -214,10 +213,10 @@ def _check_best(study: Path, write: Path, replace: bool) -> None:
 
 def _write_best(study: Path, path: Path, write: Path) -> bool:
     """Write the study with the best values that a results file has; whether there are such.  Raises `InputError`."""
-    from pounding_cli.results.results import open_results
+    from pounding_cli.api.studies import open_results
     from pounding_cli.study import load_study
     from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
-    from pounding_cli.workflows.optimise_question import question_of, text_at
+    from pounding_cli.workflows.optimise_question import question_of
 
     results = open_results(path)
     table, loaded = results.answer(OPTIMUM).frame, load_study(study)
@@ -226,7 +225,7 @@ def _write_best(study: Path, path: Path, write: Path) -> bool:
         raise InputError(Problem("has changed while it was optimised: the best study is not written", hint, str(study)))
     if table["outcome"].iloc[0] == NOTHING:
         return False
-    text = text_at(loaded, question_of(loaded), tuple(table["place"].tolist()))
+    text = question_of(loaded).text(tuple(table["place"].tolist()))
     try:
         write.write_text(text, encoding="utf-8", newline="")
     except OSError as error:
@@ -246,12 +245,10 @@ def solve_study(
     scheduler: str | None,
     replace: bool,
     log_json: bool,
-    all_effects: bool = False,
     ends: bool = True,
 ) -> Outcome:
     """Load a study, solve what its workflow asks for, write the results file and print what came out.
 
-    all_effects : simulate what cannot matter too
     ends : whether failed scenes, which are listed, end the command with exit code 1
     """
     _alone_on_its_core()
@@ -269,7 +266,7 @@ def solve_study(
             click.echo(f"warning: {warning}", err=True)
     outcome = run_study(
         loaded, question(workflow), output or default_output(study, workflow), progress=log or chosen(quiet),
-        workers=workers, engine=engine, scheduler=scheduler, replace=replace, all_effects=all_effects,
+        workers=workers, engine=engine, scheduler=scheduler, replace=replace,
     )  # fmt: skip
     if log:
         _log(log, outcome)
@@ -309,8 +306,8 @@ def _log(log: JsonLines, outcome: Outcome) -> None:
 
 def _print(outcome: Outcome) -> None:
     """What the results file says, and what it took."""
+    from pounding_cli.api.studies import open_results
     from pounding_cli.report import report
-    from pounding_cli.results.results import open_results
 
     report(open_results(outcome.path)).print()
     side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""

@@ -239,8 +239,8 @@ def cite(source: Path, form: str) -> None:
     """
     import importlib
 
+    from pounding_cli.api.studies import open_results
     from pounding_cli.report.references import citations, motions
-    from pounding_cli.results.results import open_results
     from pounding_cli.study import load_study
 
     if source.suffix in (".yaml", ".yml"):

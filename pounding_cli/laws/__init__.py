@@ -1,4 +1,4 @@
-"""The laws of links, storeys and foundation springs, one file each: a new law is a file and a line in `BUILT_IN`."""
+"""The laws of links, storeys and foundation springs, a new law is a file and a line in `BUILT_IN`."""
 
 from __future__ import annotations
 
@@ -7,22 +7,15 @@ import functools
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.bouc_wen import BoucWen
-from pounding_cli.laws.connector import Connector
-from pounding_cli.laws.damper import Damper
 from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.foundation import Rocking, Sway
-from pounding_cli.laws.friction import Friction
-from pounding_cli.laws.hertz import Hertz, HertzDamp
-from pounding_cli.laws.imk import PeakOrientedImk, PinchingImk
+from pounding_cli.laws.hertz import Hertz, HertzDamp, Jankowski
+from pounding_cli.laws.imk import PeakOriented, PeakOrientedImk, PinchingImk
 from pounding_cli.laws.infill import Infill
-from pounding_cli.laws.jankowski import Jankowski
-from pounding_cli.laws.joined import JOINED
-from pounding_cli.laws.law import Behaviour, Law, LinkLaw
-from pounding_cli.laws.maxwell import Maxwell
-from pounding_cli.laws.peak_oriented import PeakOriented
+from pounding_cli.laws.joints import Connector, Damper, Friction, Maxwell, Viscous
+from pounding_cli.laws.law import JOINED, Behaviour, Law, LinkLaw
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.laws.storey import StoreyLaw
-from pounding_cli.laws.viscous import Viscous
 
 BUILT_IN: tuple[type[Law], ...] = (
     Pounding,
@@ -47,24 +40,15 @@ BUILT_IN: tuple[type[Law], ...] = (
 """In the order in which reference pages list them."""
 
 
-BEHAVIOURS: tuple[Behaviour, ...] = tuple(
-    dict.fromkeys(
-        (JOINED, *(law.behaviour for law in BUILT_IN if issubclass(law, LinkLaw | StoreyLaw)), WrittenLaw.behaviour)
-    )
-)
+_ACTING = (*(law for law in BUILT_IN if issubclass(law, LinkLaw | StoreyLaw)), WrittenLaw)
+BEHAVIOURS: tuple[Behaviour, ...] = tuple(dict.fromkeys((JOINED, *(law.behaviour for law in _ACTING))))
 """What the elements of all laws do, each once: the `kind` of an element is its place here."""
-
-
-@functools.cache
-def _laws() -> dict[tuple[str, str], type[Law]]:
-    """All laws by what they act on and name."""
-    return {(law.acts_on, law.name): law for law in BUILT_IN}
 
 
 @functools.cache
 def link_laws() -> dict[str, type[LinkLaw]]:
     """The laws a link can have, by the name that a study file calls them."""
-    return {name: law for (_, name), law in _laws().items() if issubclass(law, LinkLaw)}
+    return {law.name: law for law in BUILT_IN if issubclass(law, LinkLaw)}
 
 
 KELVIN_VOIGT = "kelvin-voigt"
@@ -81,13 +65,13 @@ def contact_laws() -> dict[str, type[LinkLaw]]:
 @functools.cache
 def storey_laws() -> dict[str, type[StoreyLaw]]:
     """The laws that storeys can have, likewise."""
-    return {name: law for (_, name), law in _laws().items() if issubclass(law, StoreyLaw)}
+    return {law.name: law for law in BUILT_IN if issubclass(law, StoreyLaw)}
 
 
 @functools.cache
 def instead() -> dict[str, str]:
     """What to write in place of keys that no law has."""
-    return {key: hint for law in _laws().values() for key, hint in law.instead.items()}
+    return {key: hint for law in BUILT_IN for key, hint in law.instead.items()}
 
 
 def drawn(name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from pounding_cli.laws.guards import HIGH, INSIDE, START
 from pounding_cli.laws.law import Behaviour, line
@@ -25,16 +25,15 @@ def next_branch(e: Any, guard: int) -> None:
     k, limit, a = e.p[K], e.p[LIMIT], e.p[A]
     if e.branch == ELASTIC and guard != START:
         e.branch = UPPER if guard == HIGH else LOWER
-        line(e, a * k, e.c, e.branch * (1.0 - a) * k * limit, -math.inf, math.inf)
-        if e.branch == UPPER:
-            e.slow = 0.0
-        else:
-            e.fast = 0.0
+        line(e, a * k, e.c, e.branch * (1.0 - a) * k * limit, -math.inf, math.inf, e.branch)
         return
     if guard != START:  # the drift turns
         e.h[PLASTIC] = e.v1 - e.branch * (limit - INSIDE * (limit + abs(e.v1)))
     e.branch = ELASTIC
     line(e, k, e.c, -(1.0 - a) * k * e.h[PLASTIC], e.h[PLASTIC] - limit, e.h[PLASTIC] + limit)
+
+
+BILINEAR = Behaviour(next_branch)
 
 
 @dataclass(frozen=True)
@@ -44,10 +43,10 @@ class Bilinear(StoreyLaw):
     This is a spring a k beside a spring (1 - a) k that slides at its yield force: kinematic hardening.
     """
 
-    name: ClassVar[str] = "bilinear"
-    example: ClassVar[str] = "{storeys: 5, period: 0.6 s, hardening: 0.05}"
-    citation: ClassVar[tuple[tuple[str, str], ...]] = (("spiliopoulos1996", "bilinear storeys, section 2"),)
-    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
+    name = "bilinear"
+    example = "{storeys: 5, period: 0.6 s, hardening: 0.05}"
+    citation = (("spiliopoulos1996", "bilinear storeys, section 2"),)
+    behaviour = BILINEAR
 
     def stored(self, drift: Any, shear: Any) -> Any:
         """In two springs, one of which yields."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, ClassVar
+from typing import Any
 
 from pounding_cli.laws.guards import FASTER, HIGH, INSIDE, LOW, SLOWER, START
 from pounding_cli.laws.hertz import DAMPING_FORMULA, LEAST_RESTITUTION
@@ -36,12 +36,10 @@ def next_branch(e: Any, guard: int) -> None:
         line(e, k1, 0.0, 0.0, 0.0, limit if k1 != k2 else math.inf)
     elif guard == HIGH:
         e.branch = YIELDING
-        line(e, k2, 0.0, (k1 - k2) * limit, 0.0, math.inf)
-        e.slow = 0.0
+        line(e, k2, 0.0, (k1 - k2) * limit, 0.0, math.inf, 1)
     else:
         e.branch = RETURNING
-        line(e, k2, 0.0, 0.0, 0.0, math.inf)
-        e.fast = 0.0
+        line(e, k2, 0.0, 0.0, 0.0, math.inf, -1)
 
 
 class BilinearDamping(StrEnum):
@@ -69,14 +67,12 @@ class BilinearContact(LinkLaw):
     blow than that of d_m loses less, one within the yield closing nothing.
     """
 
-    name: ClassVar[str] = "bilinear"
-    example: ClassVar[str] = (
-        "{link: bilinear, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5, penetration: 5 mm, restitution: 0.6}"
-    )
-    citation: ClassVar[tuple[tuple[str, str], ...]] = (("muthukumar2006", "the bilinear contact"),)
-    subtracts_gap: ClassVar[bool] = True
-    remembers: ClassVar[bool] = True
-    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
+    name = "bilinear"
+    example = "{link: bilinear, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5, penetration: 5 mm, restitution: 0.6}"
+    citation = (("muthukumar2006", "the bilinear contact"),)
+    subtracts_gap = True
+    remembers = True
+    behaviour = Behaviour(next_branch)
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
     penetration: float = parameter("closing d_m of the blow for which the contact is designed", "m", open_low=True)

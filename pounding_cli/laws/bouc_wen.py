@@ -40,13 +40,9 @@ def next_branch(e: Any, guard: int) -> None:
         e.branch += 1 if e.branch == RISING or e.branch == FALLING else -1
     else:  # the drift turns
         e.branch += 2 if e.branch <= RISING_BELOW else -2
-    line(e, e.p[A] * k, e.c, 0.0, -math.inf, math.inf)
+    line(e, e.p[A] * k, e.c, 0.0, -math.inf, math.inf, 1 if e.branch <= RISING_BELOW else -1)
     e.smooth = 1
     e.crosses = 1 if e.branch == RISING or e.branch == FALLING else -1
-    if e.branch <= RISING_BELOW:
-        e.slow = 0.0
-    else:
-        e.fast = 0.0
 
 
 def force(e: Any, v: float, r: float) -> float:
@@ -71,14 +67,14 @@ def history_rate(e: Any, r: float, z: float) -> float:
 class BoucWen(StoreyLaw):
     """F = a k D + (1 - a) Vy z with Dy z' = D' (1 - |z|^n (beta sgn(z D') + gamma)), beta + gamma = 1."""
 
-    name: ClassVar[str] = "bouc-wen"
-    example: ClassVar[str] = "{storeys: 4, period: 0.9 s, storey_law: bouc-wen, wen_exponent: 1, wen_gamma: 0.5}"
-    citation: ClassVar[tuple[tuple[str, str], ...]] = (
+    name = "bouc-wen"
+    example = "{storeys: 4, period: 0.9 s, storey_law: bouc-wen, wen_exponent: 1, wen_gamma: 0.5}"
+    citation = (
         ("bouc1967", "smooth hysteresis of storeys"),
         ("wen1976", "smooth hysteresis of storeys, with the exponent n"),
     )
-    flows: ClassVar[bool] = True
-    behaviour: ClassVar[Behaviour] = Behaviour(next_branch, force, history_rate)
+    flows = True
+    behaviour = Behaviour(next_branch, force, history_rate)
 
     instead: ClassVar[Mapping[str, str]] = {
         "wen_beta": "beta = 1 - gamma, so that the storey's stiffness and strength stay its own: write `wen_gamma`"

@@ -15,10 +15,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from pounding_cli.laws import pounding
 from pounding_cli.laws.dashpot import reduced_mass
-from pounding_cli.laws.guards import FORCE as FORCE_GUARD
-from pounding_cli.laws.guards import LOW, START
-from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw, line, opened
+from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw
 
 LONGEST = 500
 """Characters of a formula."""
@@ -61,111 +60,56 @@ class Operation(IntEnum):
     POWER = 3  # x^a; 0 where a is no whole number and x is below zero
 
 
-MOST_OPERATIONS = 250
+MOST_OPERATIONS = 300
 """A formula of `LONGEST` characters has no more."""
+
+Row = tuple[float, float, float, float]
+"""An operation: (code, x, y, a)."""
 
 
 @dataclass(frozen=True)
-class Expression:
-    """What a formula makes of v and r.
+class Formula:
+    """A force [N] of v and r as operations; whether it is straight in both."""
 
-    operation : how it is made of its parts; None of v (number 0) and r (number 1) themselves
-    """
-
-    operation: Operation | None
-    parts: tuple[Expression, ...] = ()
-    number: float = 0.0
-
-    def __add__(self, other: Expression | float) -> Expression:
-        return Expression(Operation.PLUS, (self, _expression(other)))
-
-    __radd__ = __add__
-
-    def __mul__(self, other: Expression | float) -> Expression:
-        return Expression(Operation.TIMES, (self, _expression(other)))
-
-    __rmul__ = __mul__
-
-    def __neg__(self) -> Expression:
-        return self * -1.0
-
-    def __sub__(self, other: Expression | float) -> Expression:
-        return self + -1.0 * other
-
-    def __rsub__(self, other: float) -> Expression:
-        return -self + other
-
-    def __pow__(self, exponent: float) -> Expression:
-        return Expression(Operation.POWER, (self,), float(exponent))
+    rows: tuple[Row, ...]
+    is_straight: bool
 
     def at(self, v: Any, r: Any) -> Any:
         """Its value at closings [m] and rates [m/s]; numbers or arrays of one shape."""
-        if self.operation is None:
-            return r if self.number else v
-        parts = [part.at(v, r) for part in self.parts]
-        if self.operation is Operation.NUMBER:
-            return self.number
-        if self.operation is Operation.PLUS:
-            return parts[0] + parts[1]
-        if self.operation is Operation.TIMES:
-            return parts[0] * parts[1]
-        return power_of(parts[0], self.number)
-
-    @property
-    def is_straight(self) -> bool:
-        """Whether it is straight in v and r."""
-        if self.operation is Operation.TIMES:
-            return any(part.operation is Operation.NUMBER for part in self.parts) and self._has_straight_parts
-        return self.operation is not Operation.POWER and self._has_straight_parts
-
-    @property
-    def _has_straight_parts(self) -> bool:
-        return all(part.is_straight for part in self.parts)
+        return _carried_out(self.rows, v, r)[-1]
 
 
-CLOSING, RATE = Expression(None, number=0.0), Expression(None, number=1.0)
-"""v [m] and r = v' [m/s]."""
-
-
-def _expression(value: Expression | float) -> Expression:
-    return value if isinstance(value, Expression) else Expression(Operation.NUMBER, number=float(value))
-
-
-def power_of(x: Any, exponent: float) -> Any:
-    """x^exponent; 0 where x is below zero and the exponent is no whole number."""
-    if float(exponent).is_integer():
-        return np.float64(x) ** exponent
-    with np.errstate(divide="ignore"):
-        return np.maximum(x, 0.0) ** exponent
-
-
-def operations(force: Expression) -> list[tuple[float, float, float, float]]:
-    """The operations (code, x, y, a) of a force, whose last one is the force; what is used twice is made once."""
-    done: list[tuple[float, float, float, float]] = []
-    places: dict[Expression, int] = {CLOSING: 0, RATE: 1}
-
-    def place(part: Expression) -> int:
-        if part not in places:
-            x, y = (*(place(each) for each in part.parts), 0, 0)[:2]
-            assert part.operation is not None
-            done.append((float(part.operation), float(x), float(y), part.number))
-            places[part] = 1 + len(done)
-        return places[part]
-
-    if place(force) < 2:
-        place(force * 1.0)
-    return done
+def _carried_out(rows: tuple[Row, ...] | list[Row], v: Any, r: Any) -> list[Any]:
+    """All registers after these operations."""
+    registers = [np.asarray(v, float), np.asarray(r, float)]
+    for code, x, y, a in rows:
+        one, other = registers[int(x)], registers[int(y)]
+        if code == Operation.NUMBER:
+            registers.append(np.full_like(registers[0], a))
+        elif code == Operation.POWER:
+            with np.errstate(divide="ignore"):
+                registers.append((one if a.is_integer() else np.maximum(one, 0.0)) ** a)
+        else:
+            registers.append(one + other if code == Operation.PLUS else one * other)
+    return registers
 
 
 @dataclass(frozen=True)
 class Term:
-    """A part of a formula: a number, or what it makes of v and r, with its dimension."""
+    """A part of a formula with its dimension.
 
-    value: Expression | float
+    number : its value, where it does not depend on v and r; NaN otherwise
+    at : the register that holds it otherwise
+    degree : in v and r: 0, 1 where it is straight in them, 2 where it is not
+    """
+
+    number: float = math.nan
     dimension: Dimension = PLAIN
+    at: int = -1
+    degree: int = 0
 
 
-def read(text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> Expression:
+def read(text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> Formula:
     """The force [N] that a formula says.
 
     Parameters
@@ -177,61 +121,87 @@ def read(text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> Expre
     ------
     FormulaError : it is not a formula, or its unit is not N
     """
-    reader = _Reader(text, {"v": Term(CLOSING, GIVEN["v"][0]), "r": Term(RATE, GIVEN["r"][0]), **known}, lows)
-    term = reader.term(reader.tree())
+    own = {"v": Term(dimension=GIVEN["v"][0], at=0, degree=1), "r": Term(dimension=GIVEN["r"][0], at=1, degree=1)}
+    reader = _Reader(text.strip(), {**own, **known}, lows)
+    term = reader.term(_parsed(text))
     if term.dimension != FORCE:
         raise FormulaError(f"the formula gives {in_units(term.dimension)}, not N", "correct it or a parameter's unit")
-    return _expression(term.value)
+    if reader.register(term) != 1 + len(reader.rows):  # the last operation makes the force
+        reader.operate(Operation.TIMES, term.at, reader.register(Term(1.0)))
+    return Formula(tuple(reader.rows), term.degree < 2)
 
 
 def in_units(dimension: Dimension) -> str:
     """A dimension in SI units, such as `kg m/s^2`."""
-    parts = [
-        unit if power == 1 else f"{unit}^{power:g}" for unit, power in zip(("kg", "m", "s"), dimension, strict=True)
-        if power
-    ]  # fmt: skip
+    powers = zip(("kg", "m", "s"), dimension, strict=True)
+    parts = [unit if power == 1 else f"{unit}^{power:g}" for unit, power in powers if power]
     return "N" if dimension == FORCE else " ".join(parts) or "a plain number"
 
 
-class _Reader:
-    def __init__(self, text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> None:
-        self.text, self.known, self.lows = text, known, lows
+def _parsed(text: str) -> ast.expr:
+    if len(text) > LONGEST:
+        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {LONGEST}")
+    try:
+        return ast.parse(text.strip(), mode="eval").body
+    except SyntaxError as error:
+        line, column = (error.lineno or 1) - 1, max((error.offset or 1) - 1, 0)
+        raise FormulaError(f"'{text.strip()}' is not a formula", _SAYS, line, column) from None
+    except (ValueError, RecursionError, MemoryError):
+        raise FormulaError("this is not a formula", _SAYS) from None
 
-    def tree(self) -> ast.expr:
-        if len(self.text) > LONGEST:
-            raise FormulaError(f"the formula has {len(self.text)} characters", f"write at most {LONGEST}")
-        try:
-            return ast.parse(self.text.strip(), mode="eval").body
-        except SyntaxError as error:
-            line, column = (error.lineno or 1) - 1, max((error.offset or 1) - 1, 0)
-            raise FormulaError(f"'{self.text.strip()}' is not a formula", _SAYS, line, column) from None
-        except (ValueError, RecursionError, MemoryError):
-            raise FormulaError("this is not a formula", _SAYS) from None
+
+class _Reader:
+    """Reads one formula; `rows` are the operations so far, each once."""
+
+    def __init__(self, text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> None:
+        self.text, self.known, self.lows, self.rows = text, known, lows, list[Row]()
 
     def wrong(self, node: ast.expr, message: str, hint: str = _SAYS) -> FormulaError:
         return FormulaError(message, hint, node.lineno - 1, node.col_offset)
 
     def says(self, node: ast.expr) -> str:
-        return f"'{ast.get_source_segment(self.text.strip(), node)}'"
+        return f"'{ast.get_source_segment(self.text, node)}'"
+
+    def operate(self, code: Operation, x: int = 0, y: int = 0, a: float = 0.0) -> int:
+        """The register that an operation fills."""
+        row = float(code), float(x), float(y), a
+        if row not in self.rows:
+            self.rows.append(row)
+        return 2 + self.rows.index(row)
+
+    def register(self, term: Term) -> int:
+        """The register that holds a term."""
+        return term.at if term.degree else self.operate(Operation.NUMBER, a=term.number)
 
     def term(self, node: ast.expr) -> Term:
         """What a node says; only what is named here is taken."""
-        if isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
-            return self.number(node, float(node.value))
-        if isinstance(node, ast.Name):
-            if node.id not in self.known:
+        match node:
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+                return self.number(node, float(number))
+            case ast.Name(id=name) if name in self.known:
+                return self.known[name]
+            case ast.Name(id=name):
                 names = ", ".join(dict.fromkeys((*GIVEN, *self.known)))
-                raise self.wrong(node, f"'{node.id}' is not known", f"give it under `parameters`; known: {names}")
-            return self.known[node.id]
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
-            term = self.term(node.operand)
-            return Term(-term.value, term.dimension) if isinstance(node.op, ast.USub) else term
-        if isinstance(node, ast.BinOp):
-            return self.pair(node)
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "sqrt":
-            if len(node.args) == 1 and not node.keywords:
-                return self.power(node, node.args[0], 0.5)
-            raise self.wrong(node, "sqrt() takes one value", "write sqrt(...)")
+                raise self.wrong(node, f"'{name}' is not known", f"give it under `parameters`; known: {names}")
+            case ast.UnaryOp(op=ast.UAdd(), operand=inner):
+                return self.term(inner)
+            case ast.UnaryOp(op=ast.USub(), operand=inner):
+                return self.times(node, self.term(inner), Term(-1.0))
+            case ast.BinOp(op=ast.Add() | ast.Sub()):
+                return self.plus(node, self.term(node.left), self.term(node.right))
+            case ast.BinOp(op=ast.Mult()):
+                return self.times(node, self.term(node.left), self.term(node.right))
+            case ast.BinOp(op=ast.Div()):
+                return self.times(node, self.term(node.left), self.power(node, node.right, -1.0))
+            case ast.BinOp(op=ast.Pow(), right=right):
+                exponent = self.term(right)
+                if exponent.degree or exponent.dimension != PLAIN:
+                    raise self.wrong(right, f"the power {self.says(right)} is not a plain number", "write a number")
+                return self.power(node, node.left, exponent.number)
+            case ast.Call(func=ast.Name(id="sqrt"), args=[inner], keywords=[]):
+                return self.power(node, inner, 0.5)
+            case ast.Call(func=ast.Name(id="sqrt")):
+                raise self.wrong(node, "sqrt() takes one value", "write sqrt(...)")
         raise self.wrong(node, f"{self.says(node)} is not allowed in a formula")
 
     def number(self, node: ast.expr, value: float, dimension: Dimension = PLAIN) -> Term:
@@ -239,37 +209,32 @@ class _Reader:
             raise self.wrong(node, f"{self.says(node)} is not a finite number", "write a finite one")
         return Term(value, dimension)
 
-    def pair(self, node: ast.BinOp) -> Term:
-        if isinstance(node.op, ast.Pow):
-            exponent = self.term(node.right)
-            if isinstance(exponent.value, Expression) or exponent.dimension != PLAIN:
-                raise self.wrong(
-                    node.right, f"the power {self.says(node.right)} is not a plain number", "write a number"
-                )
-            return self.power(node, node.left, exponent.value)
-        one, other = self.term(node.left), self.term(node.right)
-        if isinstance(node.op, ast.Add | ast.Sub):
-            if one.dimension != other.dimension:
-                message = f"{self.says(node.left)} is in {in_units(one.dimension)}, {self.says(node.right)} in "
-                raise self.wrong(node, message + in_units(other.dimension), "add what has one unit")
-            sum_ = one.value + other.value if isinstance(node.op, ast.Add) else one.value - other.value
-            return self.made(node, sum_, one.dimension)
-        if isinstance(node.op, ast.Mult):
-            return self.made(node, one.value * other.value, _sum(one.dimension, other.dimension))
-        if isinstance(node.op, ast.Div):
-            inverse = self.power(node, node.right, -1.0)
-            return self.made(node, one.value * inverse.value, _sum(one.dimension, inverse.dimension))
-        raise self.wrong(node, f"{self.says(node)} is not allowed in a formula")
+    def plus(self, node: ast.BinOp, one: Term, other: Term) -> Term:
+        if one.dimension != other.dimension:
+            message = f"{self.says(node.left)} is in {in_units(one.dimension)}, {self.says(node.right)} in "
+            raise self.wrong(node, message + in_units(other.dimension), "add what has one unit")
+        if isinstance(node.op, ast.Sub):
+            other = self.times(node, other, Term(-1.0))
+        degree = max(one.degree, other.degree)
+        if not degree:
+            return self.number(node, one.number + other.number, one.dimension)
+        at = self.operate(Operation.PLUS, self.register(one), self.register(other))
+        return Term(dimension=one.dimension, at=at, degree=degree)
 
-    def made(self, node: ast.expr, value: Expression | float, dimension: Dimension) -> Term:
-        return Term(value, dimension) if isinstance(value, Expression) else self.number(node, value, dimension)
+    def times(self, node: ast.expr, one: Term, other: Term) -> Term:
+        dimension = _sum(one.dimension, other.dimension)
+        degree = 2 if one.degree and other.degree else one.degree + other.degree
+        if not degree:
+            return self.number(node, one.number * other.number, dimension)
+        at = self.operate(Operation.TIMES, self.register(one), self.register(other))
+        return Term(dimension=dimension, at=at, degree=degree)
 
     def power(self, node: ast.expr, base: ast.expr, exponent: float) -> Term:
         term = self.term(base)
         dimension = _sum(PLAIN, term.dimension, exponent)
-        if not isinstance(term.value, Expression):
+        if not term.degree:
             try:
-                value = term.value**exponent
+                value = term.number**exponent
             except (ZeroDivisionError, OverflowError):
                 value = math.inf
             if isinstance(value, complex):
@@ -277,20 +242,19 @@ class _Reader:
             return self.number(node, float(value), dimension)
         if exponent == 0.0:
             return Term(1.0)
-        if exponent > 0.0 and float(exponent).is_integer():
-            if exponent > MOST_POWER:
-                raise self.wrong(node, f"the power {exponent:g} is above {MOST_POWER}", f"write at most {MOST_POWER}")
-            return Term(term.value**exponent, dimension)
-        if term.value == CLOSING and exponent > 0.0 and min(self.lows) >= 0.0:
-            return Term(term.value**exponent, dimension)
-        self.stays_positive(base, term.value)
-        return Term(term.value**exponent, dimension)
+        is_whole = exponent > 0.0 and exponent.is_integer()
+        if is_whole and exponent > MOST_POWER:
+            raise self.wrong(node, f"the power {exponent:g} is above {MOST_POWER}", f"write at most {MOST_POWER}")
+        is_pressed = term.at == 0 and exponent > 0.0 and min(self.lows) >= 0.0
+        if not (is_whole or is_pressed):
+            self.stays_positive(base, term.at)
+        return Term(dimension=dimension, at=self.operate(Operation.POWER, term.at, a=exponent), degree=2)
 
-    def stays_positive(self, node: ast.expr, value: Expression) -> None:
+    def stays_positive(self, node: ast.expr, at: int) -> None:
         """Refuse what a root or a division cannot take."""
         for v in self.lows:
             for r in (-3.0, -0.1, 0.0, 0.1, 3.0):
-                if not float(value.at(v, r)) > 0.0:
+                if not _carried_out(self.rows, v, r)[at] > 0.0:
                     message = f"{self.says(node)} is not above zero at v = {v:g} m, r = {r:g} m/s"
                     hint = "divisors and arguments of roots and fractional powers must stay above zero"
                     raise self.wrong(node, message, f"{hint}; of v itself write v**1.5")
@@ -304,33 +268,13 @@ def _sum(one: Dimension, other: Dimension, times: float = 1.0) -> Dimension:
 _PRESSED = (0.0, 1e-6, 1e-3, 0.01, 0.1)
 _BOTH_WAYS = (*(-v for v in _PRESSED[1:]), *_PRESSED)
 
-K, C, F0, SMOOTH, JOINS, CUTS, FIRST, LAST = range(8)
-"""Parameters: of a straight force its line [N/m, N s/m, N]; 1 where the formula is carried out; 1 where it acts at all
-closings; 1 where no force pulls; its first operation in the table of the scene and the one after its last."""
-
-OPEN, CLOSED, PULLING = range(3)
-"""Branches; PULLING is closed without a force."""
-
-
-def next_branch(e: Any, guard: int) -> None:
-    """Open and in contact, or one branch without end."""
-    joins = e.p[JOINS] > 0.0
-    if not joins and (guard == START or guard == LOW):
-        opened(e)
-        return
-    e.branch = PULLING if guard == FORCE_GUARD and e.branch == CLOSED else CLOSED
-    line(e, e.p[K], e.p[C], e.p[F0], -math.inf if joins else 0.0, math.inf)
-    e.smooth = 1 if e.p[SMOOTH] > 0.0 else 0
-    e.cuts = 1 if e.p[CUTS] > 0.0 else 0
-    e.acts = 1 if e.branch == CLOSED else 0
-
 
 def force(e: Any, v: float, r: float) -> float:
     """Nothing: the solver carries out the operations (`solver.dispatch`)."""
     return 0.0
 
 
-WRITTEN_BEHAVIOUR = Behaviour(next_branch, force)
+WRITTEN_BEHAVIOUR = Behaviour(pounding.next_branch, force)
 
 
 @dataclass(frozen=True)
@@ -348,8 +292,8 @@ class WrittenLaw(LinkLaw):
     """
 
     closings: ClassVar[tuple[float, ...]] = _PRESSED
-    subtracts_gap: ClassVar[bool] = True
-    behaviour: ClassVar[Behaviour] = WRITTEN_BEHAVIOUR
+    subtracts_gap = True
+    behaviour = WRITTEN_BEHAVIOUR
 
     called: str = ""
     formula: str = ""
@@ -365,18 +309,18 @@ class WrittenLaw(LinkLaw):
         super().__post_init__()
         self.force(1.0)
 
-    def force(self, mass: float) -> Expression:
-        """Its force [N] where the reduced mass of the floors is `mass` [kg]."""
+    def force(self, mass: float) -> Formula:
+        """Its force where the reduced mass of the floors is `mass` [kg]."""
         return _read(self.formula, self.constants, mass, self.gap, self.closings)
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
-        """As the parameters above."""
+        """Parameters of `laws.pounding`: of a straight force its line."""
         force = self.force(reduced_mass(left_mass, right_mass))
         k = c = f0 = 0.0
         if force.is_straight:
             f0 = float(force.at(0.0, 0.0))
             k, c = float(force.at(1.0, 0.0)) - f0, float(force.at(0.0, 1.0)) - f0
-        return k, c, f0, float(not force.is_straight), float(self.joins), float(self.tension_cut)
+        return k, c, float(self.tension_cut), f0, float(not force.is_straight), float(self.joins)
 
     @property
     def damped(self) -> bool:
@@ -397,10 +341,8 @@ class WrittenLaw(LinkLaw):
     @property
     def steepest(self) -> tuple[float, float]:
         """At a closing of `PRESSED`; its dashpot at rest, or up to 1 m/s where that is more."""
-        force = self.force(1.0)
-        here, before, moving, still = (
-            float(force.at(*at)) for at in ((PRESSED, 0.0), (0.999 * PRESSED, 0.0), (PRESSED, 1.0), (PRESSED, 1e-6))
-        )
+        closings, rates = np.array([1.0, 0.999, 1.0, 1.0]) * PRESSED, np.array([0.0, 0.0, 1.0, 1e-6])
+        here, before, moving, still = self.force(1.0).at(closings, rates).tolist()
         return (here - before) / (0.001 * PRESSED), max(moving - here, (still - here) * 1e6, 0.0)
 
     def stored(self, closing: float, force: float) -> float:
@@ -411,7 +353,7 @@ class WrittenLaw(LinkLaw):
             return 0.0
         x, weight = np.polynomial.legendre.leggauss(24)
         x = 0.5 * abs(v) ** 0.25 * (x + 1.0)
-        pressed = np.broadcast_to(self.force(1.0).at(math.copysign(1.0, v) * x**4, np.zeros_like(x)), x.shape)
+        pressed = self.force(1.0).at(math.copysign(1.0, v) * x**4, np.zeros_like(x))
         return float(0.5 * abs(v) ** 0.25 * math.copysign(1.0, v) * np.sum(weight * 4.0 * x**3 * pressed))
 
 
@@ -419,21 +361,21 @@ class WrittenLaw(LinkLaw):
 class WrittenFilling(WrittenLaw):
     """F = the formula while the material that fills the gap is pressed; v is the closing."""
 
-    drawn: ClassVar[str] = "filling"
-    subtracts_gap: ClassVar[bool] = False
-    beyond_gap: ClassVar[str] = "material of a law of the study compressed beyond its thickness"
+    drawn = "filling"
+    subtracts_gap = False
+    beyond_gap = "material of a law of the study compressed beyond its thickness"
 
 
 @dataclass(frozen=True)
 class WrittenJoint(WrittenLaw):
     """F = the formula at all times; v is the closing, of either sign."""
 
-    closings: ClassVar[tuple[float, ...]] = _BOTH_WAYS
-    drawn: ClassVar[str] = "bar"
-    subtracts_gap: ClassVar[bool] = False
-    beyond_gap: ClassVar[str] = "joint of a law of the study closes more than the gap, so the floors would have struck"
-    meaningless: ClassVar[bool] = True
-    joins: ClassVar[bool] = True
+    closings = _BOTH_WAYS
+    drawn = "bar"
+    subtracts_gap = False
+    beyond_gap = "joint of a law of the study closes more than the gap, so the floors would have struck"
+    meaningless = True
+    joins = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -459,6 +401,6 @@ def _read(
     mass: float,
     gap: float,
     closings: tuple[float, ...],
-) -> Expression:
+) -> Formula:
     known = {name: Term(value, dimension) for name, value, dimension in constants}
     return read(formula, {**known, "m": Term(mass, GIVEN["m"][0]), "d": Term(gap, GIVEN["d"][0])}, closings)

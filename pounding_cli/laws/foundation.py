@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import ClassVar
 
 from pounding_cli.laws.law import Law, parameter
 
@@ -18,8 +17,8 @@ class FoundationSpring(Law):
     ValueError : a parameter is outside its range
     """
 
-    acts_on: ClassVar[str] = "foundation"
-    citation: ClassVar[tuple[tuple[str, str], ...]] = (("spiliopoulos1996", "foundation springs, Fig. 1"),)
+    acts_on = "foundation"
+    citation = (("spiliopoulos1996", "foundation springs, Fig. 1"),)
 
     @property
     def numbers(self) -> tuple[float, float, float]:
@@ -32,7 +31,7 @@ class FoundationSpring(Law):
 class Sway(FoundationSpring):
     """Translation of the base."""
 
-    name: ClassVar[str] = "sway"
+    name = "sway"
 
     mass: float = parameter("mass of the base", "kg", open_low=True)
     sway_stiffness: float = parameter("translational spring", "N/m", open_low=True)
@@ -43,7 +42,7 @@ class Sway(FoundationSpring):
 class Rocking(FoundationSpring):
     """Rotation of the base."""
 
-    name: ClassVar[str] = "rocking"
+    name = "rocking"
 
     inertia: float = parameter("rotary inertia of the base", "kg m2", open_low=True)
     rocking_stiffness: float = parameter("rotational spring", "N m/rad", open_low=True)

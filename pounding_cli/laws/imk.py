@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from pounding_cli.laws.guards import HIGH, LOW, START
 from pounding_cli.laws.law import Behaviour, line, parameter
@@ -79,11 +79,9 @@ def _load(e: Any, branch: int) -> None:
     end = side * e.h[TARGET + (side < 0)] if abs(branch) == RELOADING else side * e.h[END]
     e.branch = branch
     if side > 0:
-        line(e, e.h[SLOPE], e.c, e.h[OFFSET], -math.inf, end)
-        e.slow = 0.0
+        line(e, e.h[SLOPE], e.c, e.h[OFFSET], -math.inf, end, side)
     else:
-        line(e, e.h[SLOPE], e.c, e.h[OFFSET], -end, math.inf)
-        e.fast = 0.0
+        line(e, e.h[SLOPE], e.c, e.h[OFFSET], -end, math.inf, side)
 
 
 def _go_on(e: Any, k: float, f0: float) -> None:
@@ -229,9 +227,31 @@ def _residual_drift(e: Any, cap: float) -> float:
     return (e.p[CAP_SHEAR] * cap - e.p[RESIDUAL]) / (e.p[POST] * e.p[K])
 
 
+PLAIN = 1.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 1.0, 0.0, 0.0, 0.0
+"""Parameters from the post-capping slope on of a storey that neither caps nor deteriorates nor pinches."""
+
+
+@dataclass(frozen=True)
+class PeakOriented(StoreyLaw):
+    """Bilinear backbone, unloading with the initial stiffness to zero shear, reloading in a straight line towards the
+    largest drift so far on that side (Clough; stiffness-degrading or peak-oriented)."""
+
+    name = "peak-oriented"
+    example = "{storeys: 5, period: 0.6 s, storey_law: peak-oriented}"
+    citation = (
+        ("clough1966", "stiffness that degrades with the largest drift"),
+        ("ibarra2005", "peak-oriented reloading"),
+    )
+    behaviour = Behaviour(next_branch)
+
+    def numbers(self) -> tuple[float, ...]:
+        """As the parameters above."""
+        return *super().numbers(), *PLAIN
+
+
 def _capacity(of: str) -> float:
     doc = f"energy capacity of {of}, over Vy Dy; default: no deterioration"
-    return parameter(doc, open_low=True, default=math.inf)
+    return parameter(doc, open_low=True, default=math.inf, endless=True)
 
 
 @dataclass(frozen=True)
@@ -240,14 +260,14 @@ class PeakOrientedImk(StoreyLaw):
     with the energy dissipated; reloading in a straight line towards the largest drift so far on that side.
     """
 
-    name: ClassVar[str] = "imk-peak-oriented"
-    example: ClassVar[str] = (
+    name = "imk-peak-oriented"
+    example = (
         "{storeys: 4, period: 0.9 s, storey_law: imk-peak-oriented, capping_ductility: 4, post_capping_slope: 0.1}"
     )
-    citation: ClassVar[tuple[tuple[str, str], ...]] = (
+    citation = (
         ("ibarra2005", "backbone with capping and residual strength, deterioration with the energy dissipated"),
     )
-    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
+    behaviour = Behaviour(next_branch)
 
     capping_ductility: float = parameter("capping drift over yield drift", low=1.0)
     post_capping_slope: float = parameter(
@@ -262,10 +282,6 @@ class PeakOrientedImk(StoreyLaw):
     deterioration_exponent: float = parameter(
         "exponent c of (E / (Et - sum E))^c, the deterioration by an excursion", open_low=True, default=1.0
     )
-
-    def may_be_endless(self, name: str) -> bool:
-        """Capacities may."""
-        return name.endswith("_capacity") or super().may_be_endless(name)
 
     @property
     def softest(self) -> float:
@@ -297,14 +313,12 @@ class PinchingImk(PeakOrientedImk):
     largest drift so far on that side.
     """
 
-    name: ClassVar[str] = "imk-pinching"
-    example: ClassVar[str] = (
+    name = "imk-pinching"
+    example = (
         "{storeys: 4, period: 0.9 s, storey_law: imk-pinching, capping_ductility: 4, post_capping_slope: 0.1, "
         "pinching_force: 0.3, pinching_drift: 0.6}"
     )
-    citation: ClassVar[tuple[tuple[str, str], ...]] = (
-        ("ibarra2005", "pinching; backbone with capping and residual strength, deterioration"),
-    )
+    citation = (("ibarra2005", "pinching; backbone with capping and residual strength, deterioration"),)
 
     pinching_force: float = parameter(
         "kappa_F: stiffness of the first reloading line over that of the straight one",

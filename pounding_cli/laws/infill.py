@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, ClassVar
+from typing import Any
 
 from pounding_cli.laws.dashpot import DASHPOT, DashpotLaw
 from pounding_cli.laws.guards import FORCE, HIGH, LOW, START
@@ -57,17 +57,17 @@ class Infill(LinkLaw):
     s_cur = s_mat + 3 p v^2; beyond d as stiff as an impact (paper, after eq. 9).
     """
 
-    name: ClassVar[str] = "infill"
-    example: ClassVar[str] = "{link: infill, gap: 5 cm, stiffness: 1/5 mean storey}"
-    citation: ClassVar[tuple[tuple[str, str], ...]] = (
+    name = "infill"
+    example = "{link: infill, gap: 5 cm, stiffness: 1/5 mean storey}"
+    citation = (
         ("spiliopoulos1996", "infill material, eqs (8) and (9)"),
         ("anagnostopoulos1992", "the viscoelastic impact element"),
         DASHPOT,
     )
-    drawn: ClassVar[str] = "filling"
-    stiffness_default: ClassVar[str] = "0.2 x mean storey"
-    beyond_gap: ClassVar[str] = "infill compressed beyond its thickness"
-    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
+    drawn = "filling"
+    stiffness_default = "0.2 x mean storey"
+    beyond_gap = "infill compressed beyond its thickness"
+    behaviour = Behaviour(next_branch)
 
     stiffness: float = parameter("spring of the material s_mat where it is not pressed", "N/m", open_low=True)
     impact_stiffness: float = parameter("what it stiffens to at v = d, s_imp", "N/m", open_low=True)
@@ -106,11 +106,6 @@ class Infill(LinkLaw):
         if self.law is InfillLaw.CONTINUOUS:  # F(d) + s_imp (v - d)
             offset = cubic * d**3 + self.stiffness * d - self.impact_stiffness * d
         return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cut)
-
-    @property
-    def damped(self) -> bool:
-        """With a dashpot."""
-        return self.damping_ratio > 0
 
     @property
     def steepest(self) -> tuple[float, float]:

@@ -6,12 +6,10 @@ one-dimensional: a force F on a deformation v, the drift of a storey or the clos
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any, ClassVar
-
-from pounding_cli.laws.guards import START
 
 PARAMETERS, HISTORY = 16, 14
 """Room in the record of an element for the parameters p and the history variables h of its law."""
@@ -21,37 +19,23 @@ PRESSED = 0.01
 millimetres."""
 
 
-def parameter(
-    doc: str,
-    unit: str = "-",
-    *,
-    low: float = 0.0,
-    high: float = math.inf,
-    open_low: bool = False,
-    open_high: bool = True,
-    default: Any = MISSING,
-) -> Any:
-    """A field of a law: what it means, its unit, the range of its values and its default."""
-    declared = Parameter(doc, unit, low, high, open_low, open_high)
-    return field(default=default, metadata={"parameter": declared})
-
-
 @dataclass(frozen=True)
 class Parameter:
-    """What `parameter` says of a field of a law."""
+    """What a field of a law means, its unit and the range of its values; `endless`: whether it may be infinite."""
 
     doc: str
-    unit: str
-    low: float
-    high: float
-    open_low: bool
-    open_high: bool
+    unit: str = "-"
+    low: float = 0.0
+    high: float = math.inf
+    open_low: bool = False
+    open_high: bool = True
+    endless: bool = False
 
     def refusal(self, value: float) -> str:
         """What is wrong with a value, or ""."""
         above = value > self.low if self.open_low else value >= self.low
         below = value < self.high if self.open_high else value <= self.high
-        if above and below:
+        if (above and below) or (self.endless and value == math.inf):
             return ""
         return f"it must be {self.range}"
 
@@ -68,6 +52,11 @@ class Parameter:
         if self.high == math.inf:
             return ("finite and not negative" if zero and not self.open_low else f"finite and {low}").strip()
         return f"{low} and {'below' if self.open_high else 'at most'} {self.high:g}"
+
+
+def parameter(doc: str, unit: str = "-", *, default: Any = MISSING, **limits: Any) -> Any:
+    """A field of a law: what `Parameter` says of it, and its default."""
+    return field(default=default, metadata={"parameter": Parameter(doc, unit, **limits)})
 
 
 @dataclass(frozen=True)
@@ -95,16 +84,9 @@ class Law:
             declared, value = each.metadata.get("parameter"), getattr(self, each.name)
             if declared is None or isinstance(value, str | bool):
                 continue
-            wrong = "" if value == math.inf and self.may_be_endless(each.name) else declared.refusal(value)
-            if each.type in ("int", int) and value != int(value):
-                wrong = "it must be a whole number"
-            if wrong:
+            if wrong := declared.refusal(value):
                 unit = "" if declared.unit == "-" else f" {declared.unit}"
                 raise ValueError(f"{self.acts_on}: {each.name} is {value:g}{unit}; {wrong}")
-
-    def may_be_endless(self, name: str) -> bool:
-        """Whether a parameter may be infinite."""
-        return False
 
     @cached_property
     def words(self) -> str:
@@ -115,12 +97,7 @@ class Law:
     @classmethod
     def parameters(cls) -> Mapping[str, Field]:
         """Fields that are parameters, by name."""
-        return _parameters(cls)  # type: ignore[arg-type]  # classes are hashable
-
-
-@cache
-def _parameters(law: type[Law]) -> Mapping[str, Field]:
-    return {each.name: each for each in fields(law) if "parameter" in each.metadata}
+        return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
 
 
 @dataclass(frozen=True)
@@ -140,10 +117,12 @@ class Behaviour:
     history_rate: Callable[[Any, float, float], float] | None = None
 
 
-def line(e: Any, k: float, c: float, f0: float, low: float, high: float) -> None:
-    """Set F = k v + c v' + f0 [N/m, N s/m, N] for low < v < high [m], with no other guard; the element acts."""
+def line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: int = 0) -> None:
+    """Set F = k v + c v' + f0 [N/m, N s/m, N] for low < v < high [m], while v rises (`way` 1), falls (-1), or either
+    way (0), with no other guard; the element acts."""
     e.k, e.c, e.f0, e.low, e.high = k, c, f0, low, high
-    e.slow, e.fast = -math.inf, math.inf
+    e.slow = 0.0 if way > 0 else -math.inf
+    e.fast = 0.0 if way < 0 else math.inf
     e.cubic = e.root = 0.0
     e.levels = e.cuts = e.crosses = e.smooth = 0
     e.closed = e.acts = 1
@@ -155,32 +134,13 @@ def opened(e: Any) -> None:
     e.branch = e.closed = e.acts = 0
 
 
-@dataclass
-class Element:
-    """An element by itself, to follow a law through given deformations as the solver would: all that `Behaviour` reads
-    and writes. p : parameters; h : history variables."""
+def _joined(e: Any, guard: int) -> None:
+    """One branch without end. Parameters: spring [N/m] and dashpot [N s/m]."""
+    line(e, e.p[0], e.p[1], 0.0, -math.inf, math.inf)
 
-    p: Sequence[float]
-    h: list[float] = field(default_factory=lambda: [0.0] * HISTORY)
-    v1: float = 0.0
-    r1: float = 0.0
-    branch: int = 0
-    k: float = 0.0
-    c: float = 0.0
-    f0: float = 0.0
-    low: float = -math.inf
-    high: float = math.inf
-    slow: float = -math.inf
-    fast: float = math.inf
-    cubic: float = 0.0
-    root: float = 0.0
-    relaxation: float = 0.0
-    levels: int = 0
-    cuts: int = 0
-    crosses: int = 0
-    smooth: int = 0
-    closed: int = 1
-    acts: int = 1
+
+JOINED = Behaviour(_joined)
+"""A spring and a dashpot at all times: connectors, dampers, storeys that cannot yield, foundation springs."""
 
 
 @dataclass(frozen=True)
@@ -194,6 +154,7 @@ class LinkLaw(Law):
     meaningless : whether that takes the meaning from all numbers of the scene
     joins : whether a force acts at all closings, not only once the floors meet
     remembers : whether its force depends on what happened before, so that only methods that locate events know it
+    takes_energy : whether it has a dashpot whatever its damping ratio
     behaviour : what it does
 
     Raises
@@ -209,6 +170,7 @@ class LinkLaw(Law):
     meaningless: ClassVar[bool] = False
     joins: ClassVar[bool] = False
     remembers: ClassVar[bool] = False
+    takes_energy: ClassVar[bool] = False
     behaviour: ClassVar[Behaviour]
 
     gap: float = parameter("initial distance d between the floors", "m")
@@ -216,12 +178,6 @@ class LinkLaw(Law):
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """Parameters p of its element between floors of these masses [kg], as `behaviour` reads them."""
         raise NotImplementedError
-
-    def element(self, left_mass: float, right_mass: float) -> Element:
-        """The element at rest between floors of these masses [kg]."""
-        e = Element(self.numbers(left_mass, right_mass))
-        self.behaviour.next_branch(e, START)
-        return e
 
     @classmethod
     def conflict(cls, **values: float) -> tuple[str, str, str] | None:
@@ -246,8 +202,8 @@ class LinkLaw(Law):
 
     @property
     def damped(self) -> bool:
-        """Whether it takes energy."""
-        return False
+        """Whether it has a dashpot."""
+        return self.takes_energy or float(getattr(self, "damping_ratio", 0.0)) > 0.0
 
     @property
     def cut(self) -> bool:
@@ -257,13 +213,14 @@ class LinkLaw(Law):
     @property
     def is_linear(self) -> bool:
         """Whether its force is linear in closing and rate at all times, as far as it can act at all."""
-        return not self.can_close
+        return self.behaviour is JOINED or not self.can_close
 
     @property
     def steepest(self) -> tuple[float, float]:
-        """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each; of a force that
-        stiffens without end where floors press each other by `PRESSED`."""
-        raise NotImplementedError
+        """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each: the first two of its
+        numbers. A force that stiffens without end is taken where floors press each other by `PRESSED`."""
+        k, c, *_ = self.numbers(1.0, 1.0)
+        return k, c
 
     def stored(self, closing: float, force: float) -> float:
         """Energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pounding_cli.laws.guards import START
-from pounding_cli.laws.law import Behaviour, Element, Law, parameter
+from pounding_cli.laws.law import Behaviour, Law, parameter
 
 
 @dataclass(frozen=True)
@@ -22,17 +21,15 @@ class StoreyLaw(Law):
     ValueError : a parameter is outside its range
     """
 
-    acts_on: ClassVar[str] = "storey"
-    flows: ClassVar[bool] = False
+    acts_on = "storey"
+    flows = False
     behaviour: ClassVar[Behaviour]
 
     stiffness: float = parameter("initial stiffness k", "N/m", open_low=True)
-    yield_shear: float = parameter("yield shear Vy; inf for a storey that cannot yield", "N", open_low=True)
+    yield_shear: float = parameter(
+        "yield shear Vy; inf for a storey that cannot yield", "N", open_low=True, endless=True
+    )
     hardening: float = parameter("post-yield over initial stiffness a", high=1.0)
-
-    def may_be_endless(self, name: str) -> bool:
-        """The yield shear may."""
-        return name == "yield_shear"
 
     @property
     def yield_drift(self) -> float:
@@ -52,12 +49,6 @@ class StoreyLaw(Law):
     def numbers(self) -> tuple[float, ...]:
         """Parameters p of its element, as `behaviour` reads them."""
         return self.stiffness, self.yield_drift, self.hardening
-
-    def element(self) -> Element:
-        """The element at rest of a storey that can yield."""
-        e = Element(self.numbers())
-        self.behaviour.next_branch(e, START)
-        return e
 
     def stored(self, drift: Any, shear: Any) -> Any:
         """Energy that the storey holds [J] at drifts [m] with shears [N]: what an unloading with the initial stiffness

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from pounding_cli.laws.bilinear import Bilinear
+from pounding_cli.laws.isolation import Rubber
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.numbers import counted
@@ -186,11 +187,24 @@ class Building:
 
     @cached_property
     def isolators(self) -> Bilinear | None:
-        """What the isolators do under its weight; None where it has none."""
+        """What the isolators do under its weight; None where it has none, or linear ones."""
         base = self.foundation
-        if base is None or base.isolation is None:
-            return None
-        return base.isolation.bilinear(GRAVITY * (base.mass + float(self.mass.sum())))
+        return None if base is None or base.isolation is None else base.isolation.bilinear(self.weight)
+
+    @property
+    def base_spring(self) -> tuple[float, float]:
+        """Stiffness [N/m] and dashpot [N s/m] below a base that sways, where they are linear."""
+        base = self.foundation
+        assert base is not None
+        if isinstance(base.isolation, Rubber):
+            return base.isolation.stiffness, base.isolation.dashpot(self.weight) + base.sway_damping
+        return base.sway_stiffness, base.sway_damping
+
+    @property
+    def weight(self) -> float:
+        """Of floors and of a base that sways [N]."""
+        base = self.foundation.mass if self.foundation is not None and self.foundation.sways else 0.0
+        return GRAVITY * (base + float(self.mass.sum()))
 
     @property
     def base_shear_ratio(self) -> float:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from pounding_cli.laws.foundation import Rocking, Sway
-from pounding_cli.laws.isolation import Bearings, FrictionPendulum
+from pounding_cli.laws.isolation import Bearings, FrictionPendulum, Rubber
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Foundation:
     rocking_damping: float = 0.0
     sways: bool = True
     rocks: bool = True
-    isolation: FrictionPendulum | Bearings | None = field(default=None, repr=False)
+    isolation: FrictionPendulum | Bearings | Rubber | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         if self.isolation is not None and not (self.mass > 0 and self.sways):

@@ -60,7 +60,7 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
     else:
         points = [_pair(n, cells, shown) for n, cells in (rows if levels else others)]
     found = _IN_BRACKETS.search(" ".join(head))
-    one = _factor(unit or (found[1] if found else None), si, shown)
+    one = intensity_factor(unit or (found[1] if found else None), si, shown)
     intensity, rate = np.array(sorted(points)).T
     keep = rate > 0  # a service writes 0 for what is too rare to say
     intensity, rate = one * intensity[keep], rate[keep]
@@ -127,7 +127,7 @@ def _of_site(
     return [(level, number) for (_, level), number in zip(levels, numbers, strict=True)]
 
 
-def _factor(unit: str | None, si: str, shown: str) -> float:
+def intensity_factor(unit: str | None, si: str, shown: str) -> float:
     """One of the unit in SI."""
     if si == "":
         return 1.0

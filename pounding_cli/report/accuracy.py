@@ -18,11 +18,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pounding_cli.methods import METHODS
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.references import REFERENCES
 from pounding_cli.report.style import Look, caption, new_figure, styled
-from pounding_cli.report.table import Column, Table, from_rows
+from pounding_cli.report.table import from_rows
+from pounding_cli.results.tables import Column, Table
 from pounding_cli.solver.work_precision import QUANTITIES, REFERENCE, SECOND, WorkPrecision
 
 PACKAGES = ("pounding-cli", "numpy", "scipy", "numba")
@@ -50,7 +51,8 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
         for analysis in dict.fromkeys(runs["analysis"])
     ]  # fmt: skip
     shown = lines.assign(setting=[METHODS[m].setting.text(s) for m, s in zip(lines.method, lines.setting, strict=True)])
-    columns = {name: Column(text) for name, text in LABELS.items()} | {"seconds": Column("time a scene", "ms", 1e3)}
+    columns = {name: Column(label=text) for name, text in LABELS.items()}
+    columns["seconds"] = Column(label="time a scene", unit=Unit("ms", 1e-3, "s"))
     notes = [
         "Errors: worst over storeys, floors or links and over the scenes, relative; time: mean of a scene, the least "
         "of its repeats, without compiling. Miscounted: scenes with other impacts than the reference.",
@@ -69,9 +71,9 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
     )
     return Report(
         f"What accuracy costs: {title}",
-        Section("", said, [Table("Methods", shown, columns)], pictures, notes),
+        Section("", said, [Table("", shown, columns, "Methods")], pictures, notes),
         lambda: [
-            Section("Every run", tables=[Table("Every run", runs, name="accuracy")], folded=True),
+            Section("Every run", tables=[Table("accuracy", runs, caption="Every run")], folded=True),
             Section("Sources", [f"Machine: {made}", f"Again: `{command}`"],
                     [from_rows("Methods and who published them", ("method", "source"), cited)]),
         ],

@@ -17,9 +17,10 @@ from pounding_cli.report.document import PAGE, Picture, Section
 from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, split
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
-from pounding_cli.report.table import NOTHING, Column, Table, answer_table, columns_of, digits, from_rows
+from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
 from pounding_cli.results.bracket import advice, depends, spreads
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
+from pounding_cli.results.tables import Column, Table
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -80,7 +81,7 @@ def limits(results: Results) -> Section | None:
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
-    tables, found = [], spreads(results.data)
+    tables, found = [], list(spreads(results.data))
     for key in dict.fromkeys(spread.key for spread in found):
         mine = [spread for spread in found if spread.key == key]
         heads = ["result", *(f"at {end.value}" for end in mine[0].ends)]
@@ -97,14 +98,14 @@ def _motions(results: Results, shown: Evidence) -> Section:
         name for name in ("record", "source", "scale", "window", "pga", "arias", "digest") if name in shown.records
     ]
     frame = shown.records[names].assign(digest=shown.records["digest"].astype(str).str[:12])
-    columns = columns_of(frame, results.units) | {"record": Column("motion"), "window": Column("duration", "s")}
+    columns = columns_of(frame, results.units) | {"record": Column(label="motion")}
     said, pictures = [motion_sentence(shown.records)], []
     if (match := results.spectrum_match) is not None:
         said.append(match.words)
         draw = partial(draw_spectra, match, results.title, shown.unit("acceleration"))
         text = "The target, the mean of the spectra of the motions as used, and each of them."
         pictures.append(Picture("target-spectrum", "Target spectrum", text, draw))
-    return Section("Motions", said, [Table("Ground motions as used", frame, columns)], pictures)
+    return Section("Motions", said, [Table("", frame, columns, "Ground motions as used")], pictures)
 
 
 def _simulated(results: Results, shown: Evidence, scene: pd.DataFrame) -> Section:
@@ -183,13 +184,13 @@ def _accuracy(results: Results, scene: pd.DataFrame) -> Section:
                 row |= {f"{word}, median": sizes.median(), f"{word}, largest": sizes.max()}
         row |= {"steps": here["steps"].sum(), "events": here["events"].sum(), "seconds": here["seconds"].mean()}
         rows.append(row)
-    columns = {"seconds": Column("solver time a run", "ms", 1e3)}
+    columns = {"seconds": Column(label="solver time a run", unit=Unit("ms", 1e-3, "s"))}
     said = [
         "The numerical error comes from the solver and decreases with the accuracy asked, relative to each peak. The "
         "sensitivity is a property of the scene: at 4, a motion that grows by 1 % changes a peak by 4 %.",
         _cost(results.path, Path(str(results.attrs.get("study_file", ""))).name),
     ]
-    return Section("Accuracy and cost", said, [Table("Accuracy of the runs", pd.DataFrame(rows), columns)])
+    return Section("Accuracy and cost", said, [Table("", pd.DataFrame(rows), columns, "Accuracy of the runs")])
 
 
 def _cost(path: Path, study: str) -> str:
@@ -202,11 +203,11 @@ def _cost(path: Path, study: str) -> str:
 
 def _tables(results: Results, tables: Sequence[str]) -> Section:
     """Every table of the file, for the page and as CSV."""
-    found = [answer_table(results, name) for name in results.answers]
+    found = [results.answer(name) for name in results.answers]
     for name in tables:
         frame = results.table(name)
         if len(frame) or name not in ("struck", "flagged"):
-            found.append(Table(_TITLES[name], frame, columns_of(frame, results.units), name))
+            found.append(Table(name, frame, columns_of(frame, results.units), _TITLES[name]))
     said = [
         "A table opens when it is clicked; a head of a column sorts. All rows with all digits, in SI units, are in "
         "`tables/` beside this page and in `pound show FILE.h5 TABLE --format csv`.",

@@ -16,7 +16,8 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.report.document import Section
-from pounding_cli.report.table import NOTHING, Table, digits, from_rows
+from pounding_cli.report.table import NOTHING, digits, from_rows
+from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import DONE
 from pounding_cli.texts import cells, write_markdown
 from pounding_cli.workflows.sensitivity import Series
@@ -335,7 +336,7 @@ def claim_sections(results: Results, here: str) -> list[Section]:
         rows = wide.reset_index().to_numpy().tolist()
         tables.append(from_rows("Verdicts at every point of the sweep", ["point", *wide.columns], rows))
     said = "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does."
-    numbers = Table("Every number at every point", every, name="claims")
+    numbers = Table("claims", every, caption="Every number at every point")
     return [Section("The paper’s claims", [said], tables), Section("Numbers of the claims", (), [numbers], folded=True)]
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_folder
-from pounding_cli.report.table import TERMINAL_ROWS, Table
+from pounding_cli.report.table import TERMINAL_ROWS, to_csv, to_text
+from pounding_cli.results.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,7 +103,7 @@ class Report:
         width = None if sys.stdout.isatty() else PIPE_WIDTH
         print(self.title)
         for table in answer.tables:
-            print(table.to_text(width), end="")
+            print(to_text(table, width), end="")
             left = len(table.frame) - TERMINAL_ROWS
             if left > 0:
                 print(f"{counted(left, 'more row')}: pound report, or pound show")
@@ -128,7 +129,7 @@ class Report:
         try:
             (folder / "tables").mkdir(exist_ok=True)
             named = [table for section in self.sections for table in section.tables if table.name]
-            files += [table.to_csv(folder / "tables") for table in named]
+            files += [to_csv(table, folder / "tables") for table in named]
             return [*files, write_page(self, folder / PAGE, drawn)] if page else files
         except OSError as error:
             raise unwritable(folder, error) from error

@@ -71,7 +71,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
             packed = _quantity(pd.concat(found), key, level, heights, math.prod(map(len, axes)), known)
             if packed:
                 how = column_of(key, results.units)
-                about = {"key": key, "label": how.head, "text": how.text or how.label, "factor": how.factor}
+                about = {"key": key, "label": how.head, "text": how.text or how.label, "factor": 1 / how.unit.factor}
                 quantities.append(about | packed)
     for each in quantities:
         for name in ("mean", "low", "high"):

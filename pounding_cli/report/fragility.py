@@ -18,16 +18,17 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.rates import rate_table
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import Look, caption, entitle, looks, panels, shared_legend, styled
-from pounding_cli.report.table import NOTHING, Table, from_rows
+from pounding_cli.report.table import NOTHING, from_rows
+from pounding_cli.results.tables import Table
 from pounding_cli.workflows.curves import CONFIDENCE, DRAWS, Bands, Outcome, bands, resamples
 from pounding_cli.workflows.fragility import ALONE, CURVES, MOTIONS, fits_of, motion_numbers
 from pounding_cli.workflows.fragility_question import INTENSITY_KEYS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
-    from pounding_cli.results.tables import Table as Answer
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
 """The tables of scenes that the report has."""
@@ -53,20 +54,24 @@ def fragility_report(results: Results) -> Report:
         pictures.append(Picture(f"fragility-{analysis}", f"Fragility, {analysis} storeys", text, draw))
     said = [f"Intensity: {asked.measure}.", *(_sentence(answer, row) for row in rows.to_dict("records"))]
 
+    rates, of_rates, notes = rate_table(results, shown)
+
     def more() -> list[Section]:
         *others, tables, study = background(results, shown, results.scene(), TABLES)
-        points = Table("Points of the curves", curve_points(answer, asked, everywhere), name="fragility_curves")
+        points = Table("fragility_curves", curve_points(answer, asked, everywhere), caption="Points of the curves")
         tables = Section(tables.title, tables.sentences, [*tables.tables, points], folded=True)
         return [*others, tables, study]
 
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section("", said, [_medians(results, answer)], pictures, _notes(asked, answer.frame)),
+        answer=Section(
+            "", said, [_medians(results, answer), *rates], pictures + of_rates, _notes(asked, answer.frame) + notes
+        ),
         more=more,
     )
 
 
-def curve_points(answer: Answer, asked: Asked, motions: pd.DataFrame) -> pd.DataFrame:
+def curve_points(answer: Table, asked: Asked, motions: pd.DataFrame) -> pd.DataFrame:
     """Points of every curve: intensities and swept keys in the units of the study, `curve` alone or with pounding, the
     probability of passing the limit [-] and its bootstrap interval. A limit without a curve has none.
 
@@ -74,7 +79,7 @@ def curve_points(answer: Answer, asked: Asked, motions: pd.DataFrame) -> pd.Data
     """
     frame, unit = answer.frame, intensity_unit(answer)
     where = [name for name in frame.columns[: frame.columns.get_loc("outcome")] if name != "case"]
-    units = {name: answer.units.get(name, Unit()) for name in where}
+    units = {name: answer.columns[name].unit for name in where}
     heads = [units[name].label(name) for name in where]
     columns = [*heads, "case", "curve", unit.label("intensity"), "probability", "probability_low", "probability_high"]
     parts: list[pd.DataFrame] = []
@@ -109,7 +114,7 @@ def _grid(right: float) -> np.ndarray:
     return np.linspace(0, right, 201)[1:]
 
 
-def _sentence(answer: Answer, row: Mapping[Any, Any]) -> str:
+def _sentence(answer: Table, row: Mapping[Any, Any]) -> str:
     """One curve in words."""
     what = f"{subject(row['building'], row['limit'])}, {row['case']}, {row['analysis']}"
     with_pounding = median_text(answer, row, named=True)
@@ -137,7 +142,7 @@ def _undecided(row: Mapping[Any, Any], suffix: str) -> str:
 
 
 @styled
-def draw_curves(answer: Answer, asked: Asked, rows: pd.DataFrame, motions: pd.DataFrame, shown: Evidence) -> Figure:
+def draw_curves(answer: Table, asked: Asked, rows: pd.DataFrame, motions: pd.DataFrame, shown: Evidence) -> Figure:
     """Probability against intensity: a line of panels for each limit, a panel for each building or pair."""
     unit = intensity_unit(answer)
     limits = list(dict.fromkeys(rows["limit"]))
@@ -183,7 +188,7 @@ def _dots(method: str) -> str:
 
 def _panel(
     ax: Axes,
-    answer: Answer,
+    answer: Table,
     asked: Asked,
     rows: pd.DataFrame,
     motions: pd.DataFrame,
@@ -263,14 +268,16 @@ def cite_fragility(resolved: Mapping[str, Any], used: Use) -> None:
     else:
         used("baker2015", "fragility curves of maximum likelihood")
     used("efron1993", "the bootstrap of the motions")
+    if (resolved.get("fragility") or {}).get("hazard"):
+        used("cornell2002", "annual rates from a fragility curve and a hazard curve")
 
 
-def intensity_unit(answer: Answer) -> Unit:
+def intensity_unit(answer: Table) -> Unit:
     """The unit of intensities; one without a name for a scale factor."""
-    return answer.units["median"]
+    return answer.columns["median"].unit
 
 
-def _medians(results: Results, answer: Answer) -> Table:
+def _medians(results: Results, answer: Table) -> Table:
     """Medians, spreads and their ratios with their intervals in brackets, a row a curve and point of the sweep.
 
     A case or an analysis that is the same in all rows is left out.
@@ -302,7 +309,7 @@ def subject(building: str, limit: str) -> str:
     return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
 
 
-def median_text(answer: Answer, row: Mapping[Any, Any], alone: str = "", named: bool = False) -> str:
+def median_text(answer: Table, row: Mapping[Any, Any], alone: str = "", named: bool = False) -> str:
     """A median with its interval; where there is none, outcome of the fit and what is known.
 
     named : with the unit, in a sentence

@@ -12,20 +12,22 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding_cli.model.links import BASE
 from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.rates import gap_for_rate
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, name_axis, panels, shared_legend, styled
-from pounding_cli.report.table import NOTHING, Column, Table, answer_table, digits
+from pounding_cli.report.table import NOTHING, digits
+from pounding_cli.results.tables import Column, Table
 from pounding_cli.study.file import parse
 from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, FEWEST, LINE
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
-    from pounding_cli.results.tables import Table as Answer
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
 """The tables of scenes that the report has."""
@@ -65,6 +67,8 @@ def gap_report(results: Results) -> Report:
         tables.append(_of_cases(results, cases.frame))
     heading = "Distance to a property line, at the floors that move most"
     tables.append(_widths(results, heading, lines, LINE, "reached"))
+    of_rate, rate_notes = gap_for_rate(results)
+    tables[:0] = of_rate
     said = _sentences(answer, _widest(frame, ["left", "right"], ["floor", "right_floor", "columns"]))
     said += _case_sentences(cases, shown.here(cases.frame))
     pictures = []
@@ -75,7 +79,7 @@ def gap_report(results: Results) -> Report:
             text = "Mean over the motions at the floors that require the widest gap."
             draw = partial(draw_sweep, results, answer, shown, keys[0])
             pictures.append(Picture("required-gap-sweep", "Required gap over the sweep", text, draw))
-    notes = [*_notes(answer), *_case_notes(results, cases.frame), *_code_notes(results)]
+    notes = [*_notes(answer), *rate_notes, *_case_notes(results, cases.frame), *_code_notes(results)]
     return Report(
         **frame_of(results, shown, results.scene()),
         answer=Section("", said, tables, pictures, notes),
@@ -99,7 +103,8 @@ def _widest(frame: pd.DataFrame, among: Sequence[str], place: Sequence[str]) -> 
 
 def _widths(results: Results, heading: str, rows: pd.DataFrame, name: str, reached: str) -> Table:
     """Widths in the unit of the study; those for a probability of contact with their confidence interval."""
-    columns, answer = answer_table(results, name).columns, results.answer(name)
+    answer = results.answer(name)
+    columns = answer.columns
     shown: dict[str, Any] = {key: rows[key] for key in results.axes if key in rows}
     if name == LINE:
         shown |= {each: rows[each] for each in ("building", "side", "floor")}
@@ -112,10 +117,10 @@ def _widths(results: Results, heading: str, rows: pd.DataFrame, name: str, reach
     how = {each: replace(columns[each], label=heads.get(each, each)) for each in shown if each in columns}
     for each in _contacts(answer):
         shown[each] = [_between(answer, row, each) for row in _dicts(rows)]
-        how[each] = Column(f"{reached} {each.removeprefix('contact_')} % [{_unit(answer).name}]")
+        how[each] = Column(label=f"{reached} {each.removeprefix('contact_')} % [{_unit(answer).name}]")
     shown["over_exact"] = rows["over_exact"]
-    how["over_exact"] = Column("mean over exact")
-    return Table(heading, pd.DataFrame(shown), how)
+    how["over_exact"] = Column(label="mean over exact")
+    return Table("", pd.DataFrame(shown), how, heading)
 
 
 def _dicts(rows: pd.DataFrame) -> list[dict[Any, Any]]:
@@ -126,22 +131,22 @@ def _floors(row: Mapping[Any, Any]) -> str:
     """Which floors of both buildings face each other, in words."""
     one, other, side = row["floor"], row["right_floor"], row["columns"]
     if not side:
-        return f"floor {one}" if one == other else f"floors {one} and {other}"
+        return f"floor {one}" if one == other > 0 else BASE if one == other else f"floors {one} and {other}"
     slab, storey = (other, one) if side == "left" else (one, other)
     return f"floor {slab} beside columns of {row[side]} in storey {storey}"
 
 
-def _unit(answer: Answer) -> Unit:
+def _unit(answer: Table) -> Unit:
     """The unit of widths."""
-    return answer.units["mean"]
+    return answer.columns["mean"].unit
 
 
-def _contacts(answer: Answer) -> list[str]:
+def _contacts(answer: Table) -> list[str]:
     """The columns of gaps for a probability of contact."""
-    return [n for n in answer.meanings if n.startswith("contact_") and not n.endswith(("_low", "_high"))]
+    return [n for n in answer.columns if n.startswith("contact_") and not n.endswith(("_low", "_high"))]
 
 
-def _between(answer: Answer, row: Mapping[Any, Any], name: str) -> str:
+def _between(answer: Table, row: Mapping[Any, Any], name: str) -> str:
     """A width with its confidence interval in brackets."""
     if row[name] != row[name]:
         return NOTHING
@@ -151,7 +156,7 @@ def _between(answer: Answer, row: Mapping[Any, Any], name: str) -> str:
     return digits(_unit(answer).number(row[name])) + interval
 
 
-def _sentences(answer: Answer, rows: pd.DataFrame) -> list[str]:
+def _sentences(answer: Table, rows: pd.DataFrame) -> list[str]:
     """What every pair of buildings needs, analysis by analysis."""
     unit, contact, said = _unit(answer), _contacts(answer)[0], []
     for (left, right), part in rows.groupby(["left", "right"], sort=False):
@@ -171,21 +176,21 @@ def _sentences(answer: Answer, rows: pd.DataFrame) -> list[str]:
 
 def _of_cases(results: Results, frame: pd.DataFrame) -> Table:
     """Whether the gaps of the cases are enough."""
-    columns = answer_table(results, CASES).columns
+    columns = results.answer(CASES).columns
     shown: dict[str, Any] = {key: frame[key] for key in results.axes if key in frame}
     shown |= {"case": frame["case"], "between": frame["left"] + " | " + frame["right"]}
     shown |= {name: frame[name] for name in ("analysis", "rule", "gap", "required", "enough")}
     shown["for motions"] = [f"{r['enough_for']} of {r['motions']}" if r["motions"] else NOTHING for r in _dicts(frame)]
-    return Table("Gaps of the cases", pd.DataFrame(shown), {name: columns[name] for name in shown if name in columns})
+    return Table("", pd.DataFrame(shown), columns, "Gaps of the cases")
 
 
-def _case_sentences(cases: Answer, frame: pd.DataFrame) -> list[str]:
+def _case_sentences(cases: Table, frame: pd.DataFrame) -> list[str]:
     """Whether each gap is enough, by what the motions require; at one point of the sweep."""
     said: dict[str, list[str]] = {}
     head = ""
     for row in _dicts(frame[frame["rule"] == EXACT]):
         if row["analysis"] == frame["analysis"].iloc[0]:
-            gap = cases.units["gap"].text(row["gap"], 4)
+            gap = cases.columns["gap"].unit.text(row["gap"], 4)
             head = f"Case {row['case']}, {row['left']} | {row['right']}: gap {gap}"
         word = {"yes": "enough", "no": "not enough"}.get(row["enough"], "not known, as scenes failed")
         motions = counted(int(row["motions"]), "motion")
@@ -193,7 +198,7 @@ def _case_sentences(cases: Answer, frame: pd.DataFrame) -> list[str]:
     return [f"{head}: {', '.join(words)}." for head, words in list(said.items())[:FEW_GAPS]]
 
 
-def _notes(answer: Answer) -> list[str]:
+def _notes(answer: Table) -> list[str]:
     """What a reader should know of the widths."""
     frame, rules = answer.frame, set(answer.frame["rule"])
     error = float(frame["error"].max())
@@ -270,7 +275,7 @@ def _code_notes(results: Results) -> list[str]:
 
 
 @styled
-def draw_profiles(answer: Answer, frame: pd.DataFrame, shown: Evidence) -> Figure:
+def draw_profiles(answer: Table, frame: pd.DataFrame, shown: Evidence) -> Figure:
     """Widths across, height upwards: a panel for each pair of neighbours and analysis."""
     unit, contact = _unit(answer), _contacts(answer)[0]
     pairs = list(dict.fromkeys(zip(frame["left"], frame["right"], strict=True)))
@@ -328,7 +333,7 @@ def _motions(ax: Axes, shown: Evidence, here: pd.DataFrame, unit: Unit) -> None:
 
 
 @styled
-def draw_sweep(results: Results, answer: Answer, shown: Evidence, key: str) -> Figure:
+def draw_sweep(results: Results, answer: Table, shown: Evidence, key: str) -> Figure:
     """Mean widths at the floors that need most against the first swept key, the others as at the point shown."""
     unit, frame = _unit(answer), answer.frame
     for other, value in shown.point.items():

@@ -20,13 +20,13 @@ from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, n
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, name_axis, new_figure, styled
 from pounding_cli.report.sweep import COLOURS
-from pounding_cli.report.table import NOTHING, Table, from_rows
+from pounding_cli.report.table import NOTHING, from_rows
+from pounding_cli.results.tables import Table
 from pounding_cli.workflows.optimise import DESIGN, OPTIMUM, POINTS, UNSETTLED
 from pounding_cli.workflows.optimise import NOTHING as NO_OPTIMUM
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
-    from pounding_cli.results.tables import Table as Answer
 
 MOST_KEYS = 8
 """Keys that are drawn."""
@@ -106,12 +106,11 @@ def _slice(found: Optimum, key: dict[Any, Any]) -> pd.DataFrame:
 
 def _shown(found: Optimum, name: str, values: Any) -> np.ndarray:
     """Values of a key in the unit of the study."""
-    unit = found.tried.units.get(name)
-    return np.asarray(values, float) / (unit.factor if unit else 1.0)
+    return np.asarray(values, float) / found.tried.columns[name].unit.factor
 
 
 def _name(ax: Axes, which: str, found: Optimum, key: dict[Any, Any]) -> None:
-    unit = found.tried.units.get(key["key"], Unit())
+    unit = found.tried.columns[key["key"]].unit
     name_axis(ax, which, [key["key"]], [unit], found.resolved, 7.5, 32)
 
 
@@ -202,7 +201,7 @@ class Optimum:
     """
 
     keys: list[dict[Any, Any]]
-    tried: Answer
+    tried: Table
     generations: int
     design: list[dict[Any, Any]]
     over_motions: str
@@ -224,8 +223,7 @@ class Optimum:
     @property
     def unit(self) -> str:
         """SI unit of the number sought; "" of a pure number."""
-        unit = self.tried.meanings["value"][0]
-        return "" if unit == "1" else unit
+        return self.tried.columns["value"].unit.name
 
     @property
     def sought(self) -> str:
@@ -266,7 +264,7 @@ class Optimum:
         return NOTHING if "-" in ends else " to ".join(ends)
 
     def _unit(self, key: dict[Any, Any]) -> Unit:
-        return self.tried.units.get(key["key"], Unit())
+        return self.tried.columns[key["key"]].unit
 
 
 def optimum_of(results: Results) -> Optimum:

@@ -13,8 +13,8 @@ from pounding_cli.report.evidence import Evidence
 from pounding_cli.report.explorer import rounded
 
 if TYPE_CHECKING:
+    from pounding_cli.results.histories import History
     from pounding_cli.results.results import Results
-    from pounding_cli.solver.histories import History
 
 MOST_BYTES = 12_000_000
 """What all series together may take on the page, as text."""

@@ -10,6 +10,7 @@ from typing import Any
 
 from pounding_cli import __version__
 from pounding_cli.laws import link_laws, storey_laws
+from pounding_cli.laws.isolation import FrictionPendulum
 from pounding_cli.methods import METHODS
 from pounding_cli.records import catalogue
 
@@ -140,6 +141,10 @@ def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> No
     kinds = {word for case in resolved["cases"].values() for word in _links(case)}
     for law in link_laws().values():
         for key, what in law.citation if law.name in kinds else ():
+            used(key, what)
+    bases = [resolved["buildings"][name].get("foundation") for name in resolved["group"]]
+    if any(isinstance(base, dict) and (base.get("isolation") or {}).get("friction") for base in bases):
+        for key, what in FrictionPendulum.citation:
             used(key, what)
     storeys = {resolved["buildings"][name].get("storey_law") for name in resolved["group"]}
     for storey_law in storey_laws().values():

@@ -19,8 +19,9 @@ from pounding_cli.report.explorer import explored
 from pounding_cli.report.figures import RESPONSES, drawn_part, main_building, profiles
 from pounding_cli.report.player import players
 from pounding_cli.report.sweep import Asked, sweep_pictures
-from pounding_cli.report.table import NOTHING, Table, column_of, digits, from_rows
+from pounding_cli.report.table import NOTHING, column_of, digits, from_rows
 from pounding_cli.results.flags import flag_groups_of, flagged_scenes
+from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import NEVER_CLOSES, OUTCOMES
 
 if TYPE_CHECKING:
@@ -173,8 +174,8 @@ def _cell(results: Results, name: str, row: Mapping[Any, Any], void: pd.DataFram
     place = [*results.axes, "case", "analysis", "record"]
     empty = len(void) and (void[place] == [row[key] for key in place]).all(axis=1).any()
     how = column_of(name, results.units)
-    unit = f" {how.unit}" if how.unit not in ("", "–") else ""
-    number = f"{digits(how.factor * row[name], 3)}{unit}{f' {MARK}' if empty else ''}"
+    unit = f" {how.unit.name}" if how.unit.name else ""
+    number = f"{digits(row[name] / how.unit.factor, 3)}{unit}{f' {MARK}' if empty else ''}"
     return "\n".join([number, ", ".join(where), *([point] if point else [])])
 
 

@@ -18,13 +18,12 @@ from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, nominal
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, key_words, name_axis, new_figure, shared_legend, styled
-from pounding_cli.report.table import NOTHING, Table, digits, from_rows, interval
-from pounding_cli.workflows.indices import FOUND
-from pounding_cli.workflows.sensitivity import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
+from pounding_cli.report.table import NOTHING, digits, from_rows, interval
+from pounding_cli.results.tables import Table
+from pounding_cli.workflows.sensitivity import FOUND, INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
-    from pounding_cli.results.tables import Table as Answer
 
 MOST = 6
 """Outputs in one figure, and keys whose samples are drawn; of more, the first and those that decide most."""
@@ -245,9 +244,7 @@ def _dots(ax: Axes, rows: pd.DataFrame, y: np.ndarray, name: str, color: str, la
 
 
 @styled
-def draw_samples(
-    samples: Answer, frame: pd.DataFrame, drawn: list[tuple[str, pd.DataFrame]], shown: Evidence
-) -> Figure:
+def draw_samples(samples: Table, frame: pd.DataFrame, drawn: list[tuple[str, pd.DataFrame]], shown: Evidence) -> Figure:
     """The outputs over the keys: a line of panels for each output, a panel for each of the keys that decide most."""
     wide = min(MOST, len(drawn[0][1]))
     figure = new_figure(1.9 * wide + 0.8, 1.75 * len(drawn) + 0.8)
@@ -258,8 +255,8 @@ def draw_samples(
         if "total" in rows:
             here = here[here["independent"] == 1]
         for ax, key in zip(line, rows["key"], strict=False):
-            _scatter(ax, here[key], here[f"output {first['output']}"].to_numpy(float), samples.units.get(key, Unit()))
-            name_axis(ax, "x", [key], [samples.units.get(key, Unit())], shown.resolved, 7, 28)
+            _scatter(ax, here[key], here[f"output {first['output']}"].to_numpy(float), samples.columns[key].unit)
+            name_axis(ax, "x", [key], [samples.columns[key].unit], shown.resolved, 7, 28)
             ax.tick_params(labelsize=7)
         line[0].set_ylabel(textwrap.fill(title, 30), fontsize=7)
     entitle(figure, shown.title)

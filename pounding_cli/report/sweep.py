@@ -217,7 +217,7 @@ def over_sweep(
         return whole.reshape(shape)
 
     look = column_of(choice.quantity, results.units)
-    mean, std = (spread(look.factor * worst[name].to_numpy(float), np.nan) for name in ("mean", "std"))
+    mean, std = (spread(worst[name].to_numpy(float) / look.unit.factor, np.nan) for name in ("mean", "std"))
     drawn = pd.MultiIndex.from_frame(numbers.loc[numbers["void"], scenes])
     reasons = names(voids.loc[pd.MultiIndex.from_frame(voids[scenes]).isin(drawn), "flag"])
     return OverSweep(

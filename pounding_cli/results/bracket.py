@@ -59,7 +59,7 @@ class Spread:
     key: str
     middle: str
     quantity: str
-    ends: tuple[End, End]
+    ends: tuple[End, ...]
 
     @property
     def hardly(self) -> bool:
@@ -67,38 +67,28 @@ class Spread:
         return all(abs(end.median - 1) <= HARDLY for end in self.ends)
 
 
-def brackets(data: xr.Dataset) -> tuple[str, ...]:
-    """The keys that the study brackets."""
-    return tuple(json.loads(str(data["study_resolved"].item())).get("bracket") or ())
-
-
-def spreads(data: xr.Dataset) -> tuple[Spread, ...]:
+def spreads(data: xr.Dataset) -> Iterator[Spread]:
     """Of every bracketed key how far V/V0, mu/mu0, accelerations and link forces depend on it; none without brackets
     or where no floor strikes."""
-    keys = brackets(data)
     struck = _struck(data)
-    return tuple(spread for key in keys if struck.any() for spread in _spreads(data, key, struck))
-
-
-def _spreads(data: xr.Dataset, key: str, struck: xr.DataArray) -> Iterator[Spread]:
-    unit = written(data[key].attrs)
-    values = [unit.text(value) for value in data[key].values.tolist()]
-    middle = len(values) // 2
-    here = struck.isel({key: middle})
-    for name, quantity in QUANTITIES.items():
-        array = data[f"{name}_mean"] if f"{name}_mean" in data else data[name].mean("record")
-        dims = [key, *here.dims]
-        array = array.transpose(*dims, ...).load()
-        lead = array.values[middle][here.values]
-        ends = []
-        for place in (0, len(values) - 1):
-            with np.errstate(invalid="ignore", divide="ignore"):
-                change = array.values[place][here.values] / lead
-            known = change[np.isfinite(change)]
-            if known.size:
-                ends.append(End(values[place], float(known.min()), float(np.median(known)), float(known.max())))
-        if len(ends) == 2:
-            yield Spread(key, values[middle], quantity, (ends[0], ends[1]))
+    for key in json.loads(str(data["study_resolved"].item())).get("bracket") or () if struck.any() else ():
+        unit = written(data[key].attrs)
+        values = [unit.text(value) for value in data[key].values.tolist()]
+        middle = len(values) // 2
+        here = struck.isel({key: middle}).values
+        for name, quantity in QUANTITIES.items():
+            array = data[f"{name}_mean"] if f"{name}_mean" in data else data[name].mean("record")
+            array = array.transpose(*struck.dims, ...)
+            lead = array.isel({key: middle}).values[here]
+            ends = []
+            for place in (0, -1):
+                with np.errstate(invalid="ignore", divide="ignore"):
+                    change = array.isel({key: place}).values[here] / lead
+                known = change[np.isfinite(change)]
+                if known.size:
+                    ends.append(End(values[place], float(known.min()), float(np.median(known)), float(known.max())))
+            if len(ends) == 2:
+                yield Spread(key, values[middle], quantity, tuple(ends))
 
 
 def depends(mine: Sequence[Spread]) -> list[str]:
@@ -107,8 +97,7 @@ def depends(mine: Sequence[Spread]) -> list[str]:
     for words, hardly in (("It hardly changes", True), ("It changes", False)):
         names = [spread.quantity for spread in mine if spread.hardly == hardly]
         if names:
-            listed = " and ".join((", ".join(names[:-1]), names[-1])) if len(names) > 1 else names[0]
-            lines.append(f"{words} {listed}.")
+            lines.append(f"{words} {' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))}.")
     return lines
 
 
@@ -121,6 +110,5 @@ def _struck(data: xr.Dataset) -> xr.DataArray:
     """Whether a pounding link closed under any motion, over the swept axes, case and analysis."""
     if "kind" not in data:  # no case has a link
         return xr.DataArray(False)
-    axes = [names[0] for names in json.loads(data.attrs["swept"]) if names[0] in data["kind"].dims]
     closed = ((data["impacts"] > 0).any("record") & (data["kind"] == "pounding")).any("link")
-    return closed.transpose(*axes, "case", "analysis")
+    return closed.transpose(..., "case", "analysis")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.results.results import Results
-from pounding_cli.variables import COUNTED, ITSELF, RESPONSES
+from pounding_cli.variables import COUNTED, ITSELF, PLACE, RESPONSES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,17 +20,13 @@ ROUNDING = 1e-12
 
 SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py", "platform", "machine")
 
-_SCENE = ("case", "analysis", "record")
-
-_TABLES: dict[str, tuple[str, ...]] = {
-    "storey": ("building", "storey"),
-    "floor": ("building", "floor"),
-    "link": ("link",),
-}
-_GIVEN: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+_TABLES = {"storey": ("building", "storey"), "floor": ("building", "floor"), "link": ("link",)}
+_GIVEN = {
     "buildings": (("building", "storey"), ("mass", "height", "stiffness", "yield_shear", "period", "separation")),
     "records": (("record",), ("scale", "window", "pga", "arias")),
 }
+_CHANGES = {"table": str, "column": str, "place": str, "before": float, "after": float, "difference": float,
+            "carried": float}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -50,12 +46,12 @@ class Comparison:
     unestimated : scenes with no error estimate in one of the files
     """
 
-    lines: tuple[str, ...]
-    keys: tuple[tuple[str, Any, Any], ...]
-    software: tuple[tuple[str, str, str], ...]
-    removed: tuple[str, ...]
-    added: tuple[str, ...]
-    outcomes: tuple[tuple[str, str, str], ...]
+    lines: list[str]
+    keys: list[tuple[str, Any, Any]]
+    software: list[tuple[str, str, str]]
+    removed: list[str]
+    added: list[str]
+    outcomes: list[tuple[str, str, str]]
     changes: pd.DataFrame
     compared: int
     unestimated: int
@@ -78,36 +74,41 @@ def compare(first: Results, second: Results) -> Comparison:
     estimated errors of its scene together.  Numbers near zero (accelerations, residual drifts, link forces ...) are
     judged against the largest of their kind in the scene, by the larger of the estimate and the accuracy asked;
     so are the peaks of buildings alone.  Where there is no estimate the accuracy asked stands in; a fixed-step method
-    has none, and is compared to rounding; so are the points of a model of its own.  Counts are compared exactly.
-
+    has none, and is compared to rounding.  Counts are compared exactly.
     """
     import pandas as pd
 
     before, after = _scenes(first), _scenes(second)
-    removed, added = before.index.difference(after.index, sort=False), after.index.difference(before.index, sort=False)
     both = before.index.intersection(after.index, sort=False)
     one, other = before.loc[both], after.loc[both]
     failed = one["status"] != other["status"]
-    outcomes = zip(map(_words, both[failed]), one["status"][failed], other["status"][failed], strict=True)
-    found, compared = [], 0
+    parts = []
     if len(both):
-        carried = one[["estimated", "asked"]] + other[["estimated", "asked"]]
-        for changes, count in _numbers(first, second, carried):
-            found.append(changes)
-            compared += count
-    changes = pd.concat(found) if found else _changed("", "", [], [], [], [], [])
-    excess = changes["difference"] / changes["carried"]
+        parts = [*_responses(first, second, one[_ERRORS] + other[_ERRORS]), *_given(first, second)]
+    found = [_differing(*part) for part in parts]
+    changes = (pd.concat(found) if found else pd.DataFrame(columns=list(_CHANGES))).astype(_CHANGES)
+    worst_first = np.argsort(-(changes["difference"] / changes["carried"]).to_numpy(), kind="stable")
+    lines = difflib.unified_diff(first.study_text.splitlines(), second.study_text.splitlines(), lineterm="", n=0)
+    software = [
+        (name, *(str(each.attrs.get(f"software_{name}", "-")) for each in (first, second))) for name in SOFTWARE
+    ]
     return Comparison(
-        tuple(_lines(first.study_text, second.study_text)),
-        tuple(_keys(first.resolved, second.resolved)),
-        tuple(_software(first.attrs, second.attrs)),
-        tuple(map(_words, removed)),
-        tuple(map(_words, added)),
-        tuple(outcomes),
-        changes.iloc[np.argsort(-excess.to_numpy(), kind="stable")].reset_index(drop=True),
-        compared,
+        [line for line in lines if not line.startswith(("---", "+++", "@@"))],
+        list(_keys(first.resolved, second.resolved)),
+        [(name, ours, theirs) for name, ours, theirs in software if ours != theirs],
+        list(map(_words, before.index.difference(after.index, sort=False))),
+        list(map(_words, after.index.difference(before.index, sort=False))),
+        list(zip(map(_words, both[failed]), one["status"][failed], other["status"][failed], strict=True)),
+        changes.iloc[worst_first].reset_index(drop=True),
+        sum(len(rows) for _, _, rows, *_ in parts),
         int((one["error_estimate"].isna() | other["error_estimate"].isna()).sum()),
     )
+
+
+_ERRORS = ["estimated", "asked"]
+
+Part = tuple[str, str, Any, np.ndarray, np.ndarray, np.ndarray, Any]
+"""Table, column, places, numbers before and after, what differences are relative to, and the errors carried [-]."""
 
 
 def _scenes(results: Results) -> pd.DataFrame:
@@ -116,83 +117,66 @@ def _scenes(results: Results) -> pd.DataFrame:
     accuracy = frame["accuracy"].fillna(0.0)  # none is asked of fixed steps
     frame["estimated"] = frame["error_estimate"].fillna(accuracy).clip(lower=ROUNDING / 2)
     frame["asked"] = np.maximum(frame["estimated"], accuracy)
-    return frame.set_index(_named(results, _SCENE))
+    return frame.set_index([*results.axes, *PLACE])
 
 
-def _numbers(first: Results, second: Results, carried: pd.DataFrame) -> Iterator[tuple[pd.DataFrame, int]]:
-    """Changes and the number of numbers compared, column by column."""
-    scene = _named(first, _SCENE)
+def _responses(first: Results, second: Results, carried: pd.DataFrame) -> Iterator[Part]:
+    """Every column of what scenes did; `carried`: errors of the scenes that both files have."""
+    scene = [*first.axes, *PLACE]
     for table, places in _TABLES.items():
-        keys = [*scene, *places]
-        inner = list(range(len(scene), len(keys)))  # levels below the scene
-        one, other = (results.table(table).set_index(keys) for results in (first, second))
+        inner = list(range(len(scene), len(scene) + len(places)))  # levels below the scene
+        one, other = (results.table(table).set_index([*scene, *places]) for results in (first, second))
         # Scenes only one file has were told; a storey or link only one has shows as a number beside a NaN.
         rows: Any = one.index.union(other.index, sort=False)
         rows = rows[rows.droplevel(inner).isin(carried.index)]
         one, other = one.reindex(rows), other.reindex(rows)
         errors = carried.loc[rows.droplevel(inner)]
         group = [rows.get_level_values(name) for name in scene]
-        for variable in (v for v in RESPONSES if v.judged):
-            column = variable.name
-            if column not in one and column not in other:
+        for v in RESPONSES:
+            if not v.judged or not (v.name in one or v.name in other):
                 continue
-            a, b = (np.asarray(each.get(column, np.full(len(rows), np.nan)), float) for each in (one, other))
+            a, b = (np.asarray(each.get(v.name, np.full(len(rows), np.nan)), float) for each in (one, other))
+            # the estimate of a building alone stands in no table: it is no worse than the accuracy asked
+            error = errors["estimated" if v.judged == ITSELF and not v.alone else "asked"].to_numpy()
             size = np.fmax(np.abs(a), np.abs(b))
-            # The estimate of a building alone stands in no table: it is no worse than the accuracy asked.
-            estimated = variable.judged == ITSELF and not variable.alone
-            error = errors["estimated" if estimated else "asked"].to_numpy()
-            if variable.judged == COUNTED:
+            if v.judged == COUNTED:
                 error = np.zeros_like(error)
-            elif variable.judged != ITSELF:  # near zero it has no relative error
-                kinds = one[variable.judged].abs().combine(other[variable.judged].abs(), np.fmax)
+            elif v.judged != ITSELF:  # near zero it has no relative error
+                kinds = one[v.judged].abs().combine(other[v.judged].abs(), np.fmax)
                 size = kinds.groupby(group).transform("max").to_numpy(float)
-            yield _differing(table, column, rows, a, b, size, error), len(rows)
+            yield table, v.name, rows, a, b, size, error
+
+
+def _given(first: Results, second: Results) -> Iterator[Part]:
+    """Every column of buildings and motions."""
     for table, (places, columns) in _GIVEN.items():
         one, other = first.table(table), second.table(table)
-        keys = [name for name in one.columns if name in first.axes and name in other.columns] + list(places)
+        keys = [*(name for name in first.axes if name in one.columns and name in other.columns), *places]
         one, other = one.set_index(keys), other.set_index(keys)
         rows = one.index.intersection(other.index, sort=False).unique()
         one, other = one.loc[rows], other.loc[rows]
         if len(one) != len(other):  # a sweep that only one of the files has: its studies' lines tell
             continue
-        for column in columns:
-            a, b = one[column].to_numpy(float), other[column].to_numpy(float)
-            error = np.full(len(a), ROUNDING)
-            yield _differing(table, column, one.index, a, b, np.fmax(np.abs(a), np.abs(b)), error), len(a)
+        for name in columns:
+            a, b = one[name].to_numpy(float), other[name].to_numpy(float)
+            yield table, name, one.index, a, b, np.fmax(np.abs(a), np.abs(b)), np.full(len(a), ROUNDING)
 
 
-def _differing(table: str, column: str, rows: pd.Index, a, b, size, error) -> pd.DataFrame:
+def _differing(table: str, column: str, rows: Any, a: np.ndarray, b: np.ndarray, size: Any, error: Any) -> pd.DataFrame:
     """The rows at which a and b differ by more than `error` of `size`; NaN on one side alone differs without end."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        apart = np.where(a == b, 0.0, np.abs(a - b))  # equal infinities are equal
-        difference = np.where(apart == 0, 0.0, apart / size)
-    difference = np.where(np.isnan(a) & np.isnan(b), 0.0, np.where(np.isnan(a) != np.isnan(b), np.inf, difference))
-    at = np.flatnonzero(difference > error)
-    return _changed(table, column, [_words(row) for row in rows[at]], a[at], b[at], difference[at], error[at])
-
-
-def _changed(table, column, place, before, after, difference, carried) -> pd.DataFrame:
     import pandas as pd
 
-    columns = {"place": place, "before": before, "after": after, "difference": difference, "carried": carried}
-    frame = pd.DataFrame(columns).astype(dict.fromkeys(("before", "after", "difference", "carried"), float))
-    frame.insert(0, "table", table)
-    frame.insert(1, "column", column)
-    return frame
-
-
-def _named(results: Results, places: tuple[str, ...]) -> list[str]:
-    return [*results.axes, *places]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        difference = np.where(a == b, 0.0, np.abs(a - b) / size)  # equal infinities are equal
+    difference[np.isnan(a) & np.isnan(b)] = 0.0
+    difference[np.isnan(a) != np.isnan(b)] = np.inf
+    at = np.flatnonzero(difference > error)
+    data = [table, column, list(map(_words, rows[at])), a[at], b[at], difference[at], error[at]]
+    return pd.DataFrame(dict(zip(_CHANGES, data, strict=True)))
 
 
 def _words(place: Any) -> str:
     return ", ".join(map(str, place)) if isinstance(place, tuple) else str(place)
-
-
-def _lines(first: str, second: str) -> Iterator[str]:
-    for line in difflib.unified_diff(first.splitlines(), second.splitlines(), lineterm="", n=0):
-        if not line.startswith(("---", "+++", "@@")):
-            yield line
 
 
 def _keys(first: dict[str, Any], second: dict[str, Any]) -> Iterator[tuple[str, Any, Any]]:
@@ -210,10 +194,3 @@ def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     for key, item in value.items():
         if not (key == "derived" or (not path and key in ("places", "separation"))):
             yield from _flat(item, f"{path}.{key}" if path else key)
-
-
-def _software(first: dict[str, Any], second: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    for name in SOFTWARE:
-        one, other = (str(attrs.get(f"software_{name}", "-")) for attrs in (first, second))
-        if one != other:
-            yield name, one, other

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache, partial
 from importlib import metadata
@@ -20,7 +21,7 @@ from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted
 from pounding_cli.results.file import unit_attributes
 from pounding_cli.results.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
-from pounding_cli.results.solved import SENTENCES, TEXTS, Solved
+from pounding_cli.results.solved import SENTENCES, TEXTS, Solved, most_storeys, points
 from pounding_cli.results.statistics import statistics
 from pounding_cli.solver.response import COLLAPSED, DONE
 from pounding_cli.study.plan import Plan
@@ -57,7 +58,7 @@ def dataset(plan: Plan, solved: Solved) -> xr.Dataset:
         v.attrs = {**unit, "long_name": VARIABLES[name].text}
     for name, quantity in WRITTEN.items():
         if name in found:
-            found[name].attrs |= unit_attributes(plan.study.unit(quantity), np.dtype(float))
+            found[name].attrs |= unit_attributes(plan.study.unit(quantity))
     beside = {v.name: found.pop(v.name) for v in RECORDS}
     coords = _coordinates(plan, solved.values["building.shear"].shape[-1]) | beside
     return xr.Dataset(found | _study(plan), coords, _attributes(plan, solved))
@@ -170,7 +171,8 @@ def _coordinates(plan: Plan, storeys: int) -> dict[str, xr.Variable]:
             is_numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
             array = np.array(values, float) if is_numeric else np.array(list(map(str, values)), object)
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
-            attrs = {"long_name": text} | unit_attributes(axis.unit(column), array.dtype)
+            unit = axis.unit(column)
+            attrs = {"long_name": text} | unit_attributes(unit if is_numeric else replace(unit, si=""))
             found[name] = _variable(axis.names[0], array, attrs)
     names = {"case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": plan.buildings}
     arrays = {name: (name, np.array(values, object)) for name, values in names.items()}
@@ -186,8 +188,8 @@ def _coordinates(plan: Plan, storeys: int) -> dict[str, xr.Variable]:
         }
         arrays |= {name: ("link", array) for name, array in of_links.items()}
     for name, (dim, array) in arrays.items():
-        unit, text = COORDINATES[name]
-        found[name] = _variable(dim, array, ({"units": unit} if unit else {}) | {"long_name": text})
+        si, text = COORDINATES[name]
+        found[name] = _variable(dim, array, ({"units": si} if si else {}) | {"long_name": text})
     return found
 
 
@@ -199,48 +201,38 @@ def _links(plan: Plan, axes: tuple[str, ...]) -> Variables:
 
 def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
     """Buildings and motions, over the axes that change them."""
-    study = plan.study
-    storeys = max(
-        study.building(at, b).storeys for b in range(len(plan.buildings)) for at in _points(plan, "buildings", b)
-    )
+    study, storeys = plan.study, most_storeys(plan)
 
-    def over(touched: Sequence[bool], dims: dict[str, tuple[str, ...]], value: Callable[[Any], dict]) -> Variables:
-        """What `value` says at every combination of the values of some axes."""
-        kept = [axis for axis, mine in zip(axes, touched, strict=True) if mine]
-        sizes = [len(axis.values) for axis, mine in zip(plan.axes, touched, strict=True) if mine]
-        each = [
-            value(at)
-            for at in np.ndindex(*(len(a.values) if m else 1 for a, m in zip(plan.axes, touched, strict=True)))
-        ]
-        return {
-            name: _variable(
-                (*kept, *own), np.array([one[name] for one in each]).reshape((*sizes, *np.shape(each[0][name])))
-            )
+    def over(section: str, dims: dict[str, tuple[str, ...]], value: Callable[[Any], dict[str, Any]]) -> Variables:
+        """What `value` says at every combination of the values of the axes that touch a section of the study."""
+        touched = [k for k, mine in enumerate(study.touching(section)) if mine]
+        each = [value(at) for at in points(plan, section)]
+        arrays = {name: np.array([one[name] for one in each]) for name in dims}
+        sizes = [len(plan.axes[k].values) for k in touched]
+        found = {
+            name: _variable((*(axes[k] for k in touched), *own), arrays[name].reshape(*sizes, *arrays[name].shape[1:]))
             for name, own in dims.items()
         }
-
-    def of_building(place: int) -> Callable[[Any], dict[str, Any]]:
-        def found(point: Any) -> dict[str, Any]:
-            building = study.building(point, place)
-            padded = {name: np.full(storeys, np.nan) for name in ("mass", "height", "stiffness", "yield_shear")}
-            for name, array in padded.items():
-                array[: building.storeys] = (
-                    building.known(name) if isinstance(building, Wall) else getattr(building, name)
-                )
-            return {
-                **padded,
-                "period": building.periods[0],
-                "base_shear_ratio": building.base_shear_ratio,
-                "slab": building.slab,
-            }
-
+        for axis in (axes[k] for k in touched):  # without those that change nothing after all
+            first = {name: v.isel({axis: 0}) for name, v in found.items()}
+            if all(first[name].set_dims(v.sizes).transpose(*v.dims).equals(v) for name, v in found.items()):
+                found = first
         return found
 
-    own = {v.name: v.dims[1:] for v in BUILDINGS if v.name != "separation"}
-    apart = [over(study.touching("buildings", b), own, of_building(b)) for b in range(len(plan.buildings))]
-    found = {name: _side_by_side([each[name] for each in apart], axes) for name in own}
-    touched = study.touching("buildings")
-    found |= over(touched, {"separation": ("building",)}, lambda point: {"separation": study.separations(point)})
+    def group(point: Any) -> dict[str, Any]:
+        row = [study.building(point, place) for place in range(len(plan.buildings))]
+        found: dict[str, Any] = {
+            "period": np.array([building.periods[0] for building in row]),
+            "base_shear_ratio": np.array([building.base_shear_ratio for building in row]),
+            "slab": np.array([building.slab for building in row]),
+            "separation": study.separations(point),
+        }
+        for name in ("mass", "height", "stiffness", "yield_shear"):
+            found[name] = np.full((len(row), storeys), np.nan)
+            for values, building in zip(found[name], row, strict=True):
+                known = building.known(name) if isinstance(building, Wall) else getattr(building, name)
+                values[: building.storeys] = known
+        return found
 
     def motions(point: Any) -> dict[str, Any]:
         uses = [study.motions(point)[name].use for name in plan.records]
@@ -250,34 +242,8 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
             for name, kind in kinds.items()
         }
 
-    records = over(study.touching("records"), {v.name: v.dims for v in RECORDS}, motions)
-    return _lean(found, axes) | _lean(records, axes)
-
-
-def _points(plan: Plan, *subject: Any) -> np.ndindex:
-    """A point of the sweep for every combination of the values that change something."""
-    touched = plan.study.touching(*subject)
-    return np.ndindex(*(len(axis.values) if mine else 1 for axis, mine in zip(plan.axes, touched, strict=True)))
-
-
-def _side_by_side(parts: list[xr.Variable], axes: tuple[str, ...]) -> xr.Variable:
-    """A variable of every building as one, the dimension `building` behind the swept axes."""
-    sizes = {dim: size for part in parts for dim, size in part.sizes.items()}
-    kept = [axis for axis in axes if axis in sizes]
-    rest = [dim for dim in parts[0].dims if dim not in kept]
-    whole = [part.set_dims({dim: sizes[dim] for dim in (*kept, *rest)}).transpose(*kept, *rest) for part in parts]
-    return _variable((*kept, "building", *rest), np.stack([part.values for part in whole], axis=len(kept)))
-
-
-def _lean(variables: Variables, axes: tuple[str, ...]) -> Variables:
-    """Without the axes that change none of them: a sweep of the gap leaves one building."""
-    for axis in axes:
-        if not any(axis in v.dims for v in variables.values()):
-            continue
-        first = {name: v.isel({axis: 0}) if axis in v.dims else v for name, v in variables.items()}
-        if all(first[name].set_dims(v.sizes).transpose(*v.dims).equals(v) for name, v in variables.items()):
-            variables = first
-    return variables
+    buildings = over("buildings", {v.name: v.dims for v in BUILDINGS}, group)
+    return buildings | over("records", {v.name: v.dims for v in RECORDS}, motions)
 
 
 def _study(plan: Plan) -> Variables:

@@ -16,7 +16,8 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.results.keys import FORMAT, FORMAT_VERSION
-from pounding_cli.results.tables import Table
+from pounding_cli.results.tables import Column, Table
+from pounding_cli.texts import plain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,11 +157,9 @@ def _of_table(table: Table) -> xr.Dataset:
         values = table.frame[name].to_numpy()
         values = np.array(list(map(str, values)), object) if values.dtype.kind in "OU" else values
         values = values.astype(np.int8) if values.dtype.kind == "b" else values
-        unit, text = table.meanings[name]
-        shown = unit_attributes(table.units[name], values.dtype) if name in table.units else {}
-        found[f"column_{number}"] = xr.Variable(
-            "row", values, ({"units": unit} if unit else {}) | {"long_name": text} | shown
-        )
+        column = table.columns[name]
+        attrs = {"long_name": column.text} | unit_attributes(column.unit)
+        found[f"column_{number}"] = xr.Variable("row", values, attrs)
     return xr.Dataset(found, attrs={"columns": json.dumps(list(table.frame.columns))})
 
 
@@ -170,14 +169,20 @@ def read_table(path: Path, name: str) -> Table:
 
     with opened(path, f"answer/{name}") as found:
         data = {column: found[f"column_{number}"] for number, column in enumerate(json.loads(found.attrs["columns"]))}
-        meanings = {column: (str(v.attrs.get("units", "")), str(v.attrs["long_name"])) for column, v in data.items()}
-        units = {column: written(v.attrs) for column, v in data.items() if "unit_factor" in v.attrs}
-        return Table(name, pd.DataFrame({column: v.values for column, v in data.items()}), meanings, units)
+        columns = {name: Column(str(v.attrs["long_name"]), written(v.attrs), name) for name, v in data.items()}
+        frame = pd.DataFrame({column: v.values for column, v in data.items()})
+        return Table(name, frame, columns, name.replace("_", " ").capitalize())
 
 
-def unit_attributes(unit: Unit, dtype: np.dtype) -> dict[str, Any]:
+def plain_value(value: Any) -> Any:
+    """An attribute or a coordinate as Python has it, without control characters."""
+    value = value.item() if isinstance(value, np.generic) else value
+    return plain(value) if isinstance(value, str) else value
+
+
+def unit_attributes(unit: Unit) -> dict[str, Any]:
     """How a variable says its unit: SI, and as the study writes it."""
-    found: dict[str, Any] = {"units": unit.si} if unit.si and dtype.kind == "f" else {}
+    found: dict[str, Any] = {"units": unit.si} if unit.si else {}
     return found | {"unit_written": unit.name, "unit_factor": unit.factor}
 
 

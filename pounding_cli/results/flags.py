@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.solver.flags import is_meaningless
+from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
@@ -17,16 +17,6 @@ if TYPE_CHECKING:
 
 MOST_NAMED = 6
 """Points of a sweep whose flagged scenes are named; of more, the number is."""
-
-
-class SceneFlags(NamedTuple):
-    """A scene with its flags, one a line; `point` is its point of the sweep in words, "" where nothing is swept."""
-
-    point: str
-    case: str
-    analysis: str
-    record: str
-    flags: str
 
 
 @dataclass(frozen=True)
@@ -55,54 +45,10 @@ class FlagGroup:
         return f"{where}: {self.flag}{example if self.detail else ''}"
 
 
-def flag_groups(scenes: Iterable[SceneFlags]) -> tuple[FlagGroup, ...]:
-    """What is flagged, case by case and analysis by analysis, meaningless first.
-
-    scenes : all of them, unflagged ones too, each case and analysis in the order they shall appear
-    """
-    of: dict[tuple[str, str], int] = {}
-    records: dict[str, None] = {}
-    flagged: dict[tuple[str, str, str], dict[tuple[str, str], str]] = {}
-    for scene in scenes:
-        place = (scene.case, scene.analysis)
-        of[place] = of.get(place, 0) + 1
-        records[scene.record] = None
-        for flag, detail in parted(scene.flags):
-            flagged.setdefault((*place, flag), {}).setdefault((scene.point, scene.record), detail)
-    groups = [
-        FlagGroup(
-            case,
-            analysis,
-            flag,
-            next(iter(found.values())),
-            is_meaningless(flag),
-            len(found),
-            of[case, analysis],
-            _named(found, of[case, analysis], len(records)),
-        )
-        for (case, analysis, flag), found in flagged.items()
-    ]
-    order = {place: number for number, place in enumerate(of)}
-    return tuple(sorted(groups, key=lambda group: (not group.meaningless, order[group.case, group.analysis])))
-
-
-def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None) -> tuple[FlagGroup, ...]:
-    """`flag_groups` of a table of scenes (`Results.scene()`), or of some of its rows.
-
-    units : of the swept keys, to name points by (`Results.units`); SI unless given
-    """
-    swept, written = _swept(scene), units or {}
-    points = [
-        ", ".join(f"{name} = {written.get(name, Unit()).text(row[name])}" for name in swept)
-        for row in scene[[*swept, "flags"]].to_dict("records")  # of no column pandas 2 makes no rows
-    ]
-    columns = (scene[name] for name in ("case", "analysis", "record", "flags"))
-    return flag_groups(map(SceneFlags._make, zip(points, *columns, strict=True)))
-
-
-def failed_scenes(scene: pd.DataFrame) -> pd.DataFrame:
-    """The rows of a table of scenes that have no result; a collapse is one."""
-    return scene[~scene["status"].isin(OUTCOMES)]
+def parted(flags: str) -> list[tuple[str, str]]:
+    """What is flagged and the detail behind its colon, of the flags of one scene, one a line."""
+    parts = (line.partition(": ") for line in flags.splitlines())
+    return [(flag, detail) for flag, _, detail in parts]
 
 
 def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
@@ -115,8 +61,33 @@ def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
         for *where, flags in scene[[*place, "flags"]].itertuples(index=False, name=None)
         for flag, detail in parted(flags)
     ]
-    found = pd.DataFrame(rows, columns=[*place, "flag", "detail", "meaningless"])
-    return found.astype({"meaningless": bool})
+    return pd.DataFrame(rows, columns=[*place, "flag", "detail", "meaningless"]).astype({"meaningless": bool})
+
+
+def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None) -> tuple[FlagGroup, ...]:
+    """What is flagged in a table of scenes (`Results.scene()`) or in some of its rows, meaningless first.
+
+    units : of the swept keys, to name points by (`Results.units`); SI unless given
+    """
+    swept, records = _swept(scene), scene["record"].nunique()
+    of = scene.groupby(["case", "analysis"], sort=False).size()
+    flagged = flagged_scenes(scene).drop_duplicates([*swept, "case", "analysis", "record", "flag"])
+    groups: list[FlagGroup] = []
+    place: Any
+    for place, rows in flagged.groupby(["case", "analysis", "flag"], sort=False):
+        case, analysis, flag = place
+        first, whole = rows.iloc[0], int(of[case, analysis])
+        named = "all" if len(rows) == whole > 1 else _named(rows, swept, records, units or {})
+        groups.append(
+            FlagGroup(case, analysis, flag, first["detail"], bool(first["meaningless"]), len(rows), whole, named)
+        )
+    order = list(of.index)
+    return tuple(sorted(groups, key=lambda group: (not group.meaningless, order.index((group.case, group.analysis)))))
+
+
+def failed_scenes(scene: pd.DataFrame) -> pd.DataFrame:
+    """The rows of a table of scenes that have no result; a collapse is one."""
+    return scene[~scene["status"].isin(OUTCOMES)]
 
 
 def counts_of_flags(flags: np.ndarray) -> dict[str, np.ndarray]:
@@ -124,32 +95,24 @@ def counts_of_flags(flags: np.ndarray) -> dict[str, np.ndarray]:
 
     flags : those of every scene, one a line; over axes, case, analysis and record
     """
-    flagged = np.array([bool(cell) for cell in flags.flat]).reshape(flags.shape)
-    worthless = np.array([any(map(is_meaningless, cell.splitlines())) for cell in flags.flat]).reshape(flags.shape)
-    return {"records_flagged": flagged.sum(axis=-1), "records_meaningless": worthless.sum(axis=-1)}
-
-
-def parted(flags: str) -> Iterator[tuple[str, str]]:
-    """What is flagged and the detail behind its colon, of the flags of one scene, one a line."""
-    for line in flags.splitlines():
-        flag, _, detail = line.partition(": ")
-        yield flag, detail
+    is_void = np.vectorize(lambda cell: any(map(is_meaningless, cell.splitlines())), otypes=[bool])
+    return {"records_flagged": (flags != "").sum(axis=-1), "records_meaningless": is_void(flags).sum(axis=-1)}
 
 
 def _swept(scene: pd.DataFrame) -> list[str]:
     return list(scene.columns[: list(scene.columns).index("case")])
 
 
-def _named(found: Iterable[tuple[str, str]], of: int, records: int) -> str:
-    """Points and records in words: "all", "elcentro, taft", "gap = 0.1: elcentro; gap = 0.2: all motions"."""
-    points: dict[str, list[str]] = {}
-    for point, record in found:
-        points.setdefault(point, []).append(record)
-    if sum(map(len, points.values())) == of and of > 1:
-        return "all"
+def _named(rows: pd.DataFrame, swept: list[str], records: int, units: Mapping[str, Unit]) -> str:
+    """Points and records in words: "elcentro, taft", "gap = 0.1: elcentro; gap = 0.2: all motions"."""
+    if not swept:
+        return ", ".join(rows["record"])
     words = []
-    for point, names in points.items():
-        named = "all motions" if point and len(names) == records > 1 else ", ".join(names)
-        words.append(f"{point}: {named}" if point else named)
+    place: Any
+    for place, mine in rows.groupby(swept, sort=False)["record"]:
+        point = ", ".join(
+            f"{key} = {units.get(key, Unit()).text(value)}" for key, value in zip(swept, place, strict=True)
+        )
+        words.append(f"{point}: {'all motions' if len(mine) == records > 1 else ', '.join(mine)}")
     more = len(words) - MOST_NAMED
     return "; ".join(words[:MOST_NAMED]) + (f"; and {counted(more, 'more point')}" if more > 0 else "")

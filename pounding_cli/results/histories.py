@@ -1,9 +1,10 @@
-"""Chosen scenes over time: the groups `histories/<n>` of a results file, a Dataset each (docs/histories.md)."""
+"""Scenes over time: the groups `histories/<n>` of a results file, a Dataset each (docs/histories.md), and a history as
+a person looks at it: in a line, as tables, as curves."""
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,20 +12,21 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.results.file import groups, opened
-from pounding_cli.results.keys import solution_key
-from pounding_cli.study.plan import Plan, Row
-from pounding_cli.texts import plain
+from pounding_cli.results.file import groups, opened, plain_value
+from pounding_cli.solver.response import DONE
+from pounding_cli.study.plan import Plan
 from pounding_cli.variables import PLACE
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
-    from pounding_cli.solver.histories import History
+    from pounding_cli.solver import histories as solver
 
 GROUP = "histories"
 
-FIELDS = {
+FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
     "ground_acceleration": (("time",), "m/s2", "ground acceleration"),
     "ground_displacement": (("time",), "m", "ground acceleration integrated twice from rest, no baseline correction"),
     "displacement": (("time", "building", "floor"), "m", "floor displacement relative to the ground"),
@@ -44,6 +46,12 @@ FIELDS = {
 }
 """Variable -> dimensions, unit, meaning."""
 
+ENERGIES = tuple(name.removeprefix("energy_") for name in FIELDS if name.startswith("energy_"))
+
+QUANTITIES = {name: of for name, of in FIELDS.items() if not name.startswith("energy_")}
+QUANTITIES["energy"] = (("time", "kind"), "J", "energy put in, held and lost so far")
+"""What `frame` and `plot` can show -> dimensions, unit, meaning."""
+
 WORTH_TELLING = 20
 """So many scenes to run for their histories take some seconds, and the user is told."""
 
@@ -51,130 +59,241 @@ _FACTS = ("number", "scene", "every", "times")
 """What is known of a kept scene besides its place."""
 
 
-def kept_histories(
-    plan: Plan, found: xr.Dataset, output: Path, tell: Callable[[str], None], replace: bool = False
-) -> Iterator[xr.Dataset]:
-    """The histories of the rows that a plan keeps, in the order of the tables; those of rows whose scene failed are
-    left out.
+class History:
+    """What a scene does over time; NaN where a floor, storey or link does not exist.
 
-    Parameters
-    ----------
-    found : the Dataset of the plan
-    output : a former results file, whose histories serve again where the same solver made them
-    tell : told of a run between output times that fails although the scene's own was done
-    replace : drop what a former file keeps and this study does not ask for
-
-    Raises
-    ------
-    InputError : the former file keeps histories that this study does not ask for
+    dataset : everything over time, building, floor, storey and link, with units (docs/histories.md).  Its variables are
+        attributes too, as arrays: `history.drift`, shape (times, buildings, storeys) [m]
+    buildings, links : names, left to right; `left|right floor j`
+    energy : of every kind (input, kinetic, stored, damping, hysteresis, links), shape (times,) [J]
     """
-    former: dict[tuple[str, float], tuple[dict[str, Any], xr.Dataset]] = {}
-    with contextlib.suppress(InputError):  # missing, damaged, of an older program
-        for facts, data in _stored(output):
-            former[facts["scene"], facts["every"]] = facts, data
-    asked = [place_of(plan, row) for row in plan.kept]
-    lost = sum(not any(_agrees(facts, place) for place in asked) for facts, _ in former.values())
-    if lost and not replace:
-        what = f"the output keeps {counted(lost, 'history', 'histories')} that this run would drop"
-        hint = "write `keep` in the study to make them again, name another file with -o, or use --replace"
-        raise InputError(Problem(what, hint, str(output)))
-    if former and _key_of(output) != solution_key(plan):
-        former = {}
-    return _made(plan, found, former, tell)
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.dataset = dataset
+
+    @classmethod
+    def of(cls, history: solver.History) -> History:
+        """The same, to look at."""
+        numbers = np.arange(1, history.displacement.shape[2] + 1)
+        names = {"building": np.array(history.buildings, object), "link": np.array(history.links, object)}
+        return cls(_over({**names, "storey": numbers, "floor": numbers}, history, np.float64))
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        if name != "time" and name not in FIELDS:
+            raise AttributeError(f"a history has no {name!r}")
+        if name not in self.dataset:  # no case of the file has a link
+            return np.empty((self.dataset.sizes["time"], 0))
+        return self.dataset[name].values
+
+    @property
+    def buildings(self) -> tuple[str, ...]:
+        """Names, left to right."""
+        return tuple(self.dataset["building"].values.tolist())
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names in the order of the tables."""
+        return tuple(self.dataset["link"].values.tolist()) if "link" in self.dataset else ()
+
+    @property
+    def energy(self) -> dict[str, np.ndarray]:
+        """Of every kind, shape (times,) [J]; the first is the sum of the others."""
+        return {kind: getattr(self, f"energy_{kind}") for kind in ENERGIES}
+
+    def frame(self, quantity: str = "displacement") -> pd.DataFrame:
+        """One quantity over time, a column each for the floors, storeys or links that there are.
+
+        Parameters
+        ----------
+        quantity : displacement, total_acceleration (columns: building and floor); drift, shear (building and storey);
+            link_force, closing (link); sway, rocking (building); ground_acceleration, ground_displacement; energy
+
+        The index is the time [s]; the unit stands in `frame.attrs["units"]`.
+
+        Raises
+        ------
+        InputError : no such quantity
+        """
+        import pandas as pd
+
+        if quantity not in QUANTITIES:
+            said = f"no quantity '{quantity}' in a history"
+            raise InputError(Problem(said, f"write one of {', '.join(QUANTITIES)}"))
+        (_, *dims), unit, text = QUANTITIES[quantity]
+        values = np.stack(list(self.energy.values()), axis=1) if quantity == "energy" else getattr(self, quantity)
+        names = {"building": self.buildings, "link": self.links, "kind": ENERGIES}
+        columns: Any = pd.Index([quantity])
+        if len(dims) == 2:
+            numbers = range(1, values.shape[2] + 1)
+            columns = pd.MultiIndex.from_product([self.buildings, numbers], names=dims)
+        elif dims:
+            columns = pd.Index(names[dims[0]], name=dims[0])
+        index = pd.Index(self.time, name="time")
+        frame = pd.DataFrame(values.reshape(len(index), -1), index=index, columns=columns)
+        frame = frame.loc[:, ~np.isnan(values.reshape(len(index), -1)).all(axis=0)]
+        frame.attrs = {"units": unit, "long_name": text}
+        return frame
+
+    def plot(
+        self,
+        *quantities: str,
+        level: int | None = None,
+        between: tuple[float, float] | None = None,
+        axes: Axes | Sequence[Axes] | None = None,
+    ) -> list[Axes]:
+        """Curves over time, one panel a quantity: displacements, closings and link forces unless others are named.
+
+        Parameters
+        ----------
+        quantities : as in `frame`
+        level : floor or storey that is drawn of every building and link; the highest one unless given
+        between : the part that is drawn [s]; all unless given
+        axes : as many as there are quantities; new ones, one above the other, unless given
+
+        Returns the axes.
+
+        Raises
+        ------
+        InputError : no such quantity; a number of axes other than that of the quantities
+        """
+        import matplotlib.pyplot as plt
+
+        chosen = quantities or ("displacement", *(("closing", "link_force") if self._has_links else ()))
+        frames = [self._curves(name, level) for name in chosen]
+        given: Any = axes
+        if given is None:
+            shape = (7.0, 1.0 + 1.8 * len(chosen))
+            given = plt.subplots(len(chosen), 1, sharex=True, figsize=shape, layout="constrained")[1]
+        panels = list(np.atleast_1d(np.asarray(given, dtype=object)).ravel())
+        if len(panels) != len(chosen):
+            hint = f"give {counted(len(chosen), 'axis', 'axes')}, one a quantity: {', '.join(chosen)}"
+            raise InputError(Problem(f"{counted(len(panels), 'axis', 'axes')} for {len(chosen)} quantities", hint))
+        for ax, name, frame in zip(panels, chosen, frames, strict=True):
+            part = frame if between is None else frame.loc[between[0] : between[1]]
+            for column in part.columns:
+                ax.plot(part.index, part[column], label=_label(column, part.columns.names), lw=1.2)
+            ax.set_ylabel(f"{name.replace('_', ' ')} [{frame.attrs['units']}]")
+            ax.grid(alpha=0.3)
+            if len(part.columns) > 1 or part.columns.names[0] is not None:
+                ax.legend(fontsize="small")
+        panels[-1].set_xlabel("time [s]")
+        return panels
+
+    def _curves(self, quantity: str, level: int | None) -> pd.DataFrame:
+        """What is drawn of a quantity: one floor or storey a building, one link a pair."""
+        from pounding_cli.solver.histories import link_ends
+
+        frame = self.frame(quantity)
+        if quantity not in ("link_force", "closing") and frame.columns.nlevels == 1:
+            return frame
+        places: list[Any] = list(frame.columns)
+        if frame.columns.nlevels == 1:
+            ends = dict(zip(self.links, link_ends(self.buildings, self.links), strict=True))
+            places = [ends[label][:2] for label in frame.columns]
+        top = dict(places)  # the highest number comes last
+        kept = [number == (level or top[of]) for of, number in places]
+        if not any(kept):
+            raise InputError(Problem(f"{quantity}: there is nothing at level {level}", "give an existing floor"))
+        part = frame.loc[:, kept]
+        part.attrs = frame.attrs
+        return part
+
+    def largest(self) -> pd.DataFrame:
+        """The largest value of every quantity in every building and over the links, where it is and when [s].
+
+        Without regard to sign, except of closings. Between the output times values may be larger: the peaks in the
+        tables of a results file are located there too.
+        """
+        import pandas as pd
+
+        rows = []
+        for name in ("displacement", "drift", "total_acceleration", "shear", "closing", "link_force"):
+            frame = self.frame(name)
+            frame = frame if name == "closing" else frame.abs()
+            whole = [frame] if "link" in frame.columns.names else [frame[[b]] for b in self.buildings]
+            for part in whole if not frame.empty else ():
+                column = part.max().idxmax()
+                where = _label(column, part.columns.names)
+                rows.append((name, where, part[column].max(), QUANTITIES[name][1], part[column].idxmax()))
+        found = pd.DataFrame(rows, columns=["quantity", "where", "largest", "unit", "time"])
+        return found.set_index(["quantity", "where"])
+
+    def __repr__(self) -> str:
+        time, links = self.time, self.frame("link_force").shape[1]
+        step = f" every {1000 * time[1]:.4g} ms" if time.size > 1 else ""
+        said = f"{counted(links, 'link')}; {time[-1]:.4g} s{step}, {counted(time.size, 'time')}"
+        return f"History({', '.join(self.buildings)}; {said})"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        return f"<p>{escape(repr(self))}</p>{self.largest().to_html(float_format='{:.4g}'.format)}"
+
+    @property
+    def _has_links(self) -> bool:
+        return not self.frame("link_force").empty
 
 
-def _made(
-    plan: Plan,
-    found: xr.Dataset,
-    former: Mapping[tuple[str, float], tuple[dict, xr.Dataset]],
-    tell: Callable[[str], None],
-) -> Iterator[xr.Dataset]:
-    status = found["status"].values
-    names = (plan.cases, plan.analyses, plan.records)
-    digests = {row.scene: plan.digests[row.scene].tobytes().hex() for row in plan.kept}
-    missing = sum((digest, plan.every) not in former for digest in digests.values())
-    if missing >= WORTH_TELLING:
-        tell(f"running {missing} scenes for their histories")
+def _label(column: Any, names: Sequence[Any]) -> str:
+    """A column in words: "soft, floor 5"."""
+    return f"{column[0]}, {names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
+
+
+# Those of a results file
+
+
+def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -> Iterator[xr.Dataset]:
+    """The histories of the rows that a plan keeps, in the order of the tables, over the coordinates of its Dataset;
+    those of rows whose scene failed are left out.
+
+    tell : told of a run between output times that fails although the scene's own was done
+    """
+    if len(plan.kept) >= WORTH_TELLING:
+        tell(f"{counted(len(plan.kept), 'scene')} to run for their histories")
+    status, names = found["status"].values, (plan.cases, plan.analyses, plan.records)
+    over = {name: found[name].values for name in ("building", "storey", "floor", "link") if name in found.coords}
     for row in plan.kept:
         at = (*row.point, *(known.index(name) for known, name in zip(names, row[1:4], strict=True)))
-        if status[at] != "done":
+        if status[at] != DONE:
             continue
-        data = former.get((digests[row.scene], plan.every), ({}, None))[1]
-        if data is None or not _fits(data, found):
-            from pounding_cli.solver.histories import history  # here: a finished study needs no numba
+        place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
+        for axis, number in zip(plan.axes, row.point, strict=True):
+            place |= dict(zip(axis.names, axis.values[number], strict=True))
+        from pounding_cli.solver.histories import history  # here: a study without any needs no numba
 
-            try:
-                data = _dataset(history(plan.scene(row.scene), plan.accuracy, plan.every), found)
-            except InputError as error:
-                tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
-                continue
-        data.attrs = place_of(plan, row) | {"scene": digests[row.scene], "every": plan.every}
+        try:
+            data = _over(over, history(plan.scene(row.scene), plan.accuracy, plan.every), np.float32)
+        except InputError as error:
+            tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
+            continue
+        digest = plan.digests[row.scene].tobytes().hex()
+        data.attrs = place | {"scene": digest, "every": plan.every}
         yield data
 
 
-def place_of(plan: Plan, row: Row) -> dict[str, Any]:
-    """Case, analysis, record and swept values of a row, as a kept scene has them for attributes."""
-    place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
-    for axis, number in zip(plan.axes, row.point, strict=True):
-        place |= dict(zip(axis.names, axis.values[number], strict=True))
-    return place
-
-
-def _dataset(history: History, found: xr.Dataset) -> xr.Dataset:
-    """A history over the coordinates of a results file; links that the file does not know are left out."""
+def _over(names: Mapping[str, np.ndarray], history: solver.History, kind: type) -> xr.Dataset:
+    """A history over some buildings, storeys, floors and links; of those that it does not have NaN."""
     import xarray as xr
 
-    names = ("building", "storey", "floor", "link")
-    coords = {name: found[name].variable for name in names if name in found.coords}
-    coords["time"] = xr.Variable(
-        ("time",), history.time, {"units": "s", "long_name": "time since the motion began"}, fastpath=True
-    )
-    labels = found["link"].values.tolist() if "link" in coords else []
+    variable = partial(xr.Variable, fastpath=True)  # see `dataset._variable`
+    coords = {name: variable(name, values) for name, values in names.items()}
+    coords["time"] = variable("time", history.time, {"units": "s", "long_name": "time since the motion began"})
+    labels = names["link"].tolist() if "link" in names else []
     known = [number for number, label in enumerate(history.links) if label in labels]
     columns = [labels.index(history.links[number]) for number in known]
     data = {}
     for name, (dims, unit, text) in FIELDS.items():
-        kind = name.removeprefix("energy_")
-        values = getattr(history, name) if kind == name else history.energy[kind]
-        if values is None or not all(dim in coords for dim in dims):
+        if "link" in dims and "link" not in names:
             continue
-        whole = np.full([coords[dim].size for dim in dims], np.nan, np.float32)
-        if dims == ("time", "link"):
+        of = name.removeprefix("energy_")
+        values = getattr(history, name) if of == name else history.energy[of]
+        whole: np.ndarray = np.full([coords[dim].size for dim in dims], np.nan, kind)
+        if "link" in dims:
             whole[:, columns] = values[:, known]
         else:
             whole[tuple(slice(size) for size in values.shape)] = values
-        data[name] = xr.Variable(dims, whole, {"units": unit, "long_name": text}, fastpath=True)
+        data[name] = variable(dims, whole, {"units": unit, "long_name": text})
     return xr.Dataset(data, coords)
-
-
-def _fits(data: xr.Dataset, found: xr.Dataset) -> bool:
-    """Whether a history of a former file stands over the same coordinates."""
-    names = ("building", "storey", "floor", "link")
-    return all(
-        (name in data) == (name in found.coords)
-        and (
-            name not in data
-            or data[name].equals(found[name].drop_vars([each for each in found[name].coords if each != name]))
-        )
-        for name in names
-    )
-
-
-def _key_of(output: Path) -> str:
-    with opened(output) as found:
-        return str(found.attrs["solution_key"])
-
-
-def _stored(path: Path) -> Iterator[tuple[dict[str, Any], xr.Dataset]]:
-    """Every kept scene of a file: its attributes with its `number` and how many `times` it has, and its Dataset.
-
-    Raises InputError, see `file.opened`.
-    """
-    opened(path).close()
-    for number in sorted(groups(path, GROUP), key=int):
-        with opened(path, f"{GROUP}/{number}") as data:
-            facts = {str(name): _plain(value) for name, value in data.attrs.items() if name != "coordinates"}
-            yield facts | {"number": int(number), "times": data["time"].size}, data.load()
 
 
 def kept_places(path: Path) -> list[dict[str, Any]]:
@@ -182,7 +301,12 @@ def kept_places(path: Path) -> list[dict[str, Any]]:
 
     Raises InputError, see `file.opened`.
     """
-    return [facts for facts, _ in _stored(path)]
+    found = []
+    for number in sorted(groups(path, GROUP), key=int):
+        with opened(path, f"{GROUP}/{number}") as data:
+            facts = {str(name): plain_value(value) for name, value in data.attrs.items()}
+            found.append(facts | {"number": int(number), "times": data["time"].size})
+    return found
 
 
 def chosen_place(places: Sequence[dict[str, Any]], wanted: Mapping[str, Any], name: str) -> dict[str, Any]:
@@ -195,45 +319,27 @@ def chosen_place(places: Sequence[dict[str, Any]], wanted: Mapping[str, Any], na
     if not places:
         hint = "add `keep: histories` to the study and run it again; what is solved stays"
         raise InputError(Problem("keeps no histories", hint, name))
-    meant = [facts for facts in places if _agrees(facts, wanted)]
+    meant = [facts for facts in places if all(_same(facts.get(key), value) for key, value in wanted.items())]
     if len(meant) == 1:
         return meant[0]
-    said = ", ".join(f"{key} {value}" for key, value in wanted.items())
-    shown = [_in_words(facts) for facts in (meant or places)]
+    shown = []
+    for facts in meant or places:
+        swept = [f"{key} = {value}" for key, value in facts.items() if key not in (*PLACE, *_FACTS)]
+        shown.append(", ".join((*swept, *(facts[key] for key in PLACE))))
     listed = "; ".join(shown[:12]) + (f"; ... {len(shown)} in all" if len(shown) > 12 else "")
+    said = ", ".join(f"{key} {value}" for key, value in wanted.items())
     what = (f"keeps {len(meant)} histories" if meant else "keeps no history") + (f" of {said}" if said else "")
     raise InputError(Problem(what, f"{'say which of' if meant else 'kept are'}: {listed}", name))
 
 
-def read_history(path: Path, number: int) -> History:
-    """A kept scene; links in the file's order, NaN where the scene has none.  Raises InputError, see `file.opened`."""
-    from pounding_cli.solver.histories import ENERGIES, History  # here: numba takes a while to load
-
-    with opened(path, f"{GROUP}/{number}") as data:
-        none = np.empty((data.sizes["time"], 0), np.float32)
-        arrays = {name: data[name].values if name in data else none for name in FIELDS}
-        names = {dim: tuple(data[dim].values.tolist()) if dim in data else () for dim in ("building", "link")}
-        energy = {name: arrays.pop(f"energy_{name}") for name in ENERGIES}
-        time = data["time"].values
-    return History(time=time, **arrays, energy=energy, buildings=names["building"], links=names["link"])
-
-
-def _in_words(facts: Mapping[str, Any]) -> str:
-    swept = [f"{key} = {value}" for key, value in facts.items() if key not in (*PLACE, *_FACTS)]
-    return ", ".join((*swept, *(facts[key] for key in PLACE)))
-
-
-def _agrees(facts: Mapping[str, Any], place: Mapping[str, Any]) -> bool:
-    """Whether a kept scene stands at a place, numbers to nine digits."""
-    return all(name in facts and _same(facts[name], value) for name, value in place.items())
-
-
 def _same(one: Any, other: Any) -> bool:
+    """Whether two values of a key are the same, numbers to nine digits."""
     if isinstance(one, float) and isinstance(other, int | float):
         return abs(one - other) <= 1e-9 * max(abs(one), abs(other))
     return bool(one == other)
 
 
-def _plain(value: Any) -> Any:
-    value = value.item() if isinstance(value, np.generic) else value
-    return plain(value) if isinstance(value, str) else value
+def read_history(path: Path, number: int) -> History:
+    """A kept scene; links in the file's order, NaN where the scene has none.  Raises InputError, see `file.opened`."""
+    with opened(path, f"{GROUP}/{number}") as data:
+        return History(data.load())

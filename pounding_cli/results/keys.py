@@ -43,6 +43,5 @@ def solver_version() -> str:
 
 def solution_key(plan: Plan) -> str:
     """What two solutions of one scene share exactly when they are the same number for number."""
-    everything = " | all effects" if plan.all_effects else ""
     asked = f"accuracy {plan.accuracy!r}" if plan.time_step is None else f"time step {plan.time_step!r}"
-    return f"solver {solver_version()} | method {plan.method} | {asked} | estimate {plan.estimate}{everything}"
+    return f"solver {solver_version()} | method {plan.method} | {asked} | estimate {plan.estimate}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from pathlib import Path
 
@@ -46,52 +45,37 @@ def check_results(path: Path, study: Study, workflow: str = "run", replace: bool
     check_output(path, [study.path], lambda place, _: file.is_results(place))
     if not path.exists() or not path.stat().st_size:
         return
+    held, facts = "damaged results whose study cannot be read", {}
     try:
         facts = file.facts(path, version=None)
     except InputError:
-        facts = {}
-    version = int(facts.get("format_version", 0))
-    if version > FORMAT_VERSION:
-        said = f"the output has format version {version}, newer than this program's {FORMAT_VERSION}"
-        raise InputError(Problem(said, "choose another name with -o FILE.h5, or move it away", str(path)))
-    command = str(facts.get("workflow", facts.get("kind", "run")))
-    is_same = bool(facts) and _is_of(facts.get("study_file"), str(facts.get("title")), study, path)
-    if replace or (is_same and command == workflow):
-        return
-    if not facts:
-        held = "damaged results whose study cannot be read"
-    elif is_same:
-        held = f"results of `pound {command}`"
+        pass
     else:
-        held = _in_words(facts, command, path)
-    hint = f"name another file, e.g. -o {_free(path)}, or use --replace to delete it (in Python: replace=True)"
-    raise InputError(Problem(f"the output holds {held}", hint, str(path)))
+        version, command = int(facts.get("format_version", 0)), facts.get("workflow", facts.get("kind", "run"))
+        if version > FORMAT_VERSION:
+            said = f"the output has format version {version}, newer than this program's {FORMAT_VERSION}"
+            raise InputError(Problem(said, "choose another name with -o FILE.h5, or move it away", str(path)))
+        of = "" if command == "run" else f" of `pound {command}`"
+        if not _is_of(facts, study, path):
+            source = f" ({facts['study_file']})" if facts.get("study_file") else ""
+            scenes = f" with {counted(int(facts['scenes']), 'scene')}" if "scenes" in facts else ""
+            held = f"another study{of}: '{facts.get('title')}'{source}{scenes}"
+        elif command == workflow:
+            return
+        else:
+            held = f"results of `pound {command}`"
+    if not replace:
+        free = next(name for n in range(2, 1000) if not (name := path.with_stem(f"{path.stem}-{n}")).exists())
+        hint = f"name another file, e.g. -o {free}, or use --replace to delete it (in Python: replace=True)"
+        raise InputError(Problem(f"the output holds {held}", hint, str(path)))
 
 
-def _is_of(place: object, title: str, study: Study, path: Path) -> bool:
-    """Whether results came from a study; `place`: `written_place` of theirs, None where it is not said."""
+def _is_of(facts: dict, study: Study, path: Path) -> bool:
+    """Whether the results in `path` came from a study."""
+    place, same_title = facts.get("study_file"), str(facts.get("title")) == study.title
     if not place:
-        return (place is None or study.from_data) and title == study.title
+        return (place is None or study.from_data) and same_title
     there = path.parent / str(place).replace("\0", "")
     if study.from_data:
         return False
-    return there.resolve() == study.path.resolve() or (not os.path.exists(there) and title == study.title)
-
-
-def _in_words(facts: dict[str, object], command: str, path: Path) -> str:
-    count, kept = int(str(facts.get("scenes", 0))), 0
-    with contextlib.suppress(OSError):
-        kept = len(file.groups(path, "histories"))
-    counts = [counted(count, "scene")] if count else []
-    counts += [counted(kept, "history", "histories")] if kept else []
-    of = f" of `pound {command}`" if command != "run" else ""
-    source = f" ({facts['study_file']})" if facts.get("study_file") else ""
-    return f"another study{of}: '{facts.get('title')}'{source}" + (f" with {' and '.join(counts)}" if counts else "")
-
-
-def _free(path: Path) -> Path:
-    """A name beside `path` that no file has."""
-    number = 2
-    while path.with_stem(f"{path.stem}-{number}").exists():
-        number += 1
-    return path.with_stem(f"{path.stem}-{number}")
+    return there.resolve() == study.path.resolve() or (not os.path.exists(there) and same_title)

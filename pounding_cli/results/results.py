@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 import copy
-import functools
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.records.scaling import SpectrumMatch
-from pounding_cli.results.columns import ANSWERS, TABLES, meaning
-from pounding_cli.results.file import groups, opened, read_table, written
+from pounding_cli.results.file import groups, opened, plain_value, read_table, written
 from pounding_cli.results.flags import counts_of_flags, flagged_scenes
-from pounding_cli.results.histories import chosen_place, kept_places, read_history
-from pounding_cli.results.tables import Table
+from pounding_cli.results.histories import History, chosen_place, kept_places, read_history
+from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
 from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.texts import plain, plain_tree
-from pounding_cli.variables import FLOOR, LINK, OF_COLUMNS, PLACE, RATIOS, RESPONSES, SCENES, STOREY, WRITTEN
+from pounding_cli.variables import FLOOR, LINK, OF_COLUMNS, PLACE, RATIOS, RESPONSES, SCENES, STOREY, VARIABLES, WRITTEN
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-    from pounding_cli.solver.histories import History
 
 _OVER = {
     dims: [v.name for v in RESPONSES if v.dims == dims and v.name not in OF_COLUMNS] for dims in (STOREY, FLOOR, LINK)
@@ -39,34 +37,10 @@ _ACCURACY = [
     "orders", "seconds",
 ]  # fmt: skip
 _RECORD = ["source", "digest", "scale", "window", "pga", "arias"]
+_DIMS = {
+    "building": ("building",), "case": ("case",), "analysis": ("analysis", "analyses"), "record": ("motion",),
+}  # fmt: skip
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
-
-
-def open_results(path: str | Path) -> Results:
-    """The results of a study.
-
-    Raises
-    ------
-    InputError : no such file, not a results file of this program, or of another format version
-    """
-    return Results(Path(path))
-
-
-def _told(read: Callable[..., Any]) -> Callable[..., Any]:
-    """What a file lacks is an `InputError` that names it."""
-
-    @functools.wraps(read)
-    def asked(self: Results, *arguments: Any, **named: Any) -> Any:
-        try:
-            return read(self, *arguments, **named)
-        except InputError:
-            raise
-        except (KeyError, ValueError, TypeError, IndexError, AttributeError, OSError, RuntimeError) as error:
-            what = f"does not hold what results hold ({str(error).splitlines()[0] if str(error) else error!r})"
-            hint = "give the file that pound run wrote, or run the study again"
-            raise InputError(Problem(what, hint, str(self.path))) from error
-
-    return asked
 
 
 class Results:
@@ -92,29 +66,32 @@ class Results:
     def __init__(self, path: Path) -> None:
         self.path = Path(path)
         self.data: xr.Dataset = opened(self.path)
-        self._start()
+        try:
+            self._start()
+        except (KeyError, ValueError, TypeError, AttributeError) as error:
+            what = f"does not hold what results hold ({error})"
+            hint = "give the file that pound run wrote, or run the study again"
+            raise InputError(Problem(what, hint, str(self.path))) from error
 
-    @_told
     def _start(self) -> None:
         data = self.data
-        self.attrs: dict[str, Any] = {
-            str(name): _plain(value) for name, value in data.attrs.items() if name != "coordinates"
-        }
+        if missing := [
+            v.name for v in VARIABLES.values() if v.always and LINK[-1] not in v.dims and v.name not in data
+        ]:
+            raise ValueError(f"no {', '.join(missing)}")
+        self.attrs = {str(name): plain_value(value) for name, value in data.attrs.items() if name != "coordinates"}
         self.title, self.workflow = str(self.attrs["title"]), str(self.attrs["workflow"])
-        self.answers = tuple(sorted(groups(self.path, "answer"), key=self._place))
+        there = groups(self.path, "answer")
+        self.answers = tuple(name for name in json.loads(self.attrs.get("answers", "[]")) if name in there)
         self.study_text, self.resolved_text = (str(data[name].item()) for name in ("study_text", "study_resolved"))
         self.warnings = tuple(Problem(**each) for each in json.loads(str(data["study_warnings"].item())))
         self.assumed_heights: tuple[str, ...] = tuple(map(plain, json.loads(self.attrs["assumed_heights"])))
         self.methods: tuple[str, ...] = tuple(json.loads(self.attrs["methods"]))
         self.swept: list[list[str]] = json.loads(self.attrs["swept"])
         keys = [name for names in self.swept for name in names]
-        self.axes: dict[str, list[Any]] = {name: [_plain(each) for each in data[name].values.tolist()] for name in keys}
+        self.axes: dict[str, list[Any]] = {name: list(map(plain_value, data[name].values.tolist())) for name in keys}
         self.units: dict[str, Unit] = {name: written(data[name].attrs) for name in keys}
         self.units |= {name.removeprefix("record_"): written(data[name].attrs) for name in WRITTEN if name in data}
-
-    def _place(self, name: str) -> int:
-        order = json.loads(self.attrs.get("answers", "[]"))
-        return order.index(name) if name in order else len(order)
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
@@ -144,8 +121,8 @@ class Results:
         return (*TABLES, *self.answers)
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table by its name: storey, floor, link, struck, scene, flagged, accuracy, summary, records, buildings, or
-        one of `answers`.  Raises InputError: there is no such table."""
+        """A table by its name (`tables`: storey, floor, link, struck, base, scene, flagged, accuracy, summary, records,
+        buildings), or one of `answers`.  Raises InputError: there is no such table."""
         if name not in TABLES:
             return self.answer(name).frame.copy()
         found = getattr(self, name)
@@ -153,25 +130,18 @@ class Results:
 
     def answer(self, name: str) -> Table:
         """One of the tables of `answers`.  Raises InputError: the file has no such table."""
-        if name not in self._answers:
-            if name not in self.answers:
-                command = next((each for each, tables in ANSWERS.items() if name in tables), "")
-                hint = f"write it with: pound {command} STUDY" if command else f"it has: {', '.join(self.tables)}"
-                raise InputError(Problem(f"has no table {name}", hint, str(self.path)))
-            self._answers[name] = self._read_answer(name)
-        return self._answers[name]
-
-    @cached_property
-    def _answers(self) -> dict[str, Table]:
-        return {}
-
-    @_told
-    def _read_answer(self, name: str) -> Table:
+        if name not in self.answers:
+            command = next((each for each, tables in ANSWERS.items() if name in tables), "")
+            hint = f"write it with: pound {command} STUDY" if command else f"it has: {', '.join(self.tables)}"
+            raise InputError(Problem(f"has no table {name}", hint, str(self.path)))
         return read_table(self.path, name)
 
-    def meaning(self, table: str, column: str) -> tuple[str, str]:
-        """Unit (SI; "1" for a pure number, "" for text and swept keys) and meaning of a column of a table."""
-        return self.answer(table).meanings[column] if table in self.answers else meaning(table, column)
+    def column(self, table: str, name: str) -> Column:
+        """What a column of a table means, and the unit that people read it in: that of the study, otherwise SI."""
+        if table in self.answers:
+            return self.answer(table).columns[name]
+        found = column_of(name, table)
+        return replace(found, unit=self.units[name]) if name in self.units else found
 
     def storey(self) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios."""
@@ -181,7 +151,6 @@ class Results:
         """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]."""
         return self._levels("floor", _OVER[FLOOR])
 
-    @_told
     def link(self) -> pd.DataFrame:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]."""
         facts = ["link_left", "link_right", "link_floor"]
@@ -194,6 +163,12 @@ class Results:
         frame = self._frame([*facts, *names, "status"], (*self._dims, *PLACE, "link"))
         frame.columns = [str(name).removeprefix("link_") for name in frame]
         return frame[(frame["kind"] != "") & (frame["status"] != "")].drop(columns="status").reset_index(drop=True)
+
+    def base(self) -> pd.DataFrame:
+        """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
+        names = ["sway", "rocking", *(["isolator_displacement"] if "isolator_displacement" in self.data else [])]
+        frame = self._solved(self._frame([*names, "status"], (*self._dims, *PLACE, "building")))
+        return frame[(frame[names] > 0).any(axis=1)].drop(columns="status").reset_index(drop=True)
 
     def struck(self) -> pd.DataFrame:
         """Per row of columns that a slab strikes between floors: building, storey, height of the blow over that of the
@@ -212,7 +187,6 @@ class Results:
         found = {name: np.where(is_left, link[left], link[right]) for name, (left, right) in sides.items()}
         return link[place].assign(**found, **link[["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]])
 
-    @_told
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
         return self._scene.copy()
@@ -231,14 +205,12 @@ class Results:
         """
         return flagged_scenes(self.scene())
 
-    @_told
     def accuracy(self) -> pd.DataFrame:
         """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
         energy left open [-], steps, events, Taylor orders, seconds in the solver.
         """
         return self._solved(self._frame(_ACCURACY, (*self._dims, *PLACE)))
 
-    @_told
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
         storey i.
@@ -261,7 +233,6 @@ class Results:
         dims = (*places, "building", "storey")
         return self._frame(list(found), dims, found)[self._there(dims)].reset_index(drop=True)
 
-    @_told
     def records(self) -> pd.DataFrame:
         """Per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.
 
@@ -276,7 +247,6 @@ class Results:
         return frame.rename(columns=lambda name: str(name).removeprefix("record_"))
 
     @cached_property
-    @_told
     def buildings(self) -> pd.DataFrame:
         """Per building and storey: place from 1 at the left, mass [kg], height [m], stiffness [N/m],
         yield shear [N], fundamental period [s], base-shear ratio V/W [-] (infinite for storeys that never yield),
@@ -301,7 +271,6 @@ class Results:
         return pd.DataFrame({name: [row[name] for row in self._kept] for name in names})
 
     @cached_property
-    @_told
     def _kept(self) -> list[dict[str, Any]]:
         return kept_places(self.path)
 
@@ -321,11 +290,7 @@ class Results:
         """
         given = {"case": case, "analysis": analysis, "record": record, **swept}
         wanted = {k: v for k, v in given.items() if v is not None}
-        return self._read_history(chosen_place(self._kept, wanted, str(self.path))["number"])
-
-    @_told
-    def _read_history(self, number: int) -> History:
-        return read_history(self.path, number)
+        return read_history(self.path, chosen_place(self._kept, wanted, str(self.path))["number"])
 
     def first_sample(self) -> Results:
         """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
@@ -341,13 +306,39 @@ class Results:
         found.axes = {k: [v[cut[k]]] if k in cut else v for k, v in self.axes.items()}
         return found
 
+    # In a notebook
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """Every variable of the file over the swept axes, case, analysis, record, building, storey, floor and link,
+        with units and meanings; read into memory when it is first asked for."""
+        return self.data.load()
+
+    def __repr__(self) -> str:
+        said = []
+        for dim, words in _DIMS.items():
+            names = self.data[dim].values.tolist()
+            said.append(counted(len(names), *words) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
+        if self.axes:
+            said.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
+        failed = f" ({self.attrs['scenes_failed']} failed)" if self.attrs["scenes_failed"] else ""
+        said.append(f"{counted(self.attrs['scenes'], 'scene')}{failed}")
+        return f"Results({self.title!r}: {', '.join(said)}; {self.path})"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self))}</p>{self._worst().to_html(float_format='{:.3f}'.format, max_rows=40)}"
+
+    def _worst(self) -> pd.DataFrame:
+        """The largest mean ratio over the storeys and the sweep by case and building; columns analysis and ratio."""
+        means = [f"{ratio}_mean" for ratio in RATIOS]
+        return self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
+
     # Frames
 
     @property
     def _dims(self) -> tuple[str, ...]:
         return tuple(names[0] for names in self.swept)
 
-    @_told
     def _levels(self, level: str, names: list[str]) -> pd.DataFrame:
         dims = (*self._dims, *PLACE, "building", level)
         frame = self._frame([*names, "status"], dims)
@@ -378,8 +369,3 @@ class Results:
         keys = [key for key in self.axes if set(variables[key].dims) <= set(dims)]
         columns = (*keys, *(dim for dim in dims if dim not in self._dims), *names)
         return pd.DataFrame({name: variables[name].set_dims(sizes).transpose(*dims).values.ravel() for name in columns})
-
-
-def _plain(value: Any) -> Any:
-    value = value.item() if isinstance(value, np.generic) else value
-    return plain(value) if isinstance(value, str) else value

@@ -21,7 +21,7 @@ SCALARS = (
 )  # fmt: skip
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
 STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
-BASE = ("sway", "rocking")
+BASE = ("sway", "rocking", "isolator_displacement")
 LINK = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
 
@@ -105,8 +105,13 @@ class Solved:
         "error_estimate", "collapse_storey", ... (scenes + 1,); NaN where there is nothing
     """
 
-    def __init__(self, plan: Plan, storeys: int) -> None:
-        count, buildings, links = len(plan) + 1, len(plan.buildings), len(plan.links.places)
+    def __init__(self, plan: Plan) -> None:
+        count, buildings, links, storeys = (
+            len(plan) + 1,
+            len(plan.buildings),
+            len(plan.links.places),
+            most_storeys(plan),
+        )
         self.plan, self.there = plan, np.zeros(count, bool)
         shapes: dict[str, tuple[int, ...]] = dict.fromkeys((*SCALARS, *(f"energy_{name}" for name in ENERGIES)), ())
         shapes |= {f"building.{name}": (buildings, storeys) for name in STOREYS}
@@ -174,3 +179,18 @@ def _orders(plan: Plan) -> np.ndarray:
     each = len(plan.analyses) * len(plan.records)
     order = plan.links.order.reshape(math.prod(plan.shape[:-2]), -1)[rows // each]
     return np.where(columns[:, None] > 0, np.int16(-1), order)
+
+
+def most_storeys(plan: Plan) -> int:
+    """Storeys of the highest building at any point of the sweep."""
+    return max(
+        plan.study.building(point, place).storeys
+        for place in range(len(plan.buildings))
+        for point in points(plan, "buildings", place)
+    )
+
+
+def points(plan: Plan, *subject: Any) -> np.ndindex:
+    """A point of the sweep for every combination of the values that change something (`Study.touching`)."""
+    touched = plan.study.touching(*subject)
+    return np.ndindex(*(len(axis.values) if mine else 1 for axis, mine in zip(plan.axes, touched, strict=True)))

@@ -1,77 +1,108 @@
-"""A table: rows in SI units, with the units that people read and the meaning of every column."""
+"""Tables: rows in SI units, with the meaning of every column and the unit that people read it in."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pounding_cli.numbers import Unit
+from pounding_cli.variables import COORDINATES, VARIABLES
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pounding_cli.study.plan import Axis
+
+TABLES = (
+    "storey",
+    "floor",
+    "link",
+    "struck",
+    "base",
+    "scene",
+    "flagged",
+    "accuracy",
+    "summary",
+    "records",
+    "buildings",
+)
+"""The tables of `Results`."""
+
+ANSWERS: dict[str, tuple[str, ...]] = {
+    "gap": ("gap", "gap_cases", "property_line", "gap_rate"),
+    "fragility": ("fragility", "fragility_motions", "fragility_rates", "fragility_contributions"),
+    "sensitivity": (
+        "sensitivity",
+        "sensitivity_outputs",
+        "sensitivity_probabilities",
+        "sensitivity_samples",
+    ),
+    "optimise": ("optimise", "optimise_design", "optimise_points"),
+}
+"""The tables that commands add to a results file."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Column:
-    """A column of a table that is being made.
+    """What a column means and how people read it.
 
-    name : of the column
-    data : numbers in SI units, or texts; shape (rows,)
-    text : what it means
-    unit : SI unit, "1" for a pure number, "" for a text
-    shown : unit that people read it in; SI unless given
+    text : meaning
+    unit : that people read it in; `unit.si` is "1" for a pure number, "" for a text
+    label : what pages and figures call it
     """
 
-    name: str
-    data: np.ndarray
-    text: str
-    unit: str = ""
-    shown: Unit | None = None
+    text: str = ""
+    unit: Unit = field(default_factory=Unit)
+    label: str = ""
+
+    @property
+    def head(self) -> str:
+        """The label with its unit."""
+        return self.unit.label(self.label)
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
     """A table.
 
-    name : of the table
-    frame : its columns, in SI units
-    meanings : of every column, unit (SI; "1" for a pure number, "" for a text) and meaning
-    units : of some columns, the unit that people read them in
+    name : of the table; "" of one that is shown and not kept
+    frame : numbers in SI units, and texts; further lines of a text say where its number stands
+    columns : meaning and unit of every column; of those left out what is known of the column of that name
+    caption : what it is
     """
 
     name: str
     frame: pd.DataFrame
-    meanings: dict[str, tuple[str, str]] = field(default_factory=dict)
-    units: dict[str, Unit] = field(default_factory=dict)
-
-    @classmethod
-    def of(cls, name: str, columns: Sequence[Column]) -> Table:
-        """A table of columns of one length."""
-        import pandas as pd
-
-        frame = pd.DataFrame({column.name: column.data for column in columns})
-        meanings = {column.name: (column.unit, column.text) for column in columns}
-        return cls(name, frame, meanings, {column.name: column.shown for column in columns if column.shown is not None})
+    columns: Mapping[str, Column] = field(default_factory=dict)
+    caption: str = ""
 
 
-def place_columns(axes: Sequence[Axis], places: Sequence[tuple[int, ...]]) -> list[Column]:
-    """The columns that say at which point of the sweep a row stands, one for each swept key.
+_OTHERS = {
+    "place": ("1", "place of the building from the left, from 1"),
+    "records_used": ("1", "number of records with a V_ratio"),
+    "records_flagged": ("1", "number of records whose scene carries a flag"),
+    "records_meaningless": ("1", "number of records whose numbers have no meaning"),
+    "records_collapsed": ("1", "number of records in whose scene a storey collapsed"),
+    "flag": ("", "what is flagged"),
+    "detail": ("", "where, and by how much"),
+    "meaningless": ("", "whether the numbers of the scene have no meaning"),
+    "at": ("1", "height of the blow: part of the height of the storey"),
+    "by": ("", "building whose slab strikes"),
+    "by_floor": ("1", "its floor"),
+    "left": COORDINATES["link_left"],
+    "right": COORDINATES["link_right"],
+    "right_floor": COORDINATES["link_right_floor"],
+}
+"""Columns that are no variables of the file."""
 
-    axes : of the sweep
-    places : of every row its index on every axis
-    """
-    columns = []
-    for number, axis in enumerate(axes):
-        points = axis.values
-        for key, name in enumerate(axis.names):
-            values = [points[place[number]][key] for place in places]
-            is_text = any(isinstance(value, str) for value in values)
-            found = np.array([str(v) for v in values], dtype=object) if is_text else np.array(values, float)
-            unit = axis.unit(key)
-            columns.append(Column(name, found, f"swept: {name}", "" if is_text else unit.si, unit))
-    return columns
+
+def column_of(name: str, table: str = "") -> Column:
+    """What a column of a table of `Results` means, in SI units; "" of text and swept keys."""
+    if name in _OTHERS or name in COORDINATES:
+        si, text = {**COORDINATES, **_OTHERS}["link_floor" if (table, name) == ("link", "floor") else name]
+        label = "floor right" if name == "right_floor" else name.replace("_", " ")
+    elif variable := VARIABLES.get(name) or VARIABLES.get(f"record_{name}"):
+        si, text, label = variable.unit, variable.text, variable.label or name.replace("_", " ")
+    else:
+        si, text, label = "", "swept; as in the study file, SI", name
+    return Column(text, Unit("" if si == "1" else si, 1.0, si), label)

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.formula import WrittenLaw, operations
-from pounding_cli.laws.joined import JOINED
-from pounding_cli.laws.law import PARAMETERS
-from pounding_cli.laws.maxwell import Maxwell
+from pounding_cli.laws.formula import Row, WrittenLaw
+from pounding_cli.laws.joints import Maxwell
+from pounding_cli.laws.law import JOINED, PARAMETERS
+from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.foundation import Foundation
@@ -90,7 +90,7 @@ class _Elements:
     storeys: list[dict[str, Any]] = field(default_factory=list)
     drags: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
     links: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
-    formulas: list[list[tuple[float, float, float, float]]] = field(default_factory=list)
+    formulas: list[tuple[Row, ...]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +172,7 @@ def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool
 def _base(b: Building, f: Foundation) -> dict[str, Any]:
     """The element under a base that sways."""
     if b.isolators is None:
-        return _element(JOINED, (f.sway_stiffness, f.sway_damping), c=f.sway_damping)
+        return _element(JOINED, b.base_spring, c=b.base_spring[1])
     return _element(b.isolators.behaviour, b.isolators.numbers(), c=f.sway_damping, yields=1)
 
 
@@ -213,7 +213,7 @@ def _add_link(made: _Elements, link: Link, ends: Sequence[Weights]) -> None:
     numbers = link.law.numbers(*masses)
     if isinstance(link.law, WrittenLaw):
         force = link.law.force(1.0 / sum(inverse))
-        made.formulas.append([] if force.is_straight else operations(force))
+        made.formulas.append(() if force.is_straight else force.rows)
     left, right = ends
     weights = left | {dof: -weight for dof, weight in right.items()}
     eased = link.law.behaviour.force is not None
@@ -233,7 +233,7 @@ def _filled(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) 
     return records
 
 
-def _formulas(lists: Sequence[Sequence[tuple[float, float, float, float]]]) -> np.ndarray:
+def _formulas(lists: Sequence[Sequence[Row]]) -> np.ndarray:
     """Records of formulas with these operations, one at least."""
     records = np.zeros(max(len(lists), 1), FORMULA)
     for record, rows in zip(records, lists, strict=False):
@@ -319,25 +319,34 @@ def layout_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis
     )  # fmt: skip
 
 
+def term_matrix(layout: Layout) -> np.ndarray:
+    """Rows that give the deformation of every element from the displacements, shape (elements, degrees of freedom)."""
+    matrix = np.zeros((layout.elements.size, layout.number))
+    for row, element in zip(matrix, layout.elements, strict=True):
+        row[element["left"]] += 1.0
+        row[element["right"]] -= element["hold"]
+        for x in range(element["first"], element["last"]):
+            row[layout.terms["dof"][x]] += layout.terms["weight"][x]
+    return matrix
+
+
 @functools.cache
 def _still() -> Motion:
     """Two samples of still ground."""
     return Motion("still", 1.0, np.zeros(2))
 
 
-@functools.lru_cache(maxsize=16)
-def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
-    """(acceleration at its start [m/s2], slope [m/s3]) of every segment of a motion and of so many of still ground."""
-    starts, slopes = motion.acceleration[:-1], np.diff(motion.acceleration) / motion.dt
-    tail = np.zeros(still)
-    return np.concatenate((starts, tail)), np.concatenate((slopes, tail))
-
-
 def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """(acceleration at each segment's start [m/s2], its slope [m/s3]); a tail is still ground. Scenes of one motion
     share the arrays; nothing writes to them."""
-    still = int(np.ceil(scene.tail / scene.motion.dt - 1e-9)) if scene.tail > 0 else 0
-    return _segments(scene.motion, still)
+    return _segments(scene.motion, math.ceil(max(scene.tail, 0.0) / scene.motion.dt - 1e-9))
+
+
+@functools.lru_cache(maxsize=16)
+def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
+    tail = np.zeros(still)
+    slopes = np.diff(motion.acceleration) / motion.dt
+    return np.concatenate((motion.acceleration[:-1], tail)), np.concatenate((slopes, tail))
 
 
 def _at_line(rows: np.ndarray) -> np.ndarray:
@@ -349,44 +358,36 @@ def _at_line(rows: np.ndarray) -> np.ndarray:
     return made
 
 
+NO_TIMES = np.zeros(0)
+
+
+@functools.lru_cache(maxsize=64)
+def _watch_of_nothing(layout: Layout) -> Watch:
+    return watch_of(layout, NO_TIMES)
+
+
 def watch_of(layout: Layout, times: np.ndarray) -> Watch:
     """Room for what a run keeps at `times` [s]."""
     t, n, m = times.size, layout.number, layout.elements.size
     return Watch(times, np.zeros((t, n, 3)), np.zeros((t, m, 2)), np.zeros((t, 3)), np.zeros((t, n)))
 
 
-@functools.lru_cache(maxsize=64)
-def _watch_of_nothing(layout: Layout) -> Watch:
-    return watch_of(layout, np.zeros(0))
-
-
 def records_of(
     scene: Scene,
     layout: Layout,
     accuracy: float,
-    *,
-    always_smooth: bool = False,
-    has_room: bool = False,
-    initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None = None,
-    times: np.ndarray | None = None,
-    bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
+    method: Method,
+    initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None,
+    times: np.ndarray | None,
+    bounds: tuple[int, int],
 ) -> Data:
-    """The records of a run.
-
-    Parameters
-    ----------
-    always_smooth : take every step by DOP853
-    has_room : have room for smooth laws, whatever the steps
-    initial : floor displacements [m] and velocities [m/s], one array (n,) a building; None is rest
-    times : what is kept over time, from 0 [s]
-    bounds : most steps, most events
-    """
+    """The records of a run; parameters as of `solve.prepare`."""
     dofs, elements, run = _at_line(layout.dofs), layout.elements.copy(), np.zeros(1, RUN)
     if initial is not None:
         for span, u, v in zip(layout.floors, *initial, strict=True):
             dofs["u0"][span], dofs["w"][span, 0] = u, v
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
-    r = run[0]
+    r, always_smooth = run[0], method.name == "dop853"
     r["n"], r["m"], r["drags"], r["columns"] = layout.number, elements.size, layout.drags, 2 * len(layout.struck)
     r["dt"], r["tolerance"], r["least"] = scene.motion.dt, tolerance, _least_acceleration(scene, dofs, elements)
     r["smooth_tolerance"] = max(SMOOTHER * tolerance, FINEST_SMOOTH)
@@ -395,7 +396,7 @@ def records_of(
     r["most_steps"], r["most_events"], r["collapses"] = *bounds, layout.collapses
     r["always_smooth"] = always_smooth
     room = None
-    if layout.has_smooth or always_smooth or has_room:
+    if layout.has_smooth or always_smooth or method.takes_step:
         changing = int(np.count_nonzero(elements["state"]))
         room = Room(np.zeros(2 * layout.number + changing, STATE), layout.formulas.copy())
         room.states["scale"] = LEAST_STATE

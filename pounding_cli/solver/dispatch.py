@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import types
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -27,7 +28,7 @@ def compiled(function: Callable) -> Any:
         called = known.get(name)
         if isinstance(called, types.FunctionType) and called.__module__.startswith("pounding_cli.laws"):
             known[name] = compiled(called)
-    copy = types.FunctionType(function.__code__, known, function.__name__)
+    copy = types.FunctionType(function.__code__, known, function.__name__, function.__defaults__)
     return njit(**PART)(copy)
 
 
@@ -80,9 +81,27 @@ def history_rate(e, r, h):
 
 
 @njit(**PART)
+def line_force(e, v, r):
+    """Force [N] of the line, cubic or relaxing force of a branch, at the deformation v [m] and the rate r [m/s]."""
+    if e.relaxation > 0.0:
+        return e.h[0]
+    f = e.k * v + e.c * r + e.f0
+    if e.cubic != 0.0:
+        f += e.cubic * v**3 + e.root * math.sqrt(e.k + 3.0 * e.cubic * v * v) * r
+    return f
+
+
+@njit(**PART)
+def force(e, v, r, formula):
+    """Force [N] of an element with a smooth force too. It is called inside loops and takes records alone: the
+    references to an array would be counted at every call."""
+    f = line_force(e, v, r)
+    return f + smooth_force(e, v, r, formula) if e.smooth else f
+
+
+@njit(**PART)
 def smooth_force(e, v, r, formula):
-    """Force [N] of a law without a Taylor series, beside that of its line, at v [m] and v' [m/s]. It is called inside
-    loops and takes records alone: the references to an array would be counted at every call."""
+    """Force [N] of a law without a Taylor series, beside that of its line, at v [m] and v' [m/s]."""
     if e.kind == WRITTEN:
         return _written_force(formula, v, r)
     return _forces(e, v, r)

@@ -169,19 +169,11 @@ def _meets(el, r, s, guard, end):
 
 
 @njit(**PART)
-def _may_leave(el):
-    """Whether bounds do not show that an element stays on its branch during the step."""
-    if el.levels or el.cuts or el.crosses:
-        return True
-    least, most = min(el.v0, el.v1), max(el.v0, el.v1)
-    slowest, fastest = min(el.r0, el.r1), max(el.r0, el.r1)
-    if slowest - el.dr <= el.slow or fastest + el.dr >= el.fast:
-        return True
-    if least - el.dv > el.low and most + el.dv < el.high:
-        return False
-    starts_inside = el.v0 >= el.low and el.v0 <= el.high
-    monotone = abs(el.v1 - el.v0) > 4.0 * el.dv  # then it may begin where the branch begins
-    return not (starts_inside and monotone and el.v1 > el.low and el.v1 < el.high)
+def _stays(el):
+    """Whether bounds show that an element stays on its branch during the step."""
+    is_inside = min(el.v0, el.v1) - el.dv > el.low and max(el.v0, el.v1) + el.dv < el.high
+    keeps_way = min(el.r0, el.r1) - el.dr > el.slow and max(el.r0, el.r1) + el.dr < el.fast
+    return is_inside and keeps_way and not (el.levels or el.cuts or el.crosses)
 
 
 @njit(**PART)
@@ -189,9 +181,11 @@ def _may_meet(el, guard, is_link):
     """Whether an element has this guard, and bounds do not show that it stays away from it."""
     if guard == LOW or guard == HIGH:
         at, side = (el.low, 1.0) if guard == LOW else (el.high, -1.0)
+        first, last = side * (el.v0 - at), side * (el.v1 - at)
         if is_link and el.stuck >= 2 and el.pinned == VALUE and el.exact == at:
             return False
-        return not min(side * (el.v0 - at), side * (el.v1 - at)) > el.dv
+        is_monotone = abs(last - first) > 4.0 * el.dv  # then it may begin where the branch begins
+        return not (min(first, last) > el.dv or (is_monotone and first >= 0.0 and last > 0.0))
     if guard == SLOWER:
         return not min(el.r0, el.r1) - el.slow > el.dr
     if guard == FASTER:
@@ -208,17 +202,18 @@ def first_event(dofs, elements, terms, r, series):
     for e in range(r.m):
         el = elements[e]
         el.at = NEVER
-        if _may_leave(el):
-            for guard in range(COLLAPSE):
-                if _may_meet(el, guard, e >= r.n):
-                    rate_series(dofs, elements, terms, r, e)
-                    at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
-                    if el.eased and r.still:
-                        at = max(at, FROM_REST)
-                    if at < el.at:
-                        el.at, el.guard = at, guard
-            if el.at < r.end:
-                r.end, found = el.at, True
+        if _stays(el):
+            continue
+        for guard in range(COLLAPSE):
+            if _may_meet(el, guard, e >= r.n):
+                rate_series(dofs, elements, terms, r, e)
+                at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
+                if el.eased and r.still:
+                    at = max(at, FROM_REST)
+                if at < el.at:
+                    el.at, el.guard = at, guard
+        if el.at < r.end:
+            r.end, found = el.at, True
     if r.collapses:
         found = _first_collapse(dofs, elements, terms, r) or found
     return found

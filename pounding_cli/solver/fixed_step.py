@@ -8,18 +8,18 @@ Element Procedures (1996), section 9.2.1."""
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numba import njit
 
 from pounding_cli.laws.guards import FASTER, FORCE, HIGH, LOW, SLOWER
-from pounding_cli.solver.dispatch import next_branch, smooth_force
+from pounding_cli.solver.assemble import Layout, term_matrix
+from pounding_cli.solver.dispatch import force, line_force, next_branch, smooth_force
 from pounding_cli.solver.events import ends_of_elements
 from pounding_cli.solver.options import CALLED, KERNEL, PART
 from pounding_cli.solver.records import COLLAPSED, DONE, NO_ROOT, NOT_FINITE
 from pounding_cli.solver.run import begin
-from pounding_cli.solver.series import line_force, push, push_by_storey
+from pounding_cli.solver.series import push, push_by_storey
 
 BRANCHES = 8
 """Branches that an element passes in a step, at most."""
@@ -32,6 +32,9 @@ SHORTEST = 1.0 / 1024.0
 
 FIXED = ("central-difference", "newmark")
 """The methods of this file: `march` calls each by its place here."""
+
+HEAVY = 1e200
+"""Mass of what does not move [kg]."""
 
 NEAR = 1e-7
 """Part of a rate and of a deformation by which slopes of a force are taken."""
@@ -56,7 +59,7 @@ def _settle(el, formula):
         elif el.r1 > el.fast:
             guard = FASTER
         elif el.cuts:
-            f = _force(el, el.v1, el.r1, formula)
+            f = force(el, el.v1, el.r1, formula)
             if (f < 0.0 and el.acts) or (f > 0.0 and not el.acts):
                 guard = FORCE
         if guard < 0:
@@ -65,13 +68,6 @@ def _settle(el, formula):
         next_branch(el, guard)
         if was_open and el.closed:
             el.hits += 1
-
-
-@njit(**PART)
-def _force(el, v, r, formula):
-    """Force of a branch [N], as if it acted."""
-    f = line_force(el, v, r)
-    return f + smooth_force(el, v, r, formula) if el.smooth else f
 
 
 @njit(**CALLED)
@@ -83,7 +79,7 @@ def _pushes(dofs, elements, terms, r, room, ground):
     for e in range(r.n, r.m):
         el = elements[e]
         if el.closed and el.acts:
-            push(dofs, terms, el, _force(el, el.v1, el.r1, room.formulas[el.formula]))
+            push(dofs, terms, el, force(el, el.v1, el.r1, room.formulas[el.formula]))
     for i in range(r.n):
         el = elements[i]
         f = line_force(el, el.v1, el.r1)
@@ -110,7 +106,7 @@ def _end(dofs, elements, terms, r, room, h):
             if r.collapses and abs(el.v1) > el.collapse:
                 r.status = COLLAPSED
         elif el.closed and el.acts:
-            f = _force(el, el.v1, el.r1, room.formulas[el.formula])
+            f = force(el, el.v1, el.r1, room.formulas[el.formula])
             el.peak_f = max(el.peak_f, abs(f))
             el.impulse += f * h
             el.time += h
@@ -127,7 +123,7 @@ def _raise_columns(elements, terms, r, columns, room):
         for x in range(column.first, column.last):
             link = elements[terms[x].dof]
             if link.closed and link.acts:
-                f += terms[x].weight * _force(link, link.v1, link.r1, room.formulas[link.formula])
+                f += terms[x].weight * force(link, link.v1, link.r1, room.formulas[link.formula])
         column.peak = max(column.peak, abs(f))
 
 
@@ -174,7 +170,7 @@ def _matrix(dofs, elements, terms, r, room, h, rows, weights):
     n = r.n
     rows[:, :] = 0.0
     for i in range(n):
-        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag) if dofs[i].inv_mass > 0.0 else math.inf
+        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag) if dofs[i].inv_mass > 0.0 else HEAVY
     for e in range(r.m):
         el = elements[e]
         if not (el.closed and el.acts):
@@ -197,31 +193,6 @@ def _matrix(dofs, elements, terms, r, room, h, rows, weights):
                 rows[e - 1, e - 1] += size
                 rows[e, e - 1] -= size
                 rows[e - 1, e] -= size
-
-
-@njit(**CALLED)
-def _solve_in_place(rows, x):
-    """x = rows^-1 x by Gauss's elimination with pivots; both are overwritten."""
-    n = x.size
-    for i in range(n):
-        pivot = i
-        for j in range(i + 1, n):
-            if abs(rows[j, i]) > abs(rows[pivot, i]):
-                pivot = j
-        if pivot != i:
-            for j in range(i, n):
-                rows[i, j], rows[pivot, j] = rows[pivot, j], rows[i, j]
-            x[i], x[pivot] = x[pivot], x[i]
-        for j in range(i + 1, n):
-            part = rows[j, i] / rows[i, i]
-            if part != 0.0:
-                for k in range(i, n):
-                    rows[j, k] -= part * rows[i, k]
-                x[j] -= part * x[i]
-    for i in range(n - 1, -1, -1):
-        for j in range(i + 1, n):
-            x[i] -= rows[i, j] * x[j]
-        x[i] /= rows[i, i]
 
 
 @njit(**PART)
@@ -250,10 +221,12 @@ def _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, ground):
             left, most = max(left, abs(x[i])), max(most, max(abs(inertia), abs(d.push)))
         if left <= CONVERGED * most:
             return True
+        if not most < 1e300:
+            break
         _matrix(dofs, elements, terms, r, room, h, rows, weights)
-        _solve_in_place(rows, x)
+        more = np.linalg.solve(rows, x)
         for i in range(n):
-            dofs[i].a1 += x[i]
+            dofs[i].a1 += more[i]
     elements[:] = kept
     return False
 
@@ -303,7 +276,34 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, par
     return r.status
 
 
-def arguments(run: Any, ground: np.ndarray, slopes: np.ndarray) -> tuple[Any, ...]:
-    """Those of `march` for a `solve.Prepared`, at the longest step not above its own that divides the motion's."""
-    *arrays, _ = run.data
-    return *arrays, ground, slopes, steps_a_sample(run.scene.motion.dt, run.time_step), FIXED.index(run.method.name)
+def modes_at_stiffest(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """(circular frequencies [rad/s], damping ratios [-]) of the undamped modes of a scene with every link closed, each
+    where its law is stiffest; modal coupling by damping is left out."""
+    rows, mass, n = term_matrix(layout), layout.dofs["mass"], layout.number
+    k, c = np.zeros(len(rows)), np.zeros(len(rows))
+    k[:n], c[:n] = layout.elements["p"][:n, 0], layout.elements["c"][:n]
+    drags = slice(n, layout.of_links.start)
+    c[drags] = layout.elements["p"][drags, 1]
+    for place, link in enumerate(layout.links, layout.of_links.start):
+        if link.law.can_close:
+            k[place], c[place] = link.law.steepest
+            c[place] = max(c[place], layout.elements["p"][place, 1] if link.law.joins else 0.0)
+    stiffness, damping = rows.T @ (k[:, None] * rows), rows.T @ (c[:, None] * rows)
+    damping[np.diag_indices(n)] += layout.dofs["drag"] * mass
+    inverse = np.sqrt(layout.dofs["inv_mass"])
+    squares, shapes = np.linalg.eigh(stiffness * np.outer(inverse, inverse))
+    shapes *= inverse[:, None]
+    omega = np.sqrt(np.maximum(squares, 0.0))
+    moving = omega > 1e-9
+    ratio = np.einsum("ij,ik,kj->j", shapes, damping, shapes)[moving] / (2 * omega[moving])
+    return omega[moving], ratio
+
+
+def central_difference_limit(layout: Layout) -> float:
+    """Largest stable time step [s] of central difference with extrapolated damping forces.
+
+    2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
+    alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
+    """
+    omega, ratio = modes_at_stiffest(layout)
+    return float(np.min(2 * (np.sqrt(1 + 4 * ratio**2) - 2 * ratio) / omega))

@@ -1,4 +1,4 @@
-"""What a run has left: its response, and its energy balance."""
+"""What a run has left: its response, its energy balance, and flags of what the user should know about it."""
 
 from __future__ import annotations
 
@@ -7,11 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from pounding_cli.laws import link_laws
+from pounding_cli.laws.formula import WrittenJoint
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import Layout, struck_columns
-from pounding_cli.solver.flags import collapse_flag, flags_of, isolator_flags
 from pounding_cli.solver.records import Data
 from pounding_cli.solver.response import (
     COLLAPSED,
@@ -60,9 +63,6 @@ OPEN_BALANCE: Outcome = (
 )
 
 
-NO_FLAGS: tuple[str, ...] = ()
-
-
 def outcome_of(data: Data, accuracy: float, residual: float) -> Outcome:
     """How a run ended: none with numbers that are not finite, or an energy balance that does not close, is done."""
     end = ENDS[int(data.run["status"][0])]
@@ -99,6 +99,8 @@ def buildings_of(layout: Layout, data: Data) -> tuple[BuildingResponse, ...]:
                 float(furthest[layout.feet[b]]) if layout.feet[b] >= 0 else 0.0,
             )
         )
+        if building.foundation is not None and building.foundation.isolation is not None:
+            found[-1] = replace(found[-1], isolator_displacement=found[-1].sway)
         if isinstance(building, Wall):
             found[-1] = _of_wall(building, found[-1])
     return tuple(found)
@@ -228,7 +230,45 @@ def said_of(
     """The flags of a run."""
     said = isolator_flags(scene, [each.sway for each in buildings])
     if status == COLLAPSED:
-        said += collapse_flag(scene, float(data.run["time"][0]), *collapse_of(layout, data))
-    if any(link.law.beyond_gap for link in layout.links):
-        said += flags_of(scene, links)
-    return said
+        building, storey = collapse_of(layout, data)
+        where = f"{scene.buildings[building].name} storey {storey}"
+        said += (f"{COLLAPSED}: {where}, at {float(data.run['time'][0]):.4g} s",)
+    return said + flags_of(scene, links)
+
+
+def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
+    """One sentence for each link compressed beyond its thickness or its gap (paper, after eqs 9 and 10): what is
+    flagged, a colon, where and by how much. Where another link lets the floors strike, nothing is left out."""
+    said = []
+    for link, closing in zip(scene.links, links.max_closing.tolist(), strict=True):
+        beyond = closing - link.gap
+        if beyond <= 0 or not link.law.beyond_gap or (link.law.meaningless and _strikes(scene, link)):
+            continue
+        left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
+        said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond * 1000:.3g} mm")
+    return tuple(said)
+
+
+def isolator_flags(scene: Scene, sways: Sequence[float]) -> tuple[str, ...]:
+    """A sentence for each building whose base moved further [m] than its isolators can."""
+    said = []
+    for building, sway in zip(scene.buildings, sways, strict=True):
+        isolation = None if building.foundation is None else building.foundation.isolation
+        if isolation is not None and sway > isolation.capacity:
+            beyond = 1000 * (sway - isolation.capacity)
+            said.append(f"isolators moved beyond their capacity: {building.name}, by {beyond:.3g} mm")
+    return tuple(said)
+
+
+def _strikes(scene: Scene, link: Link) -> bool:
+    """Whether another link lets the same floors strike each other."""
+    floors = link.left, link.left_floor, link.right_floor
+    return any(
+        floors == (each.left, each.left_floor, each.right_floor) for each in scene.links if each.law.subtracts_gap
+    )
+
+
+def is_meaningless(flag: str) -> bool:
+    """Whether a flag takes the meaning from all numbers of its scene."""
+    laws: tuple[type[LinkLaw], ...] = (*link_laws().values(), WrittenJoint)
+    return flag.startswith(tuple(law.beyond_gap for law in laws if law.meaningless))

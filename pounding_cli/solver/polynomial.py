@@ -4,41 +4,29 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from numba import njit
 
 from pounding_cli.solver.options import CALLED, PART
+from pounding_cli.solver.records import ORDERS
 
 NEVER = 2.0
 """Returned when there is no crossing: later than any step."""
 
+SLOPE = ORDERS + 8
+"""Place in r.p of the derivative's coefficients."""
+
+LAST, NEAR = 3e-16, 1e-7
+"""Part by which a root is found at last: a crossing to the last digit; a turn, whose value moves by the square."""
+
 
 @njit(**PART)
-def value(p, n, s):
-    """The polynomial at s (Horner)."""
-    total = p[n]
-    for k in range(n - 1, -1, -1):
+def value(p, n, s, at=0):
+    """The polynomial of degree n whose coefficients begin at p[at], at s (Horner)."""
+    total = p[at + n]
+    for k in range(at + n - 1, at - 1, -1):
         total = total * s + p[k]
     return total
-
-
-@njit(**PART)
-def value_and_slope(p, n, s):
-    """The polynomial and its derivative at s."""
-    total, slope = p[n], 0.0
-    for k in range(n - 1, -1, -1):
-        slope = slope * s + total
-        total = total * s + p[k]
-    return total, slope
-
-
-@njit(**PART)
-def slope_and_bend(p, n, s):
-    """First and second derivative at s."""
-    slope, bend = n * p[n], 0.0
-    for k in range(n - 1, 0, -1):
-        bend = bend * s + slope
-        slope = slope * s + k * p[k]
-    return slope, bend
 
 
 @njit(**CALLED)
@@ -69,30 +57,30 @@ def first_crossing(r, n, end):
     if last > 0.0 and min(start, last) > 0.125 * bound * end:
         return NEVER
     if start_slope * last_slope > 0.0 and min(abs(start_slope), abs(last_slope)) > 0.125 * bend:
-        return NEVER if last > 0.0 else _bracketed(r, first, n, 0.0, end, start, last)
+        return NEVER if last > 0.0 else _bracketed(r, first, n, 0.0, end, start, last, LAST)
     return _march(r, first, n, end, bound / end if end > 0.0 else 0.0, 1e-17 * size, last)
 
 
 @njit(**CALLED)
-def _bracketed(r, first, n, low, high, start, last):
-    """A root between `low`, where the polynomial is `start` > 0, and `high`, where it is `last` <= 0: Newton kept
-    inside the bracket."""
-    p, s = r.p, low + (high - low) * start / (start - last)
+def _bracketed(r, first, last, low, high, at_low, at_high, near):
+    """A root of the polynomial r.p[first] to r.p[last] between `low`, where it is `at_low`, and `high`, where it is
+    `at_high` of the other sign or 0: Newton kept inside the bracket, until it moves by less than the part `near`."""
+    p, s, rising = r.p, low + (high - low) * at_low / (at_low - at_high), at_low < 0.0
     for _ in range(100):
-        total, slope = p[n], 0.0
-        for k in range(n - 1, first - 1, -1):
+        total, slope = p[last], 0.0
+        for k in range(last - 1, first - 1, -1):
             slope = slope * s + total
             total = total * s + p[k]
-        if total > 0.0:
+        if (total > 0.0) != rising:
             low = s
         else:
             high = s
         new = s - total / slope if slope != 0.0 else low
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - s) <= 3e-16 * s:
-            return new
-        s = new
+        moved, s = abs(new - s), new
+        if moved <= near * s:
+            break
     return s
 
 
@@ -114,30 +102,10 @@ def _march(r, first, n, end, bound, floor, last):
             step = (slope + root) / bound if bound > 0.0 else 2.0 * end + 1.0
         if s + step > end:
             return NEVER if last > 0.0 else end
-        if step <= 2e-16 * s:
+        if step <= LAST * s:
             return s
         s += step
-    return _bracketed(r, first, n, s, end, total, last) if last <= 0.0 else s
-
-
-@njit(**CALLED)
-def _turn(r, n, low, high, slope_low, slope_high):
-    """The polynomial where its slope, which changes sign between low and high, is zero: Newton in a bracket."""
-    p, s = r.p, low + (high - low) * slope_low / (slope_low - slope_high)
-    rising = slope_low > 0.0
-    for _ in range(60):
-        slope, bend = slope_and_bend(p, n, s)
-        if (slope > 0.0) == rising:
-            low = s
-        else:
-            high = s
-        new = s - slope / bend if bend != 0.0 else low - 1.0
-        if not low <= new <= high:
-            new = 0.5 * (low + high)
-        moved, s = abs(new - s), new
-        if moved < 1e-6:  # the next step would move it by 1e-12, the value by its square
-            break
-    return value(p, n, s)
+    return _bracketed(r, first, n, s, end, total, last, LAST) if last <= 0.0 else s
 
 
 PIECES = 8
@@ -151,10 +119,12 @@ def highest(r, n, end, best, absolute):
     Nothing is searched that a bound excludes: all of p below `best`, a slope that keeps its sign, a slope that is
     monotone (then it has one zero at most).
     """
-    p = r.p
+    p, q = r.p, np.int64(SLOPE)
     bound, last, slope, bent, bend, power = 0.0, p[0], 0.0, 0.0, 0.0, 1.0
     for k in range(1, n + 1):
-        sloped = k * p[k] * power
+        sloped = k * p[k]
+        p[q + k - 1] = sloped
+        sloped *= power
         bound += abs(p[k])
         last += p[k] * power * end
         slope += sloped
@@ -172,31 +142,18 @@ def highest(r, n, end, best, absolute):
     first = p[1]
     if first * slope > 0.0 and min(abs(first), abs(slope)) > 0.125 * bend:
         return best
-    if 2.0 * abs(p[2]) * end > bend:  # p'' keeps its sign: |p''(s) - p''(0)| < |p''(0)|
-        if first * slope < 0.0:
-            found = _turn(r, n, 0.0, end, first, slope)
+    pieces = 1 if 2.0 * abs(p[2]) * end > bend else PIECES  # p'' keeps its sign: |p''(s) - p''(0)| < |p''(0)|
+    rise = bent * end / (8.0 * pieces * pieces)  # of p above the chord of a piece, at most
+    low, left = 0.0, p[0]
+    for piece in range(1, pieces + 1):
+        high = end * piece / pieces
+        right, after = value(p, n, high), value(p, n - 1, high, q)
+        reach = max(abs(left), abs(right)) if absolute else max(left, right)
+        best = max(best, reach)
+        if first == 0.0:  # look behind the turn that the piece begins with
+            first = value(p, n - 1, low + 1e-6 * end, q)
+        if first * after < 0.0 and reach + rise > best:
+            found = value(p, n, _bracketed(r, q, q + n - 1, low, high, first, after, NEAR))
             best = max(best, abs(found) if absolute else found)
-        return best
-    return _search_pieces(r, n, end, best, absolute, bent * end / (8.0 * PIECES * PIECES))
-
-
-@njit(**CALLED)
-def _search_pieces(r, n, end, best, absolute, rise):
-    """`highest` piece by piece; p rises above the chord of a piece by at most `rise`."""
-    p = r.p
-    low, left, slope_low = 0.0, p[0], p[1]
-    for piece in range(1, PIECES + 1):
-        high = end * piece / PIECES
-        right, slope_high = value_and_slope(p, n, high)
-        reach = max(left, right)
-        if absolute:
-            reach = max(reach, -left, -right)
-        if reach > best:
-            best = reach
-        if slope_low == 0.0:  # look behind the turn that the piece begins with
-            slope_low = value_and_slope(p, n, low + 1e-6 * end)[1]
-        if slope_low * slope_high < 0.0 and reach + rise > best:
-            found = _turn(r, n, low, high, slope_low, slope_high)
-            best = max(best, abs(found) if absolute else found)
-        low, left, slope_low = high, right, slope_high
+        low, left, first = high, right, after
     return best

@@ -55,10 +55,10 @@ ELEMENT = _dtype(
     # v0, r0 deformation and rate at the step's start, v1, r1 at its end, dv, dr chord deviations
     # exact: deformation at the guard just met; at: where in the step the branch ends
     # load: P / h of P-Delta [N/m]; collapse: drift at which the storey counts as collapsed [m]
-    # f1: force at a stage of DOP853; peak_v: largest |v| of a storey, v of a link; peak_f likewise
+    # peak_v: largest |v| of a storey, v of a link; peak_f likewise
     # impulse, time: of a link's force; work: done on it
     f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
-    " load collapse f1 peak_v peak_f impulse time work at",
+    " load collapse peak_v peak_f impulse time work at",
     f8_history=f"p:{PARAMETERS} h:{HISTORY}",
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
@@ -80,20 +80,22 @@ SERIES = _dtype(
     u8="element",
 )
 RUN = _dtype(
+    # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
     f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset input drag dashpots time",
     i8="n m drags columns points trials active max_order order steps events orders instant status smooth always_smooth"
-    " has_lean most_steps most_events collapses output still",
-    # p: room for one polynomial; powers: of the places inside a step
-    f8_=f"p:{ORDERS + 8} powers:{MOST_POINTS}x{ORDERS}",
+    " follows has_lean most_steps most_events collapses output still",
+    # p: room for one polynomial and its derivative; powers: of the places inside a step
+    # values: of a polynomial at the places that it is fitted to
+    f8_=f"p:{2 * (ORDERS + 8)} powers:{MOST_POINTS}x{ORDERS} values:8",
 )
 
-STATES, DERIVATIVES = 10, 17
-"""Of what DOP853 integrates: at the step's start, its end, a stage, and seven coefficients of the dense output; at the
-twelve stages, the step's end, three more for the dense output, and one that is looked at once."""
+DERIVATIVES = 16
+"""Of what DOP853 integrates: at its twelve stages, at the step's end, and three more for the dense output."""
 
 STATE = _dtype(
-    # y: the states; k: the derivatives; scale: what errors are measured by
-    f8=f"y:{STATES} k:{DERIVATIVES} scale",
+    # y0 at the step's start, y at a stage; k: the derivatives; c: coefficients in the step; scale: what errors are
+    # measured by
+    f8=f"y0 y k:{DERIVATIVES} c:8 scale",
 )
 
 FORMULA = _dtype(f8=f"operations:{MOST_OPERATIONS}x4 registers:{MOST_OPERATIONS + 2}", i8="count")

@@ -30,6 +30,7 @@ class BuildingResponse:
     displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
     residual_drift : drift at the end [m]
     sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
+    isolator_displacement : the sway of a base on isolators [m]; NaN of others
     """
 
     shear: np.ndarray
@@ -41,6 +42,7 @@ class BuildingResponse:
     residual_drift: np.ndarray
     sway: float = 0.0
     rocking: float = 0.0
+    isolator_displacement: float = float("nan")
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from pounding_cli.solver.dispatch import force, line_force
 from pounding_cli.solver.energy import add_energy
 from pounding_cli.solver.events import (
     RATE,
@@ -23,7 +24,6 @@ from pounding_cli.solver.peaks import raise_peaks
 from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND
 from pounding_cli.solver.series import expand, shorten, shrink, start
 from pounding_cli.solver.smooth import end_of_smooth, take_smooth
-from pounding_cli.solver.watch import keep
 
 FORGET = 0.9
 """What is left of an acceleration as a scale after one step."""
@@ -107,6 +107,32 @@ def begin(dofs, elements, terms, r, series):
         el.peak_v = abs(el.v0) if e < r.n else el.v0
 
 
+@njit(**CALLED)
+def keep(dofs, elements, r, room, watch):
+    """Keep the state at the end of the step as that of the next output time."""
+    t = r.output
+    r.output += 1
+    on_links = on_drags = 0.0
+    for i in range(r.n):
+        d = dofs[i]
+        watch.dofs[t, i, 0], watch.dofs[t, i, 1], watch.dofs[t, i, 2] = d.u1, d.v1, d.a1
+        watch.storeys[t, i] = elements[i].work
+    for e in range(r.m):
+        el = elements[e]
+        f = line_force(el, el.v1, el.r1)
+        if room is not None:
+            f = force(el, el.v1, el.r1, room.formulas[el.formula])
+        f *= el.acts
+        if e < r.n:
+            f -= el.c * el.r1
+        elif e < r.n + r.drags:
+            on_drags += el.work
+        else:
+            on_links += el.work
+        watch.elements[t, e, 0], watch.elements[t, e, 1] = el.v1, f
+    watch.energy[t, 0], watch.energy[t, 1], watch.energy[t, 2] = r.input, r.drag + r.dashpots + on_drags, on_links
+
+
 @njit(**KERNEL)
 def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, slopes):
     """Run a scene through the whole motion; `ground` [m/s2] and `slopes` [m/s3] of its segments of run.dt each. How it
@@ -122,7 +148,7 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
         keep(dofs, elements, r, room, watch)
     pinned = False
     for segment in range(ground.size):
-        elapsed, r.longest = 0.0, r.dt
+        elapsed, r.longest, r.follows = 0.0, r.dt, 0
         while r.status == DONE and elapsed < r.dt:
             output = np.inf
             if r.output < watch.times.size:
@@ -150,7 +176,7 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
                 r.end = 1.0
             if room is not None:
                 if smooth:
-                    end_of_smooth(dofs, elements, r, room)
+                    end_of_smooth(elements, r, room)
             add_energy(dofs, elements, r, series)
             raise_peaks(dofs, elements, terms, r, series, columns)
             if pinned and r.end > INSTANT:
@@ -158,6 +184,7 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
                 pinned = False
             advance(dofs, elements, r)
             count(r, happened)
+            r.follows = smooth and not happened
             elapsed += r.h * r.end
             r.time = segment * r.dt + elapsed
             if output <= r.h * r.end + NEAR * r.dt:

@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numba import njit
 
+from pounding_cli.solver.dispatch import line_force
 from pounding_cli.solver.options import CALLED, INVERSE, PART
 
 MIN_ORDER = 4
@@ -32,17 +33,6 @@ polynomial was fitted to (`smooth`), which multiplies rounding."""
 def told(total, size, rounding):
     """A sum of terms whose sizes add up to `size`, or exactly 0 where what is left of them is rounding."""
     return total if abs(total) > rounding * size else 0.0
-
-
-@njit(**PART)
-def line_force(e, v, r):
-    """Force [N] of the line, cubic or relaxing force of a branch, at the deformation v [m] and the rate r [m/s]."""
-    if e.relaxation > 0.0:
-        return e.h[0]
-    f = e.k * v + e.c * r + e.f0
-    if e.cubic != 0.0:
-        f += e.cubic * v**3 + e.root * math.sqrt(e.k + 3.0 * e.cubic * v * v) * r
-    return f
 
 
 @njit(**PART)

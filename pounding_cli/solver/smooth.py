@@ -1,8 +1,8 @@
 """Steps by DOP853 (Hairer, Norsett & Wanner 1993, II.10), while a force acts that has no Taylor series.
 
-The dense output gives displacements and velocities inside the step. The accelerations at eight Chebyshev points of it,
-by the equations of motion, give a polynomial of the accelerations, and its integral the velocities: a step that events,
-peaks and energies treat like one by series, of order 8.
+Its dense output is a polynomial of degree 7 of every velocity, whose integral is the displacement: a step that events,
+peaks and energies treat like one by series. The forces of links and of smooth storeys are polynomials through their
+values at eight Chebyshev points of it.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.dispatch import history_rate, smooth_force
-from pounding_cli.solver.events import ends_of_elements
-from pounding_cli.solver.options import CALLED, INVERSE, PART, bare
+from pounding_cli.solver.dispatch import force, history_rate
+from pounding_cli.solver.events import ends_of_elements, integral, rate_series
+from pounding_cli.solver.options import CALLED, PART, bare
+from pounding_cli.solver.polynomial import value
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
-from pounding_cli.solver.series import line_force, push, push_by_storey
+from pounding_cli.solver.series import push, push_by_storey
 
 _TABLES = {
     name: np.array(values)
@@ -31,18 +32,32 @@ ALL = STAGES + 1 + EXTRA
 """Stages of a step, and with the derivative at its end and those of the dense output."""
 
 A = np.zeros((ALL, ALL))
-A[:STAGES, :STAGES], A[STAGES + 1 :, :] = _TABLES["A"], _TABLES["A_EXTRA"]
-B, C = _TABLES["B"], np.concatenate((_TABLES["C"], [1.0], _TABLES["C_EXTRA"]))
-E3, E5, D = _TABLES["E3"], _TABLES["E5"], _TABLES["D"]
+A[:STAGES, :STAGES], A[STAGES, :STAGES], A[STAGES + 1 :, :] = _TABLES["A"], _TABLES["B"], _TABLES["A_EXTRA"]
+C = np.concatenate((_TABLES["C"], [1.0], _TABLES["C_EXTRA"]))
+E3, E5 = _TABLES["E3"], _TABLES["E5"]
 
-ORDER = 8
-PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(ORDER) / (ORDER - 1))
+ORDER = 7
+"""Of the polynomials of velocities."""
+
+
+def _dense_output() -> np.ndarray:
+    """Coefficients 1 to 7 of the polynomials of the states, over the step's length, from the derivatives at all stages:
+    a sum of s, s (1 - s), s^2 (1 - s) and so on."""
+    step, first, last = A[STAGES], np.eye(ALL)[0], np.eye(ALL)[STAGES]
+    parts = [step, first - step, 2.0 * step - first - last, *_TABLES["D"]]
+    made, base = np.zeros((ORDER, ALL)), np.polynomial.Polynomial([0.0, 1.0])
+    for number, part in enumerate(parts):
+        made[: base.degree()] += np.outer(base.coef[1:], part)
+        base = base * np.polynomial.Polynomial([0.0, 1.0] if number % 2 else [1.0, -1.0])
+    return made
+
+
+DENSE = _dense_output()
+
+POINTS = 8
+PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(POINTS) / (POINTS - 1))
 FIT = np.ascontiguousarray(np.linalg.inv(np.vander(PLACES, increasing=True)))
 """Coefficients of a polynomial of degree 7 from its values at PLACES."""
-
-STAGE, SPARE = np.int64(2), np.int64(ALL)
-"""Places of a stage, and of derivatives that are looked at once (`records.STATE`). Numba compiles a call with a literal
-number anew."""
 
 SAFETY, LEAST, MOST = 0.9, 0.2, 6.0
 """Of the next step over this one: margin, least and most."""
@@ -52,67 +67,50 @@ SHORTEST = 1e-15
 
 
 @njit(**PART)
-def _set_state(dofs, elements, terms, r, states, at):
-    """A state as displacements, velocities, deformations, rates and history variables of the records."""
+def _state_at(dofs, elements, terms, r, states, stage):
+    """The states y of a stage, y0 + h (A k), as displacements, velocities, deformations, rates and history variables
+    of the records."""
+    for i in range(states.size):
+        state = states[i]
+        total = 0.0
+        for j in range(stage):
+            total += A[stage, j] * state.k[j]
+        state.y = state.y0 + r.h * total
     for i in range(r.n):
-        dofs[i].u1, dofs[i].v1 = states[i].y[at], states[r.n + i].y[at]
+        dofs[i].u1, dofs[i].v1 = states[i].y, states[r.n + i].y
     ends_of_elements(dofs, elements, terms, r)
     for e in range(r.m):
         el = elements[e]
         if el.state > 0:
-            el.h[0] = states[el.state].y[at]
+            el.h[0] = states[el.state].y
 
 
 @njit(**PART)
-def _element_force(el, formula):
-    """Force of an element at its deformation and rate of now [N], kept in f1."""
-    f = line_force(el, el.v1, el.r1)
-    if el.smooth:
-        f += smooth_force(el, el.v1, el.r1, formula)
-    el.f1 = f
-    return f
-
-
-@njit(**CALLED)
-def _derivative(dofs, elements, terms, r, series, room, at, s, to):
-    """Derivatives of the states y[at], at the part s of the step, into k[to]."""
+def _derivative(dofs, elements, terms, r, series, room, stage):
+    """Derivatives of the states at a stage."""
     states, formulas, n = room.states, room.formulas, r.n
-    _set_state(dofs, elements, terms, r, states, at)
-    ground = r.g0 + r.g1 * s
+    ground = r.g0 + r.g1 * C[stage]
     for i in range(n):
-        states[i].k[to] = dofs[i].v1
+        states[i].k[stage] = dofs[i].v1
         dofs[i].push = dofs[i].mass * dofs[i].loaded * ground
     for a in range(r.active):
         el = elements[series[a].element]
-        f = _element_force(el, formulas[el.formula])
         if el.state > 0:
-            states[el.state].k[to] = el.k * el.r1 - el.relaxation * el.h[0]
+            states[el.state].k[stage] = el.k * el.r1 - el.relaxation * el.h[0]
         if el.acts:
-            push(dofs, terms, el, f)
+            push(dofs, terms, el, force(el, el.v1, el.r1, formulas[el.formula]))
     for i in range(n):
         el = elements[i]
-        f = _element_force(el, formulas[el.formula])
         if el.state > 0:
-            states[el.state].k[to] = history_rate(el, el.r1, el.h[0])
-        push_by_storey(dofs, el, i, f, r.has_lean)
+            states[el.state].k[stage] = history_rate(el, el.r1, el.h[0])
+        push_by_storey(dofs, el, i, force(el, el.v1, el.r1, formulas[el.formula]), r.has_lean)
     for i in range(n):
         d = dofs[i]
-        states[n + i].k[to] = -d.inv_mass * d.push - d.drag * d.v1
+        states[n + i].k[stage] = -d.inv_mass * d.push - d.drag * d.v1
 
 
 @njit(**PART)
-def _stage(states, h, weights, count, to):
-    """y[to] = y[0] + h (weights k)."""
-    for i in range(states.size):
-        state = states[i]
-        total = 0.0
-        for j in range(count):
-            total += weights[j] * state.k[j]
-        state.y[to] = state.y[0] + h * total
-
-
-@njit(**PART)
-def _error(r, states, h):
+def _error(r, states):
     """Error of the step over what it may be [-], the largest of all states: in a long row a mean would hide it.
 
     Infinite where a state is not finite, which a comparison passes over."""
@@ -123,14 +121,14 @@ def _error(r, states, h):
         for j in range(STAGES):
             e5 += E5[j] * state.k[j]
             e3 += E3[j] * state.k[j]
-        per = 1.0 / (r.smooth_tolerance * max(state.scale, abs(state.y[0]), abs(state.y[1])))
+        per = 1.0 / (r.smooth_tolerance * max(state.scale, abs(state.y0), abs(state.y)))
         worst5, worst3 = max(worst5, abs(e5 * per)), max(worst3, abs(e3 * per))
         total += abs(e5 * per)
     if not total < math.inf:
         return math.inf
     if worst5 == 0.0 and worst3 == 0.0:
         return 0.0
-    return h * worst5 * worst5 / math.hypot(worst5, 0.1 * worst3)
+    return r.h * worst5 * worst5 / math.hypot(worst5, 0.1 * worst3)
 
 
 @njit(**CALLED)
@@ -139,142 +137,95 @@ def take_smooth(dofs, elements, terms, r, series, room):
     room = Room(bare(room.states), bare(room.formulas))
     states, n = room.states, r.n
     for i in range(n):
-        states[i].y[0], states[n + i].y[0] = dofs[i].u0, dofs[i].w[0]
+        states[i].y0, states[n + i].y0 = dofs[i].u0, dofs[i].w[0]
     for e in range(r.m):
         if elements[e].state > 0:
-            states[elements[e].state].y[0] = elements[e].h[0]
+            states[elements[e].state].y0 = elements[e].h[0]
     if r.h > r.next > 0.0:
         part = 1.0 / math.ceil(r.h / r.next - 1e-9)
         r.h *= part
         r.g1 *= part
-    first = 0
-    while True:
-        h = r.h
-        for stage in range(first, STAGES):
-            if stage > 0:
-                _stage(states, h, A[stage], stage, 1)
-            _derivative(dofs, elements, terms, r, series, room, min(stage, 1), C[stage], stage)
-            if stage == 0:
-                _at_place(dofs, elements, r, series, room, 0, 0)
-        first = 1
-        _stage(states, h, B, STAGES, 1)
-        error = _error(r, states, h)
-        factor = min(MOST, SAFETY * error ** (-0.125)) if error > 0.0 else MOST
-        if error < 1.0:
-            break
-        factor = max(LEAST, factor) if error < 1e300 else LEAST
-        r.h *= factor
-        r.g1 *= factor
-        r.trials += 1
-        if r.h < SHORTEST * r.dt:
-            r.status = STEP_BOUND if error < math.inf else NOT_FINITE
-            return
-    if r.onset < 0.0:  # the first step of a contact: where its force has no derivatives steps have to grow anew
-        r.onset = h
-    r.next = h * max(factor, LEAST)
-    for stage in range(STAGES, ALL):
-        if stage > STAGES:
-            _stage(states, h, A[stage], stage, STAGE)
-        _derivative(dofs, elements, terms, r, series, room, 1 if stage == STAGES else STAGE, C[stage], stage)
+    stage = 0
+    if r.follows:  # the derivatives at the end of the last step are those at the start of this one
+        stage = 1
+        for i in range(states.size):
+            states[i].k[0] = states[i].k[STAGES]
+    while stage < ALL:
+        _state_at(dofs, elements, terms, r, states, stage)
         if stage == STAGES:
-            _at_place(dofs, elements, r, series, room, ORDER - 1, STAGES)
-    _dense(r, states)
-    for place in range(1, ORDER - 1):
-        _dense_state(states, PLACES[place])
-        _derivative(dofs, elements, terms, r, series, room, STAGE, PLACES[place], SPARE)
-        _at_place(dofs, elements, r, series, room, place, SPARE)
-    _fit(dofs, elements, r, series)
+            error = _error(r, states)
+            factor = max(LEAST, min(MOST, SAFETY * max(error, 1e-300) ** (-0.125)))
+            if not error < 1.0:
+                r.h *= factor
+                r.g1 *= factor
+                r.trials += 1
+                if r.h < SHORTEST * r.dt:
+                    r.status = STEP_BOUND if error < math.inf else NOT_FINITE
+                    return
+                stage = 1
+                continue
+            if r.onset < 0.0:  # the first step of a contact: where its force has no derivatives steps have to grow anew
+                r.onset = r.h
+            r.next = r.h * factor
+            for i in range(states.size):
+                states[i].scale = max(states[i].scale, 0.01 * abs(states[i].y))
+        _derivative(dofs, elements, terms, r, series, room, stage)
+        stage += 1
+    _take_polynomials(dofs, elements, terms, r, series, room)
 
 
 @njit(**PART)
-def _dense(r, states):
-    """Coefficients of the dense output, y[3] to y[9]."""
-    h = r.h
-    for i in range(states.size):
-        y, k = states[i].y, states[i].k
-        d = y[1] - y[0]
-        y[3] = d
-        y[4] = h * k[0] - d
-        y[5] = 2.0 * d - h * (k[STAGES] + k[0])
-        for q in range(4):
+def _take_polynomials(dofs, elements, terms, r, series, room):
+    """Polynomials of velocities, history variables and forces."""
+    states, n = room.states, r.n
+    r.order = ORDER + 1
+    for i in range(n, states.size):
+        state = states[i]
+        state.c[0] = state.y0
+        for k in range(ORDER):
             total = 0.0
             for j in range(ALL):
-                total += D[q, j] * k[j]
-            y[6 + q] = h * total
-
-
-@njit(**PART)
-def _dense_state(states, s):
-    """The states at the part s of the step, into those of a stage."""
-    for i in range(states.size):
-        y = states[i].y
-        value = y[9]
-        for q in range(5, -1, -1):
-            value = value * (s if q % 2 else 1.0 - s) + y[3 + q]
-        y[STAGE] = y[0] + s * value
-
-
-@njit(**PART)
-def _at_place(dofs, elements, r, series, room, place, at):
-    """Keep accelerations, and rates and forces of links that act and of smooth storeys, at one of PLACES: those of the
-    derivatives k[at], which were evaluated last."""
-    for i in range(r.n):
-        dofs[i].inside[place] = room.states[r.n + i].k[at]
-        el = elements[i]
-        if el.smooth:
-            series[el.row].rate[place], series[el.row].f[place] = el.r1, el.f1 - el.c * el.r1
-    for a in range(r.active):
-        el = elements[series[a].element]
-        if place == 0 and el.pinned:
-            el.v1, el.r1 = el.v0, el.r0
-            _element_force(el, room.formulas[el.formula])
-        series[a].rate[place], series[a].f[place] = el.r1, el.f1
+                total += DENSE[k, j] * state.k[j]
+            state.c[k + 1] = r.h * total
+    for i in range(n):
+        d, state = dofs[i], states[n + i]
+        d.a0 = state.k[0] + r.g0
+        for k in range(1, ORDER + 1):
+            d.w[k] = state.c[k]
+        d.w[ORDER + 1] = 0.0
+    for e in range(r.m):
+        el = elements[e]
+        if el.closed if e >= n else el.smooth:
+            rate_series(dofs, elements, terms, r, e)
+            _fit_force(el, r, series[el.row], states[el.state], room.formulas[el.formula], e < n)
 
 
 @njit(**CALLED)
-def _to_powers(values):
-    """Coefficients from the values at PLACES that begin a row, in their place."""
-    c0 = c1 = c2 = c3 = c4 = c5 = c6 = c7 = 0.0
-    for j in range(ORDER):
-        x = values[j]
-        c0, c1, c2, c3 = c0 + FIT[0, j] * x, c1 + FIT[1, j] * x, c2 + FIT[2, j] * x, c3 + FIT[3, j] * x
-        c4, c5, c6, c7 = c4 + FIT[4, j] * x, c5 + FIT[5, j] * x, c6 + FIT[6, j] * x, c7 + FIT[7, j] * x
-    values[0], values[1], values[2], values[3] = c0, c1, c2, c3
-    values[4], values[5], values[6], values[7] = c4, c5, c6, c7
+def _fit_force(el, r, s, state, formula, storey):
+    """Polynomials of the rate of an element, which stands in r.p, and of its force: of a storey without its dashpot."""
+    for k in range(POINTS):
+        s.rate[k] = r.p[k]
+    integral(r, 1.0, el.v0)
+    for place in range(POINTS):
+        at, v, rate, h = PLACES[place], r.p[POINTS], 0.0, 0.0
+        for k in range(POINTS - 1, -1, -1):
+            v, rate, h = v * at + r.p[k], rate * at + s.rate[k], h * at + state.c[k]
+        if el.state > 0:
+            el.h[0] = h
+        r.values[place] = force(el, v, rate, formula)
+        if storey:
+            r.values[place] -= el.c * rate
+    for k in range(POINTS):
+        f = 0.0
+        for place in range(POINTS):
+            f += FIT[k, place] * r.values[place]
+        s.f[k] = f
 
 
 @njit(**PART)
-def _fit(dofs, elements, r, series):
-    """Polynomials of velocities and forces."""
-    r.order = ORDER
-    for i in range(r.n):
-        d = dofs[i]
-        _to_powers(d.inside)
-        d.a0 = d.inside[0] + r.g0
-        for k in range(ORDER):
-            d.w[k + 1] = d.inside[k] * r.h * INVERSE[k + 1]
-    for a in range(r.active):
-        _to_powers(series[a].rate)
-        _to_powers(series[a].f)
-    for i in range(r.n):
-        if elements[i].smooth:
-            _to_powers(series[elements[i].row].rate)
-            _to_powers(series[elements[i].row].f)
-
-
-@njit(**PART)
-def end_of_smooth(dofs, elements, r, room):
-    """History variables at the end of the step, and what errors are measured by."""
-    states, n, whole = room.states, r.n, r.end == 1.0
-    if not whole:
-        _dense_state(states, r.end)
-    at = 1 if whole else STAGE
+def end_of_smooth(elements, r, room):
+    """History variables at the end of the step."""
     for e in range(r.m):
         el = elements[e]
         if el.state > 0:
-            el.h[0] = states[el.state].y[at]
-    if whole:
-        for i in range(n):
-            dofs[i].u1, dofs[i].v1 = states[i].y[1], states[n + i].y[1]
-    for i in range(states.size):
-        states[i].scale = max(states[i].scale, 0.01 * abs(states[i].y[1]))
+            el.h[0] = value(room.states[el.state].c, ORDER, r.end)

@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Any
 
 import numba
@@ -17,7 +17,7 @@ from pounding_cli.methods import METHODS, Method
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import outcome, records
-from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments
+from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
 from pounding_cli.solver.records import Data
 from pounding_cli.solver.response import COLLAPSED, Response, nothing
 
@@ -66,7 +66,7 @@ class Prepared:
 
     before : energy held at the start [J]
     seconds : time inside the kernel [s]
-    limit : longest stable time step [s], where it was asked for
+    limit : longest stable time step [s], where a method has one
     """
 
     scene: Scene
@@ -77,20 +77,24 @@ class Prepared:
     time_step: float
     before: float = 0.0
     seconds: float = field(default=0.0, init=False)
-    limit: float = field(default=nan, init=False)
+    limit: float = field(default=inf, init=False)
 
     def integrate(self) -> None:
         """Run it, with a kernel that is compiled or loaded first if it has to be; not where the step is too long."""
-        ground, slopes = segments(self.scene)
-        arguments: tuple[Any, ...] = (*self.data, ground, slopes)
+        arguments: tuple[Any, ...] = (*self.data, *segments(self.scene))
         if self.method.takes_step:
             from pounding_cli.solver import fixed_step
             from pounding_cli.solver.fixed_step import march as kernel
 
-            if self._is_unstable():
+            dt = self.scene.motion.dt
+            parts = fixed_step.steps_a_sample(dt, self.time_step)
+            if self.method.name == "central-difference":
+                self.limit = fixed_step.central_difference_limit(self.layout)
+            if dt / parts > self.limit:
                 self.data.run["status"] = records.UNSTABLE
                 return
-            part, arguments = "fixed", fixed_step.arguments(self, ground, slopes)
+            method = fixed_step.FIXED.index(self.method.name)
+            part, arguments = "fixed", (*self.data[:-1], *segments(self.scene), parts, method)
         else:
             from pounding_cli.solver.run import integrate as kernel
 
@@ -100,16 +104,6 @@ class Prepared:
         kernel(*arguments)
         self.seconds = time.perf_counter() - begin
 
-    def _is_unstable(self) -> bool:
-        """Whether its step is longer than `limit`, which is found for the method that has one."""
-        from pounding_cli.solver import fixed_step, stability
-
-        if self.method.name != "central-difference":
-            return False
-        dt = self.scene.motion.dt
-        self.limit = stability.central_difference_limit(self.layout)
-        return dt / fixed_step.steps_a_sample(dt, self.time_step) > self.limit
-
     @property
     def is_done(self) -> bool:
         """Whether its run went to the end of the motion, or to a collapse."""
@@ -118,18 +112,16 @@ class Prepared:
     def response(self) -> Response:
         """What came of it."""
         scene, layout, data, r = self.scene, self.layout, self.data, self.data.run[0]
-        energy: dict[str, float] = {}
         fixed = self.method.takes_step
-        if not fixed:
-            with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
-                energy = outcome.balance(layout, data, self.before)
+        with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
+            energy = {} if fixed else outcome.balance(layout, data, self.before)
         status, advice = outcome.outcome_of(data, self.accuracy, energy.get("residual", 0.0))
         if int(r["status"]) == records.UNSTABLE:
             longest = f"use a time step below {self.limit:.2g} s, or method: taylor"
             advice = f"the solution would grow without bound: {longest}"
         storeys = [building.storeys for building in layout.buildings]
         buildings, links, columns = nothing(storeys, len(layout.links), len(layout.struck))
-        collapse, flags = (-1, 0), outcome.NO_FLAGS
+        collapse, flags = (-1, 0), tuple[str, ...]()
         final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
         if status in outcome.OUTCOMES:
             buildings, links = outcome.buildings_of(layout, data), outcome.links_of(layout, data)
@@ -169,40 +161,23 @@ def prepare(
         hint = "write `method: taylor`, which runs every scene"
         raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
     layout = layout_of(scene.buildings, scene.links, scene.analysis)
-    always_smooth = chosen.name == "dop853"
-    data = records_of(
-        scene,
-        layout,
-        accuracy,
-        always_smooth=always_smooth,
-        has_room=chosen.takes_step,
-        initial=initial,
-        times=times,
-        bounds=bounds,
-    )
-    before = 0.0
-    if initial is not None:
-        before = _held_at_start(layout, data)
+    data = records_of(scene, layout, accuracy, chosen, initial, times, bounds)
+    before = 0.0 if initial is None else _held_at_start(layout, data)
     return Prepared(scene, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
 
 
 def _held_at_start(layout: Layout, data: Data) -> float:
     """Energy in a scene at its initial displacements and velocities [J]: it has not yielded, and lies on its first
     line."""
-    n, u = layout.number, data.dofs["u0"]
-    below = np.concatenate(([0.0], u[:-1])) * data.dofs["below"]
-    drift = u - below + data.dofs["lean"] * u[data.dofs["foot"].astype(int)]
-    stored = 0.5 * float(np.sum(data.elements["p"][:n, 0] * drift**2))
-    stored -= 0.5 * float(np.sum(data.elements["load"][:n] * (u - below) ** 2))
-    links = 0.0
-    for link, element in zip(layout.links, data.elements[layout.of_links], strict=True):
-        if link.law.can_close:
-            left, right, hold = int(element["left"]), int(element["right"]), float(element["hold"])
-            closing = u[left] - hold * u[right]
-            terms = data.terms[element["first"] : element["last"]]
-            closing += float(terms["weight"] @ u[terms["dof"].astype(int)])
-            links += link.law.stored(float(closing), float(element["p"][0] * closing))
-    return 0.5 * float(np.sum(data.dofs["mass"] * data.dofs["w"][:, 0] ** 2)) + stored + links
+    n, u, stiffness = layout.number, data.dofs["u0"], data.elements["p"][:, 0]
+    moved = term_matrix(layout) @ u
+    stored, _ = outcome.stored_in_storeys(layout, moved[:n], stiffness[:n] * moved[:n], u)
+    links = sum(
+        link.law.stored(float(closing), float(k * closing))
+        for link, closing, k in zip(layout.links, moved[layout.of_links], stiffness[layout.of_links], strict=True)
+        if link.law.can_close
+    )
+    return 0.5 * float(np.sum(data.dofs["mass"] * data.dofs["w"][:, 0] ** 2)) + float(stored) + links
 
 
 def chosen_method(name: str, accuracy: float, time_step: float | None = None) -> tuple[Method, float]:
@@ -242,12 +217,12 @@ def refusal_of(method: Method, scene: Scene) -> str:
     return ""
 
 
-COMPILES = {
-    "taylor": "compiling the solver, once on this machine (half a minute)",
-    "dop853": "compiling the solver for smooth laws, once on this machine (half a minute)",
-    "fixed": "compiling the methods of fixed time steps, once on this machine (half a minute)",
+KERNELS = {
+    "taylor": "the solver",
+    "dop853": "the solver for smooth laws",
+    "fixed": "the methods of fixed time steps",
 }
-"""What is said before a kernel is compiled."""
+"""What is compiled, in words."""
 
 
 def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
@@ -258,15 +233,16 @@ def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
     from pounding_cli.solver.options import FOLDER
 
     mark = FOLDER / f"{part}.compiled"
+    compiling = f"compiling {KERNELS[part]}, once on this machine (half a minute)"
     if not mark.exists():
-        say(COMPILES[part])
+        say(compiling)
     signature = tuple(map(numba.typeof, arguments))
     try:
         kernel.compile(signature)
     except Exception:  # of pickle, of LLVM, of numba: whatever damaged bytes lead to
         for kept in FOLDER.rglob("*.nb?"):
             kept.unlink(missing_ok=True)
-        say(COMPILES[part])
+        say(compiling)
         kernel.compile(signature)
     _loaded.add(part)
     with contextlib.suppress(OSError):

@@ -138,10 +138,6 @@ def _solved(scene: Scene, name: str, setting: float) -> Response:
     return solve(scene, method=name, **told)  # type: ignore[arg-type]
 
 
-def _refuses(name: str, scene: Scene) -> bool:
-    return bool(refusal_of(METHODS[name], scene))
-
-
 def measure(
     subjects: Sequence[Subject],
     methods: Sequence[str],
@@ -158,8 +154,8 @@ def measure(
     references: list[Confirmed] = []
     without: list[str] = []
     dropped: dict[tuple[str, float], int] = {}
-    order = [subject for together in _rounds(subjects) for subject in together]
-    round_of = [number for number, together in enumerate(_rounds(subjects)) for _ in together]
+    records = list(dict.fromkeys(subject.record for subject in subjects))
+    order = sorted(subjects, key=lambda subject: records.index(subject.record))
     begin, compiling, dearest, measured = time.perf_counter(), 0.0, 0.0, 0
     for place, subject in enumerate(order):
         left = budget - (time.perf_counter() - begin - compiling)
@@ -170,20 +166,20 @@ def measure(
         started = time.perf_counter()
         _warm_up(subject.scene, {*methods, REFERENCE[0], SECOND[0]})
         compiling += time.perf_counter() - started
-        together = round_of[place:].count(round_of[place])
         started = time.perf_counter()
-        reference = _solved(subject.scene, *REFERENCE)
-        second = _solved(subject.scene, *SECOND)
-        dearest = max(dearest, time.perf_counter() - started)
+        reference, second = _solved(subject.scene, *REFERENCE), _solved(subject.scene, *SECOND)
+        taken = time.perf_counter() - started
+        dearest = max(dearest, taken)
         if reference.status != "done" or second.status != "done":
             without.append(f"{subject.place}: {reference.status} and {second.status}")
             continue
         impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
         where = (subject.case, subject.analysis, subject.record)
         references.append(Confirmed(*where, errors_of(second, reference), impacts))
-        share = (left / together - (time.perf_counter() - started)) / len(methods)
+        together = sum(other.record == subject.record for other in order[place:])
+        share = (left / together - taken) / len(methods)
         for name in methods:
-            if _refuses(name, subject.scene):
+            if refusal_of(METHODS[name], subject.scene):
                 continue
             for setting, run in _settings(subject, name, reference, share, at_least_one=place == 0):
                 if run is None:
@@ -193,12 +189,6 @@ def measure(
     spent = time.perf_counter() - begin - compiling
     left_out = _left_out(len(order), measured, dropped)
     return WorkPrecision(tuple(runs), tuple(references), tuple(left_out), tuple(without), spent, compiling)
-
-
-def _rounds(subjects: Sequence[Subject]) -> list[list[Subject]]:
-    """The scenes motion by motion."""
-    records = dict.fromkeys(subject.record for subject in subjects)
-    return [[s for s in subjects if s.record == record] for record in records]
 
 
 def _left_out(total: int, measured: int, dropped: Mapping[tuple[str, float], int]) -> list[str]:
@@ -214,7 +204,7 @@ def _left_out(total: int, measured: int, dropped: Mapping[tuple[str, float], int
 def _warm_up(scene: Scene, methods: set[str]) -> None:
     short = dataclasses.replace(scene, motion=scene.motion.windowed(WARM_UP * scene.motion.dt))
     for name in methods:
-        if not _refuses(name, scene):
+        if not refusal_of(METHODS[name], scene):
             _solved(short, name, 1e-4)
 
 
@@ -235,18 +225,14 @@ def _settings(
         last = response.seconds
         seconds = [last]
         repeated = min(REPEATED, (allowed - spent) / len(settings))
-        while response.status == "done" and len(seconds) < MAX_REPEATS and sum(seconds) + last < repeated:
+        done = response.status == "done"
+        while done and len(seconds) < MAX_REPEATS and sum(seconds) + last < repeated:
             seconds.append(_solved(subject.scene, name, setting).seconds)
         spent += time.perf_counter() - begin
-        yield setting, _run(subject, setting, response, reference, min(seconds))
-
-
-def _run(subject: Subject, setting: float, response: Response, reference: Response, seconds: float) -> Run:
-    done = response.status == "done"
-    nothing = dict.fromkeys(QUANTITIES, float("nan"))
-    return Run(
-        subject.case, subject.analysis, subject.record, response.method, setting, response.status,
-        response.advice, seconds, response.steps, response.events,
-        errors_of(response, reference) if done else nothing, int(response.links.impacts.sum()),
-        int(reference.links.impacts.sum()), response.energy.get("residual", float("nan")),
-    )  # fmt: skip
+        yield setting, Run(
+            subject.case, subject.analysis, subject.record, response.method, setting, response.status,
+            response.advice, min(seconds), response.steps, response.events,
+            errors_of(response, reference) if done else dict.fromkeys(QUANTITIES, float("nan")),
+            int(response.links.impacts.sum()), int(reference.links.impacts.sum()),
+            response.energy.get("residual", float("nan")),
+        )  # fmt: skip

@@ -11,7 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Rocking, Sway
-from pounding_cli.laws.isolation import Bearings, FrictionPendulum
+from pounding_cli.laws.isolation import Bearings, FrictionPendulum, Rubber
 from pounding_cli.numbers import counted
 from pounding_cli.records.units import UNITS, acceleration_unit
 from pounding_cli.study.base import Model, Name, Wrong, key, one_or_many, word_or
@@ -297,7 +297,8 @@ def _about(law: Any, name: str) -> str:
 
 class Isolation(Model):
     """Isolators under the base: those of a friction pendulum have `radius` and `friction`, lead-rubber and other
-    bearings `strength`, `stiffness` and `yield_displacement`."""
+    bearings `strength`, `stiffness` and `yield_displacement`, high-damping rubber by equivalent values `stiffness` and
+    `damping_ratio`."""
 
     radius: Annotated[float, _of(FrictionPendulum, "radius", "3.1 m")] | None = key(
         None, _about(FrictionPendulum, "radius")
@@ -308,16 +309,20 @@ class Isolation(Model):
     strength: Annotated[float, _of(Bearings, "strength", "800 kN")] | None = key(None, _about(Bearings, "strength"))
     stiffness: Annotated[float, _of(Bearings, "stiffness", "5 kN/mm")] | None = key(None, _about(Bearings, "stiffness"))
     yield_displacement: Annotated[float, _of(Bearings, "yield_displacement", "1 cm")] | None = key(
-        None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.1 mm"
+        None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.01 mm"
     )
 
+    damping_ratio: Annotated[float, RATIO] | None = key(None, _about(Rubber, "damping_ratio"))
     capacity: Annotated[float, LENGTH.but(name="capacity", example="35 cm")] | None = key(
         None, "displacement that they can take [m]; scenes in which the base moves further are flagged"
     )
 
     @property
-    def law(self) -> FrictionPendulum | Bearings:
+    def law(self) -> FrictionPendulum | Bearings | Rubber:
         """What they do."""
+        if self.damping_ratio is not None and self.stiffness is not None:
+            capacity = {} if self.capacity is None else {"capacity": self.capacity}
+            return Rubber(self.stiffness, self.damping_ratio, **capacity)
         given = {"yield_displacement": self.yield_displacement, "capacity": self.capacity}
         more = {name: value for name, value in given.items() if value is not None}
         if self.radius is not None and self.friction is not None:
@@ -327,15 +332,26 @@ class Isolation(Model):
         return Bearings(strength=self.strength, stiffness=self.stiffness, **more)
 
     def wrong(self) -> Iterator[Wrong]:
-        pendulum = [name for name in ("radius", "friction") if getattr(self, name) is not None]
-        bearings = [name for name in ("strength", "stiffness") if getattr(self, name) is not None]
+        given = [name for name in self.model_fields_set if name != "capacity" and getattr(self, name) is not None]
+        fitting = [needs for needs, may in _ISOLATORS.values() if {*given} <= needs | may]
         form = (
-            "write {radius: 3.1 m, friction: 6 %} or {strength: 800 kN, stiffness: 5 kN/mm, yield_displacement: 1 cm}"
+            "write {radius: 3.1 m, friction: 6 %}, {strength: 800 kN, stiffness: 5 kN/mm, yield_displacement: 1 cm} or "
+            "{stiffness: 5 kN/mm, damping_ratio: 12 %}"
         )
-        if pendulum and bearings:
-            yield (bearings[0],), f"'{bearings[0]}' is no key of a friction pendulum", form, True
-        elif len(pendulum) != 2 and (len(bearings) != 2 or self.yield_displacement is None):
+        if not fitting:
+            kind = max(_ISOLATORS, key=lambda name: len(_ISOLATORS[name][0] & {*given}))
+            extra = next(name for name in given if name not in _ISOLATORS[kind][0] | _ISOLATORS[kind][1])
+            yield (extra,), f"'{extra}' is no key of {kind}", form, True
+        elif not any(needs <= {*given} for needs in fitting):
             yield (), "these isolators are not complete", form
+
+
+_ISOLATORS: dict[str, tuple[set[str], set[str]]] = {
+    "a friction pendulum": ({"radius", "friction"}, {"yield_displacement"}),
+    "lead-rubber bearings": ({"strength", "stiffness", "yield_displacement"}, set()),
+    "high-damping rubber": ({"stiffness", "damping_ratio"}, set()),
+}
+"""Of each kind of isolators the keys that it needs, and that it may have."""
 
 
 class Foundation(Model):

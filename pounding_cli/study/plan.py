@@ -82,7 +82,6 @@ class Plan:
     accuracy : relative error wanted [-]
     time_step : of a method that takes one [s]
     estimate : which scenes are assessed, for error and sensitivity: none, sample or all
-    all_effects : whether to simulate what cannot matter too
     harder : whether a scene that fails is solved once more, more finely
     kept : rows whose scenes are kept over time, every `every` seconds
     workflow : what is asked of the scenes
@@ -102,7 +101,6 @@ class Plan:
     method: str
     time_step: float | None = None
     estimate: str = "none"
-    all_effects: bool = False
     harder: bool = False
     kept: tuple[Row, ...] = ()
     every: float = 0.002

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import WithJsonSchema
+from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
-from pounding_cli.study.base import Model, key, one_or_many
+from pounding_cli.study.base import Model, Wrong, key, one_or_many
 from pounding_cli.study.expression import Limit, read_limit
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
@@ -45,6 +46,52 @@ class Gb50011Spec(Model):
     structure: Literal[tuple(GB_SHARE)] = key("frame", "system of the building that needs the wider joint")  # type: ignore[valid-type]
 
 
+RATE = Quantity("annual rate", "", "1/475", 0.0, 1e3, open_low=True)
+
+
+class PowerHazard(Model):
+    """A hazard curve k0 x^-k."""
+
+    k0: Annotated[float, Quantity("annual rate at the intensity 1", "", "1e-4", 0.0, open_low=True)] = key(
+        ..., "annual rate at which the intensity 1 (in `unit`) is exceeded", 1e-4
+    )
+    k: Annotated[float, Quantity("exponent", "", "2.5", 0.0, 20.0, open_low=True)] = key(..., "exponent [-]", 2.5)
+    unit: str | None = key(None, "unit of the intensity; default: g, and m/s of velocities", "g")
+
+
+class HazardFile(Model):
+    """A hazard curve in a file."""
+
+    file: str = key(
+        ...,
+        "CSV file relative to the study: intensity and annual rate in two columns, or the row of a site as OpenQuake "
+        "and others publish it",
+        "hazard.csv",
+    )
+    unit: str | None = key(None, "unit of the intensities, where the file does not say it", "g")
+
+
+def _hazard_kind(value: Any) -> str:
+    if isinstance(value, PowerHazard) or (isinstance(value, dict) and not value.keys().isdisjoint(("k0", "k"))):
+        return "(power)"
+    return (
+        "(file)" if isinstance(value, str | HazardFile) or (isinstance(value, dict) and "file" in value) else "(table)"
+    )
+
+
+Hazards = Annotated[
+    Annotated[PowerHazard, Tag("(power)")]
+    | Annotated[HazardFile, BeforeValidator(lambda v: {"file": v} if isinstance(v, str) else v), Tag("(file)")]
+    | Annotated[dict[str, Annotated[float, RATE]], Field(max_length=1000), Tag("(table)")],
+    Discriminator(_hazard_kind),
+]
+"""How often an intensity is exceeded a year: a table {0.1 g: 0.02, 0.4 g: 1/475}, a power law, or a file."""
+
+_HAZARD_KEY = (
+    "annual rates at which intensities are exceeded: {0.1 g: 0.02, 0.4 g: 1/475}, {k0: 1e-4, k: 2.5}, or a file"
+)
+
+
 class GapSpec(Model):
     """What `pound gap` is asked."""
 
@@ -53,6 +100,12 @@ class GapSpec(Model):
         ("10 %",), "probabilities of contact, one or a list: the gap for each"
     )
     gb50011: Gb50011Spec | None = key(None, "intensity and system for the joint of GB 50011-2010")
+    hazard: Hazards | None = key(None, f"{_HAZARD_KEY}; for `rate`", {"0.1 g": 0.02, "0.4 g": "1/475"})
+    rate: Annotated[float, RATE] | None = key(None, "annual rate of contact: the gap for it", "1/2475")
+
+    def wrong(self) -> Iterator[Wrong]:
+        if self.rate is not None and self.hazard is None:
+            yield ("rate",), "'rate' needs a hazard curve", "write `hazard: {0.1 g: 0.02, 0.4 g: 1/475}` beside it"
 
 
 MEASURES = ("pga", "pgv", "sa", "factor")
@@ -115,6 +168,7 @@ class FragilitySpec(Model):
         "intensities solved below the one at which a motion passes, and among those that a collapse leaves "
         "undecided (`ida`), in case it passes there too",
     )
+    hazard: Hazards | None = key(None, f"{_HAZARD_KEY}: adds the annual rate of every limit", {"k0": 1e-4, "k": 2.5})
     confidence: Annotated[float, CONFIDENCE] = key("90 %", "confidence of all intervals")
     draws: Annotated[int, Whole(100, 100_000)] = key(1000, "draws of the bootstrap over the motions")
 

@@ -21,10 +21,11 @@ Chapman & Hall, ch. 13). The motion is what is drawn, with all its observations:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import log_ndtr, ndtr
 
 DRAWS = 1000
@@ -41,7 +42,6 @@ FEWEST = 3
 
 _SEED = 20260101
 _MOST_STEPS = 200
-_LOG_ROOT_2PI = 0.5 * np.log(2.0 * np.pi)
 
 
 class Outcome(StrEnum):
@@ -73,25 +73,21 @@ _MEANINGS = {
 }
 
 
-@dataclass(frozen=True)
-class Curve:
+class Curve(NamedTuple):
     """A lognormal fragility curve, P(passed | x) = Phi(ln(x / median) / spread), or why there is none.
 
-    outcome : outcome of the fit
-    motions : motions it rests on
-    median, spread : median [unit of the intensity] and logarithmic standard deviation [-]; None unless fitted
-    between : the intensities that hold the median, (0, inf) where neither end is known; of a fit the median twice
+    median, spread : [unit of the intensity], logarithmic standard deviation [-]; NaN unless fitted
+    low, high : the intensities that hold the median, 0 and inf where an end is not known; of a fit the median twice
     """
 
     outcome: Outcome
-    motions: int
-    median: float | None
-    spread: float | None
-    between: tuple[float, float]
+    low: float
+    high: float
+    median: float = np.nan
+    spread: float = np.nan
 
 
-@dataclass(frozen=True)
-class Fits:
+class Fits(NamedTuple):
     """Many fits. Where there is none, median and spread are what they tend to: median inf or 0 where no motion or every
     motion passes, spread 0 where the observations do not overlap, inf where there is no trend.
 
@@ -111,122 +107,98 @@ class Fits:
         with np.errstate(divide="ignore", invalid="ignore"):
             score = (np.log(intensity) - np.log(self.median)[:, None]) / self.spread[:, None]
         likely = ndtr(np.where(np.isnan(score), 0.0, score))
-        flat = np.isinf(self.spread)
-        likely[flat] = self.share[flat, None]
-        return likely
+        return np.where(np.isinf(self.spread)[:, None], self.share[:, None], likely)
 
 
-# Brackets of capacities
+# Brackets of capacities: `low`, at which motions hold, 0 where no such intensity is known; `high`, at which they pass,
+# inf where they are not known to; [unit of the intensity], shape (n,). One of both is known.
 
 
-@dataclass(frozen=True)
-class Brackets:
-    """Intervals that hold capacities.
-
-    motion : number of the motion each belongs to, from 0, shape (n,)
-    low : the motion holds there [unit of the intensity], 0 where no such intensity is known, shape (n,)
-    high : it passes there, inf where it is not known to; equal to `low` where the capacity is known, shape (n,)
-    motions : how many motions there are, those without an observation included
-    """
-
-    motion: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    motions: int
-
-    @classmethod
-    def of(cls, motion: np.ndarray, low: np.ndarray, high: np.ndarray, motions: int) -> Brackets:
-        """Without those that tell nothing, (0, inf)."""
-        told = (low > 0) | (high < np.inf)
-        return cls(motion[told], low[told], high[told], motions)
-
-    @property
-    def ends(self) -> np.ndarray:
-        """The different intensities observed, rising."""
-        ends = np.unique(np.concatenate([self.low, self.high]))
-        return ends[(ends > 0) & (ends < np.inf)]
-
-
-def fit(brackets: Brackets) -> Curve:
-    """The curve of maximum likelihood, or why there is none."""
-    fits = _fitted(brackets, np.ones((1, brackets.low.size)))
-    found = Outcome(fits.outcome[0])
-    one_intensity = found is Outcome.SEPARATED and brackets.ends.size < 2
-    if brackets.motions < 2 or not brackets.low.size or one_intensity:
+def fit(low: np.ndarray, high: np.ndarray, motions: int) -> Curve:
+    """The curve of maximum likelihood, or why there is none; `motions` : how many the brackets belong to."""
+    fits = fit_brackets(low, high, np.ones((1, low.size)))
+    found, ends = Outcome(fits.outcome[0]), _ends(low, high)
+    if motions < 2 or not low.size or (found is Outcome.SEPARATED and ends.size < 2):
         found = Outcome.FEW
     if found is Outcome.FITTED:
         median = float(fits.median[0])
-        return Curve(found, brackets.motions, median, float(fits.spread[0]), (median, median))
-    return Curve(found, brackets.motions, None, None, _between(brackets, found))
+        return Curve(found, median, median, median, float(fits.spread[0]))
+    if found is Outcome.FLAT:
+        return Curve(found, 0.0, np.inf)
+    last_held, first_passed = low.max(initial=0.0), high.min(initial=np.inf)
+    if 0 < last_held == first_passed < np.inf:  # some hold and some pass there: the median may lie on either side
+        last_held = low[low < last_held].max(initial=0.0)
+        first_passed = high[high > first_passed].min(initial=np.inf)
+    return Curve(found, float(last_held), float(first_passed))
 
 
-def draw(brackets: Brackets, times: np.ndarray) -> Fits:
-    """The fit of every draw; `times` : `resamples` of as many motions as `brackets` has."""
+def of_counts(intensity: ArrayLike, motions: ArrayLike, passed: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """The brackets of counts: at each intensity so many motions of which so many pass; shape (intensities,) each."""
+    x, passed = np.asarray(intensity, float), np.asarray(passed)
+    held = np.asarray(motions) - passed
+    low = np.concatenate([np.repeat(x, held), np.zeros(passed.sum())])
+    return low, np.concatenate([np.full(held.sum(), np.inf), np.repeat(x, passed)])
+
+
+def fit_brackets(low: np.ndarray, high: np.ndarray, weights: np.ndarray) -> Fits:
+    """Fits of the same brackets with different weights, shape (fits, n), all at once."""
     # observations alike are one of more weight: of stripes there are few different ones
-    ends, which = np.unique(np.stack([brackets.low, brackets.high]), axis=1, return_inverse=True)
-    alike = np.zeros((brackets.low.size, ends.shape[1]))
-    alike[np.arange(brackets.low.size), which.ravel()] = 1.0
-    different = Brackets(np.zeros(ends.shape[1], int), ends[0], ends[1], brackets.motions)
-    return _fitted(different, times[:, brackets.motion] @ alike)
-
-
-def _fitted(brackets: Brackets, weights: np.ndarray) -> Fits:
-    """Fits of the same observations with different weights, shape (fits, n), all at once."""
-    low, high = brackets.low, brackets.high
+    (low, high), which = np.unique(np.stack([low, high]), axis=1, return_inverse=True)
+    weights = weights @ np.eye(low.size)[which.ravel()]
     there = weights > 0
     last_held = np.where(there, low, 0.0).max(axis=1, initial=0.0)
     first_passed = np.where(there, high, np.inf).min(axis=1, initial=np.inf)
-    outcome = np.full(len(weights), Outcome.FITTED, dtype=object)
-    median, spread = np.zeros(len(weights)), np.zeros(len(weights))
-    apart = last_held <= first_passed
-    outcome[apart] = Outcome.SEPARATED
-    both = apart & (last_held > 0) & (first_passed < np.inf)
-    median[both] = np.sqrt(last_held[both] * first_passed[both])
-    for rows, what, value in ((last_held == 0, Outcome.ALWAYS, 0.0), (first_passed == np.inf, Outcome.NEVER, np.inf)):
-        outcome[rows], median[rows] = what, value
-    share = np.where(high < np.inf, weights, 0.0).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300)
-    rest = ~apart & _rises(brackets, weights, share)
+    apart, share = last_held <= first_passed, _share(weights, high < np.inf)
+    with np.errstate(invalid="ignore"):
+        median = np.sqrt(last_held * first_passed)
+    ends = [first_passed == np.inf, last_held == 0]
+    outcome = np.select([*ends, apart], [Outcome.NEVER, Outcome.ALWAYS, Outcome.SEPARATED], Outcome.FITTED)
+    median = np.select(ends, [np.inf, 0.0], median)
+    spread = np.zeros(len(weights))
+    rest = ~apart & _rises(low, high, weights, share)
     if rest.any():
-        median[rest], spread[rest] = _newton(brackets, weights[rest])
-    flat = ~apart & ~(rest & (spread <= MOST_SPREAD))
-    outcome[flat], spread[flat] = Outcome.FLAT, np.inf
-    median[flat] = np.where(share[flat] < 0.5, np.inf, 0.0)
-    return Fits(outcome, median, spread, share)
+        median[rest], spread[rest] = _newton(low, high, weights[rest])
+    return _flattened(Fits(outcome, median, spread, share), ~apart & ~(rest & (spread <= MOST_SPREAD)))
 
 
-def _between(brackets: Brackets, outcome: Outcome) -> tuple[float, float]:
-    if outcome is Outcome.FLAT:
-        return 0.0, float("inf")
-    low, high = brackets.low, brackets.high
-    last_held, first_passed = float(low.max(initial=0.0)), float(high.min(initial=np.inf))
-    if 0 < last_held == first_passed < np.inf:  # some hold and some pass there: the median may lie on either side
-        last_held = float(low[low < last_held].max(initial=0.0))
-        first_passed = float(high[high > first_passed].min(initial=np.inf))
-    return last_held, first_passed
+def _ends(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The different intensities observed, rising."""
+    ends = np.unique(np.concatenate([low, high]))
+    return ends[(ends > 0) & (ends < np.inf)]
 
 
-def _rises(brackets: Brackets, weights: np.ndarray, share: np.ndarray) -> np.ndarray:
+def _share(weights: np.ndarray, passed: np.ndarray) -> np.ndarray:
+    """Part of the observations that pass, of every row of weights."""
+    return (weights * passed).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300)
+
+
+def _flattened(fits: Fits, flat: np.ndarray) -> Fits:
+    """The fits, some of them without a trend."""
+    outcome = np.where(flat, Outcome.FLAT, fits.outcome)
+    median = np.where(flat, np.where(fits.share < 0.5, np.inf, 0.0), fits.median)
+    return Fits(outcome, median, np.where(flat, np.inf, fits.spread), fits.share)
+
+
+def _rises(low: np.ndarray, high: np.ndarray, weights: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Whether the likelihood has its maximum at b > 0: whether it grows with b from its maximum along b = 0.
 
     Along b = 0 an interval closed at both ends has no likelihood at all, so any of those is enough.
     """
-    low, high = brackets.low, brackets.high
     closed = (low > 0) & (high < np.inf)
-    x = np.log(np.where(low > 0, low, np.where(high < np.inf, high, 1.0)))
+    x = np.log(np.where(low > 0, low, high))
     # d log L / db at b = 0 is, but for a positive factor, the sum of (passed - share) ln x
     slope = (weights * ((high < np.inf) - share[:, None]) * x).sum(axis=1)
-    scale = (weights * np.abs(x)).sum(axis=1)
-    return (weights[:, closed] > 0).any(axis=1) | (slope > 1e-12 * scale)
+    return (weights[:, closed] > 0).any(axis=1) | (slope > 1e-12 * (weights * np.abs(x)).sum(axis=1))
 
 
-def _newton(brackets: Brackets, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _newton(low: np.ndarray, high: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Median and spread where the maximum is known to exist, of every row of weights."""
-    ends = np.log(brackets.ends)
+    ends = np.log(_ends(low, high))
     centre, width = ends.mean(), max(float(np.ptp(ends)), 1e-3)
     with np.errstate(divide="ignore"):
-        low, high = (np.log(brackets.low) - centre) / width, (np.log(brackets.high) - centre) / width
-    a, b = np.zeros(len(weights)), np.full(len(weights), 4.0)
-    value, gradient, hessian = _likelihood(a, b, low, high, weights)
+        low, high = (np.log(low) - centre) / width, (np.log(high) - centre) / width
+    at = np.tile([0.0, 4.0], (len(weights), 1))  # a and b
+    value, gradient, hessian = _likelihood(at, low, high, weights)
     going = np.arange(len(weights))
     for _ in range(_MOST_STEPS):
         if not going.size:
@@ -235,79 +207,66 @@ def _newton(brackets: Brackets, weights: np.ndarray) -> tuple[np.ndarray, np.nda
         decrement = (gradient[going] * step).sum(axis=1)
         size = np.ones(going.size)
         while True:  # halve until b stays positive and the likelihood does not fall
-            at, bt = a[going] + size * step[:, 0], b[going] + size * step[:, 1]
-            allowed = bt > 0.05 * b[going]
-            trial = _likelihood(at, np.where(allowed, bt, b[going]), low, high, weights[going])
-            enough = allowed & (trial[0] >= value[going] + 1e-4 * size * decrement - 1e-13 * np.abs(value[going]))
+            trial = at[going] + size[:, None] * step
+            allowed = trial[:, 1] > 0.05 * at[going, 1]
+            trial[~allowed] = at[going][~allowed]
+            risen = _likelihood(trial, low, high, weights[going])[0]
+            enough = allowed & (risen >= value[going] + 1e-4 * size * decrement - 1e-13 * np.abs(value[going]))
             if (enough | (size < 1e-12)).all():
                 break
             size = np.where(enough, size, 0.5 * size)
-        a[going], b[going] = np.where(enough, at, a[going]), np.where(enough, bt, b[going])
-        value[going], gradient[going], hessian[going] = _likelihood(a[going], b[going], low, high, weights[going])
+        at[going] = np.where(enough[:, None], trial, at[going])
+        value[going], gradient[going], hessian[going] = _likelihood(at[going], low, high, weights[going])
         going = going[enough & (decrement > 1e-22 * weights[going].sum(axis=1))]
     with np.errstate(over="ignore"):  # what is as flat as that is not kept
-        return np.exp(centre - width * a / b), width / b
+        return np.exp(centre - width * at[:, 0] / at[:, 1]), width / at[:, 1]
 
 
 def _likelihood(
-    a: np.ndarray, b: np.ndarray, low: np.ndarray, high: np.ndarray, weights: np.ndarray
+    at: np.ndarray, low: np.ndarray, high: np.ndarray, weights: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Logarithm of the likelihood, shape (fits,), its gradient, (fits, 2), and its second derivatives, (fits, 2, 2)."""
-    exact = low == high
-    x, y = np.where(np.isinf(low), 0.0, low), np.where(np.isinf(high), 0.0, high)
-    lower, upper = a[:, None] + b[:, None] * low, a[:, None] + b[:, None] * high
+    """Logarithm of the likelihood at (a, b), shape (fits,), its gradient, (fits, 2), and its second derivatives,
+    (fits, 2, 2).
+
+    low, high : ln of the ends
+    """
+    lower, upper = (at[:, :1] + at[:, 1:] * ends for ends in (low, high))
     # in the upper tail the difference of two probabilities near 1 is that of their complements
     flip = lower > 0
-    bottom, top = np.where(flip, -upper, lower), np.where(flip, -lower, upper)
-    log_top, log_bottom = log_ndtr(top), log_ndtr(bottom)
-    ratio = np.where(exact, -1.0, log_bottom - log_top)
-    inside = log_top + np.log(-np.expm1(ratio))
-
-    def edge(u: np.ndarray) -> np.ndarray:  # the density there over the probability between the edges
-        return np.where(np.isinf(u), 0.0, np.exp(-0.5 * np.where(np.isinf(u), 0.0, u) ** 2 - _LOG_ROOT_2PI - inside))
-
-    r, s = edge(upper), edge(lower)
-    u, v = np.where(np.isinf(upper), 0.0, upper), np.where(np.isinf(lower), 0.0, lower)
+    log_top, log_bottom = log_ndtr(np.where(flip, -lower, upper)), log_ndtr(np.where(flip, -upper, lower))
+    inside = log_top + np.log(-np.expm1(log_bottom - log_top))
+    # of both ends: the density there over the probability between them, and the score and ln x where they are finite
+    r, s = (np.exp(-0.5 * score**2 - 0.5 * np.log(2.0 * np.pi) - inside) for score in (upper, lower))
+    u, v, x, y = (np.where(np.isinf(each), 0.0, each) for each in (upper, lower, low, high))
     d_a, d_b = r - s, r * y - s * x
-    bend_a, bend_b, bend_ab = v * s - u * r, v * s * x * x - u * r * y * y, v * s * x - u * r * y
-    value = np.where(exact, np.log(b)[:, None] - 0.5 * v**2 - _LOG_ROOT_2PI, inside)
-    one = np.ones_like(v)
-    d_a, d_b = np.where(exact, -v, d_a), np.where(exact, one / b[:, None] - v * x, d_b)
-    h_aa = np.where(exact, -one, bend_a - d_a**2)
-    h_ab = np.where(exact, -x * one, bend_ab - (r - s) * (r * y - s * x))
-    h_bb = np.where(exact, -x * x - one / b[:, None] ** 2, bend_b - (r * y - s * x) ** 2)
-    gradient = np.stack([(weights * d_a).sum(axis=1), (weights * d_b).sum(axis=1)], axis=-1)
-    rows = [[(weights * h).sum(axis=1) for h in line] for line in ((h_aa, h_ab), (h_ab, h_bb))]
-    return (weights * value).sum(axis=1), gradient, np.stack([np.stack(line, axis=-1) for line in rows], axis=-2)
+    gradient = [d_a, d_b]
+    hessian = [
+        v * s - u * r - d_a**2, v * s * x - u * r * y - d_a * d_b,
+        v * s * x - u * r * y - d_a * d_b, v * s * x * x - u * r * y * y - d_b**2,
+    ]  # fmt: skip
+    value, *sums = ((weights * each).sum(axis=1) for each in (inside, *gradient, *hessian))
+    return value, np.stack(sums[:2], axis=-1), np.stack(sums[2:], axis=-1).reshape(-1, 2, 2)
 
 
-# Clouds
+# Clouds: the intensity and the demand of every analysis, both above 0, shape (n,)
 
 
-def fit_cloud(intensity: np.ndarray, demand: np.ndarray, motion: np.ndarray) -> Curve:
+def fit_cloud(intensity: np.ndarray, demand: np.ndarray, motions: int) -> Curve:
     """The curve of P(demand > 1 | intensity): median exp(-intercept / slope), spread scatter / slope of the line
-    ln demand = intercept + slope ln intensity.
-
-    intensity, demand, motion : of each analysis, both above 0, and the number of its motion, shape (n,)
-    """
-    motions = int(np.unique(motion).size)
+    ln demand = intercept + slope ln intensity; `motions` : how many the analyses belong to."""
+    nothing = Curve(Outcome.FEW, 0.0, np.inf)
     if motions < FEWEST or np.ptp(np.log(intensity)) <= 1e-12:
-        return Curve(Outcome.FEW, motions, None, None, (0.0, np.inf))
-    fits = _lines(intensity, demand, np.ones((1, intensity.size)))
+        return nothing
+    fits = fit_lines(intensity, demand, np.ones((1, intensity.size)))
     found, median, spread = Outcome(fits.outcome[0]), float(fits.median[0]), float(fits.spread[0])
     if found is Outcome.FLAT:
-        return Curve(found, motions, None, None, (0.0, np.inf))
-    fitted = found is Outcome.FITTED
-    return Curve(found, motions, median if fitted else None, spread if fitted else None, (median, median))
+        return nothing._replace(outcome=found)
+    return Curve(found, median, median, *((median, spread) if found is Outcome.FITTED else ()))
 
 
-def draw_cloud(intensity: np.ndarray, demand: np.ndarray, motion: np.ndarray, times: np.ndarray) -> Fits:
-    """The fit of every draw; `times` : `resamples`. Draws of too few motions have no trend."""
-    return _lines(intensity, demand, times[:, motion].astype(float))
-
-
-def _lines(intensity: np.ndarray, demand: np.ndarray, weights: np.ndarray) -> Fits:
-    """Curves from lines of least squares, for many weights of the same points, shape (fits, n)."""
+def fit_lines(intensity: np.ndarray, demand: np.ndarray, weights: np.ndarray) -> Fits:
+    """Curves from lines of least squares, for many weights of the same points, shape (fits, n); of too few points
+    without a trend."""
     x, y = np.log(intensity), np.log(demand)
     total, there = weights.sum(axis=1), weights > 0
     highest = np.where(there, x, -np.inf).max(axis=1, initial=-np.inf)
@@ -318,26 +277,19 @@ def _lines(intensity: np.ndarray, demand: np.ndarray, weights: np.ndarray) -> Fi
     dx, dy = x - mean_x[:, None], y - mean_y[:, None]
     slope = (weights * dx * dy).sum(axis=1) / np.where(told, (weights * dx * dx).sum(axis=1), 1.0)
     left = (weights * (dy - slope[:, None] * dx) ** 2).sum(axis=1)
-    scatter = np.sqrt(left / np.where(told, total - 2, 1.0))
     rises = told & (slope > 1e-9)
     rise = np.where(rises, slope, 1.0)
-    share = (weights * (y > 0)).sum(axis=1) / np.maximum(total, 1e-300)
+    spread = np.sqrt(left / np.where(told, total - 2, 1.0)) / rise
     with np.errstate(over="ignore"):
         median = np.exp((slope * mean_x - mean_y) / rise)
-    spread = scatter / rise
-    flat = ~rises | (spread > MOST_SPREAD)
-    outcome = np.full(len(weights), Outcome.FITTED, dtype=object)
-    outcome[spread <= 1e-12] = Outcome.SEPARATED
-    outcome[flat] = Outcome.FLAT
-    median = np.where(flat, np.where(share < 0.5, np.inf, 0.0), median)
-    return Fits(outcome, median, np.where(flat, np.inf, spread), share)
+    outcome = np.where(spread <= 1e-12, Outcome.SEPARATED, Outcome.FITTED)
+    return _flattened(Fits(outcome, median, spread, _share(weights, y > 0)), ~rises | (spread > MOST_SPREAD))
 
 
 # Bands
 
 
-@dataclass(frozen=True)
-class Bands:
+class Bands(NamedTuple):
     """What the draws say of a curve; ends are 0 or inf where the draws leave them open.
 
     median, spread : low and high end
@@ -366,22 +318,12 @@ def bands(fits: Fits, intensity: np.ndarray, confidence: float = CONFIDENCE) -> 
 
     fits : of all draws; intensity : where the probability is wanted, above 0, shape (intensities,)
     """
-    low, high = _interval(fits.probability(np.asarray(intensity, dtype=float)), confidence)
-    median, spread = _interval(fits.median, confidence), _interval(fits.spread, confidence)
+    low, high = interval(fits.probability(np.asarray(intensity, dtype=float)), confidence)
+    median, spread = interval(fits.median, confidence), interval(fits.spread, confidence)
     return Bands(median, spread, low, high, int((fits.outcome != Outcome.FITTED).sum()))
 
 
-def median_ratio(first: Fits, second: Fits, confidence: float = CONFIDENCE) -> tuple[float, float]:
-    """Band of the median of `second` over that of `first` [-], both of the same draws.
-
-    A draw whose ratio has no value, both medians beyond the same end, is taken as 1.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = second.median / first.median
-    return _interval(np.where(np.isnan(ratio), 1.0, ratio), confidence)
-
-
-def _interval(values: np.ndarray, confidence: float) -> tuple:
+def interval(values: np.ndarray, confidence: float) -> tuple:
     """Both ends of the middle part of the draws; infinite values are values like any other."""
     ends = 0.5 - confidence / 2, 0.5 + confidence / 2
     low, high = np.quantile(values, ends, axis=0, method="inverted_cdf")

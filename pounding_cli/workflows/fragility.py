@@ -3,32 +3,102 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
-from pounding_cli.results.tables import Column, Table, place_columns
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
-from pounding_cli.workflows import curves
-from pounding_cli.workflows.curves import Brackets, Curve, Fits, Outcome
+from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Target
+from pounding_cli.workflows.curves import (
+    Curve,
+    Fits,
+    Outcome,
+    bands,
+    fit,
+    fit_brackets,
+    fit_cloud,
+    fit_lines,
+    interval,
+    resamples,
+)
 from pounding_cli.workflows.fragility_question import Question, intensities, intensity_unit, question_of, takes_blow
-from pounding_cli.workflows.hunt import UNDECIDED, found, next_levels
-from pounding_cli.workflows.workflow import Found, Workflow
+from pounding_cli.workflows.hazard import YEARS, Hazard, probability
+from pounding_cli.workflows.hunt import UNDECIDED, next_levels
+from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from pounding_cli.batch.solve import Solver
     from pounding_cli.results.solved import Solved
 
 CURVES, MOTIONS = "fragility", "fragility_motions"
-"""Names of the tables."""
+RATES, CONTRIBUTIONS = "fragility_rates", "fragility_contributions"
+"""Names of the tables; the last two where the study gives a hazard curve."""
 
 ALONE = "0"
 """Ends the name of a column of the buildings alone."""
+
+_WHERE = ("case", "analysis", "limit", "building")
+_INTENSITY = "unit of the intensity"
+_CURVES: Columns = {
+    "case": ("", "case of the study"),
+    "analysis": ("", "elastic or inelastic storeys"),
+    "limit": ("", "what is passed"),
+    "building": ("", "building that passes it, or the pair in contact"),
+    "outcome": ("", "outcome of the fit"),
+    "median": (_INTENSITY, "intensity at which half of the motions pass the limit"),
+    "median_low": (_INTENSITY, "lower end of the bootstrap interval of the median"),
+    "median_high": (_INTENSITY, "upper end of the bootstrap interval of the median"),
+    "spread": ("1", "logarithmic standard deviation of that intensity"),
+    "spread_low": ("1", "lower end of the bootstrap interval of the spread"),
+    "spread_high": ("1", "upper end of the bootstrap interval of the spread"),
+    "low": (_INTENSITY, "the median is not below"),
+    "high": (_INTENSITY, "the median is not above; inf where no end is known"),
+    "motions": ("1", "motions of the curve"),
+    "scenes": ("1", "scenes asked for"),
+    "failed": ("1", "scenes that failed; they widen brackets and are counted neither as holding nor as passing"),
+    "undecided": ("1", "scenes that a collapse ended before the limit was passed or, of a cloud, whose demand is not "
+                  "known or has no logarithm; counted neither as holding nor as passing"),
+    "undecided_motions": ("1", "motions not known to pass, nor to hold at the highest intensities, since a collapse "
+                          "ended their scenes; from half of the motions on there is no curve"),
+    "returns": ("1", "motions that hold at an intensity above their first pass"),
+    "unfitted": ("1", "draws of the bootstrap without a fit; they count with what a fit would tend to"),
+    "ratio": ("1", "median with pounding over median alone"),
+    "ratio_low": ("1", "lower end of the bootstrap interval of the ratio"),
+    "ratio_high": ("1", "upper end of the bootstrap interval of the ratio"),
+}  # fmt: skip
+_MOTIONS: Columns = {
+    **{name: _CURVES[name] for name in _WHERE},
+    "record": ("", "ground motion"),
+    "intensity": (_INTENSITY, "intensity of the motion"),
+    "held": (_INTENSITY, "highest intensity below `passed` at which the motion holds; 0 where there is none"),
+    "passed": (_INTENSITY, "lowest intensity at which the motion passes the limit; inf where there is none"),
+    "demand": ("1", "demand over limit; inf where a collapse ended the scene after the limit was passed; empty where "
+               "one did before, and where the scene failed"),
+    "undecided": ("1", "scenes that a collapse ended before the limit was passed"),
+}  # fmt: skip
+
+_RATES: Columns = {
+    **{name: _CURVES[name] for name in _WHERE},
+    "rate": ("1/year", "mean annual rate at which the limit is passed"),
+    "rate_low": ("1/year", "lower end of the bootstrap interval of the rate"),
+    "rate_high": ("1/year", "upper end of the bootstrap interval of the rate"),
+    "probability": ("1", f"probability that it is passed within {YEARS:g} years"),
+    "beyond": ("1", "part of the rate that comes from intensities above the last one of the hazard curve"),
+    "rate_ratio": ("1", "rate with pounding over rate alone"),
+    "rate_ratio_low": ("1", "lower end of the bootstrap interval of that ratio"),
+    "rate_ratio_high": ("1", "upper end of the bootstrap interval of that ratio"),
+}
+_CONTRIBUTIONS: Columns = {
+    **{name: _CURVES[name] for name in _WHERE},
+    "from": (_INTENSITY, "lower end of a range of intensities"),
+    "to": (_INTENSITY, "its upper end"),
+    "rate": ("1/year", "annual rate at which the limit is passed at these intensities"),
+}
+STRIPS = 40
+"""Ranges of intensities whose contributions to a rate are told."""
 
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """What a limit looks at, as responses call it."""
@@ -53,7 +123,7 @@ class Fragility(Workflow):
         question = question_of(plan.study)
         if question.spec.method != "ida":
             return super().first(plan)
-        return np.unique([series.scenes[0] for series in _series(Layout.of(plan, question.axis), question.targets)])
+        return np.unique([each.scenes[:, 0] for each in _series(plan, question)])
 
     def goes_on(self, study: Study) -> bool:
         """Whether it is `ida`."""
@@ -62,279 +132,147 @@ class Fragility(Workflow):
     def run(self, study: Study, solver: Solver) -> Found:
         """The curves, and what every motion said."""
         question, plan = question_of(study), self.plan(study)
-        layout = Layout.of(plan, question.axis)
-        asked = _hunted(plan, question, layout, solver) if question.spec.method == "ida" else np.arange(len(plan))
-        samples = list(_samples(plan, solver.responses(plan, asked), question, layout))
-        where = _where(plan, question, layout, samples)
-        curves = Table.of(CURVES, [*where, *_curve_columns(plan, question, samples)])
-        motions = Table.of(MOTIONS, _motion_columns(plan, question, where, samples))
-        return Found(plan, solver.dataset(plan, asked), [curves, motions])
+        series = list(_series(plan, question))
+        is_ida = question.spec.method == "ida"
+        asked = _hunted(plan, question, series, solver) if is_ida else np.arange(len(plan))
+        solved = solver.responses(plan, asked)
+        measured = intensities(plan, question)
+        parts = [each.rows(plan, solved, measured[each.number]).assign(series=n) for n, each in enumerate(series)]
+        scenes = pd.concat(parts, ignore_index=True)
+        return Found(plan, solver.dataset(plan, asked), _tables(plan, question, series, scenes))
 
 
 ASKED = Fragility()
 
 
-@dataclass(frozen=True, eq=False)
-class Layout:
-    """Where the scenes of a plan stand, the intensity apart from the other swept axes.
-
-    intensity : of the levels as the study says it, rising, shape (levels,)
-    points : of the other axes, an index on every axis, 0 on that of the intensity
-    linked : numbers of the scenes, shape (points, cases, analyses, motions, levels)
-    alone : numbers of the baselines, shape (points, analyses, motions, levels, buildings)
-    """
-
-    intensity: np.ndarray
-    points: list[tuple[int, ...]]
-    linked: np.ndarray
-    alone: np.ndarray
-
-    @classmethod
-    def of(cls, plan: Plan, axis: int | None) -> Layout:
-        """The layout of a plan; `axis` : number of the axis of the intensity; None: there is one level."""
-        values = [1.0] if axis is None else [float(value) for (value,) in plan.axes[axis].values]
-        order, swept = np.argsort(values), [len(each.values) for each in plan.axes]
-        if axis is None:
-            numbers = plan.numbers[..., None, :]
-        else:
-            numbers = np.moveaxis(np.take(plan.numbers, order, axis), axis, -2)
-            swept[axis] = 1
-        numbers = numbers.reshape(-1, *numbers.shape[-5:])
-        return cls(np.array(values)[order], list(np.ndindex(*swept)), numbers[..., 0], numbers[:, 0, ..., 1:])
-
-
 # Which scenes are solved
 
 
-class _Series(NamedTuple):
-    """The scenes of one motion over the levels, and the targets that they tell of.
+@dataclass(frozen=True, eq=False)
+class Series:
+    """The scenes of all motions and intensities that one curve rests on.
 
-    scenes : numbers, shape (levels,); is_alone : whether they are of one building alone
+    number : of the point of the sweep, the intensity set aside; point : its index on every axis, 0 on the intensity's
+    case, analysis : numbers
+    is_alone : whether the target's building stands alone
+    scenes : numbers, shape (motions, levels); intensities rise
     """
 
-    scenes: np.ndarray
-    point: int
+    number: int
+    point: tuple[int, ...]
     case: int
+    analysis: int
+    target: Target
     is_alone: bool
-    targets: tuple[Target, ...]
+    scenes: np.ndarray
+
+    def rows(self, plan: Plan, solved: Solved, intensity: np.ndarray) -> pd.DataFrame:
+        """`motion`, `level`, `intensity` and `demand` of the scenes that were asked for.
+
+        intensity : shape (motions, levels)
+        """
+        motion, level = np.nonzero(solved.there[self.scenes])
+        demand = self.demand(plan, solved)[motion, level]
+        return pd.DataFrame({"motion": motion, "level": level, "intensity": intensity[motion, level], "demand": demand})
+
+    def demand(self, plan: Plan, solved: Solved) -> np.ndarray:
+        """Demand over limit [-], above 1 where the limit is passed; inf where a collapse ended the scene after that,
+        UNDECIDED where it did before; NaN where the scene failed or was not asked for; shape (motions, levels).
+
+        Passed are limits that were passed before a scene ended, the collapse itself, and limits on the drift or the
+        ductility of the storey that collapsed: its drift has no bound.
+        """
+        limit, values, scenes = self.target.limit, solved.values, self.scenes
+        place = 0 if self.is_alone else self.target.building
+        reached = self._reached(plan, solved, place)
+        storey = np.nan_to_num(values["collapse_storey"][scenes]).astype(int)
+        own = np.where(values["collapse_building"][scenes] == place, storey, 0)
+        falls = own > 0 if limit.quantity == COLLAPSE or not limit.level else own == limit.level
+        passed = (reached > 1) | (falls & (limit.quantity in ("mu", "drift", COLLAPSE)))
+        demand = np.where(storey > 0, np.where(passed, np.inf, UNDECIDED), reached)
+        return np.where(solved.ended[scenes], demand, np.nan)
+
+    def _reached(self, plan: Plan, solved: Solved, place: int) -> np.ndarray:
+        """Demand over limit by the largest values of scenes, whatever ended them; 0 of collapse."""
+        limit, values, links, scenes = self.target.limit, solved.values, plan.links, self.scenes
+        if limit.quantity == COLLAPSE:
+            return np.zeros(scenes.shape)
+        there = links.kind[(*self.point, self.case)] != ""
+        if limit.quantity == CONTACT:
+            mine = [k for k, each in enumerate(links.places) if there[k] and each[0] == self.target.building]
+            gap, closing = links.gap[(*self.point, self.case)][mine], values["link.max_closing"][scenes][..., mine]
+            at_once = np.where(closing > 0, np.inf, np.where(np.isnan(closing), np.nan, 0.0))  # floors in touch
+            parts = np.divide(closing, gap, out=at_once, where=np.broadcast_to(gap > 0, closing.shape))
+            return np.fmax.reduce(parts, axis=-1) if mine else np.zeros(scenes.shape)
+        building = plan.study.building(self.point, self.target.building)
+        if limit.quantity == SHEAR_DEMAND:
+            struck = [k for k in takes_blow(self.target, links.places, building.yield_shear) if there[k]]
+            demand = values["columns.demand"][scenes][..., struck]
+            return np.fmax.reduce(demand, axis=-1) / limit.value if struck else np.zeros(scenes.shape)
+        peaks = values[_PEAKS[limit.quantity]][scenes, place, : building.storeys]
+        parts = peaks / (limit.value * building.height if limit.of_height else limit.value)
+        return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
 
 
-def _series(layout: Layout, targets: Sequence[Target]) -> Iterator[_Series]:
-    """Every motion with pounding, and every building alone once."""
-    known: set[int] = set()
-    for point, case, analysis, motion in np.ndindex(*layout.linked.shape[:-1]):
-        yield _Series(layout.linked[point, case, analysis, motion], point, case, False, tuple(targets))
-        for building in range(layout.alone.shape[-1]):
-            mine = tuple(t for t in targets if t.building == building and t.limit.quantity not in TAKES_NEIGHBOUR)
-            scenes = layout.alone[point, analysis, motion, :, building]
-            if mine and int(scenes[0]) not in known:  # cases and points share it
-                known.add(int(scenes[0]))
-                yield _Series(scenes, point, case, True, mine)
+def _series(plan: Plan, question: Question) -> Iterator[Series]:
+    """Of every curve the scenes with pounding, and behind them those of the building alone, where it can pass."""
+    numbers, sizes = plan.numbers[..., None, :], [len(axis.values) for axis in plan.axes]
+    if question.axis is not None:
+        order = np.argsort([float(value) for (value,) in plan.axes[question.axis].values])
+        numbers = np.moveaxis(np.take(plan.numbers, order, question.axis), question.axis, -2)
+        sizes[question.axis] = 1
+    numbers = numbers.reshape(-1, *numbers.shape[-5:])  # points, cases, analyses, motions, levels, 1 + buildings
+    points = list(np.ndindex(*sizes))
+    for number, case, analysis in np.ndindex(numbers.shape[:3]):
+        for target in question.targets:
+            for is_alone in (False,) if target.limit.quantity in TAKES_NEIGHBOUR else (False, True):
+                scenes = numbers[number, case, analysis, ..., 1 + target.building if is_alone else 0]
+                yield Series(number, points[number], case, analysis, target, is_alone, scenes)
 
 
-def _hunted(plan: Plan, question: Question, layout: Layout, solver: Solver) -> np.ndarray:
+def _hunted(plan: Plan, question: Question, series: list[Series], solver: Solver) -> np.ndarray:
     """Incremental dynamic analysis: the scenes that bracket where every motion passes each limit (`hunt`).
 
-    The next levels of all motions are solved together, so that workers are busy.
+    The next intensities of all motions are solved together, so that workers are busy.
     """
-    series = list(_series(layout, question.targets))
-    seen: list[dict[Target, dict[int, float]]] = [{target: {} for target in each.targets} for each in series]
-    wanted = {number: {0} for number in range(len(series))}
-    asked: list[np.ndarray] = []
-    while wanted:
-        asked.append(np.array([series[number].scenes[level] for number, levels in wanted.items() for level in levels]))
-        solved = solver.responses(plan, asked[-1])
-        following: dict[int, set[int]] = {}
-        for number, levels in wanted.items():
-            each, some = series[number], sorted(levels)
-            more: set[int] = set()
-            for target, told in seen[number].items():
-                demand = _demand(plan, solved, target, each.scenes[some], layout.points[each.point], each.case,
-                                 each.is_alone)  # fmt: skip
-                told |= dict(zip(some, demand.tolist(), strict=True))
-                more |= next_levels(layout.intensity, told, question.spec.fill)
-            if more:
-                following[number] = more
-        wanted = following
-    return np.unique(np.concatenate(asked))
+    levels = np.ones(1) if question.axis is None else np.sort([float(v) for (v,) in plan.axes[question.axis].values])
+    asked = new = np.unique([each.scenes[:, 0] for each in series])
+    while new.size:
+        solved, wanted = solver.responses(plan, asked), set[int]()
+        for each in series:
+            is_seen = np.isin(each.scenes, asked)
+            demand = each.demand(plan, solved)
+            for motion in np.flatnonzero(np.isin(each.scenes, new).any(axis=1)):
+                seen = {int(level): float(demand[motion, level]) for level in np.flatnonzero(is_seen[motion])}
+                more = next_levels(levels, seen, question.spec.fill)
+                wanted |= {int(each.scenes[motion, level]) for level in more}
+        new = np.array(sorted(wanted), int)
+        asked = np.union1d(asked, new)
+    return asked
 
 
-# What scenes say of a limit
+# What curves rest on: frames of scenes and motions, with the columns of the table of motions
 
 
-def _demand(
-    plan: Plan, solved: Solved, target: Target, scenes: np.ndarray, point: tuple[int, ...], case: int, is_alone: bool
-) -> np.ndarray:
-    """Demand over limit [-], above 1 where the limit is passed; inf where a collapse ended the scene after that,
-    UNDECIDED where it did before; NaN where the scene failed or was not asked for.  Shape of `scenes`.
+def brackets(scenes: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """What every motion says, by `keys`: `held`, the highest intensity below the first pass at which it holds (0:
+    none), `passed`, that of the first pass (inf: none), `returns`, whether it holds at a higher one again, `open`,
+    whether a collapse leaves open if it passes above all at which it holds, and `undecided`, its scenes that one ended.
 
-    Passed are limits that were passed before a scene ended, the collapse itself, and limits on the drift or the
-    ductility of the storey that collapsed: its drift has no bound.
-
-    scenes : numbers of scenes of one point and case; is_alone : of the target's building alone
+    scenes : `intensity` and `demand` over limit, above 1 where the limit is passed, UNDECIDED or NaN
     """
-    limit, values = target.limit, solved.values
-    place = 0 if is_alone else target.building
-    reached = _reached(plan, solved, target, scenes, point, case, place)
-    storey = np.nan_to_num(values["collapse_storey"][scenes]).astype(int)
-    own = np.where(values["collapse_building"][scenes] == place, storey, 0)
-    falls = own > 0 if limit.quantity == COLLAPSE or not limit.level else own == limit.level
-    passed = (reached > 1) | (falls & (limit.quantity in ("mu", "drift", COLLAPSE)))
-    demand = np.where(storey > 0, np.where(passed, np.inf, UNDECIDED), reached)
-    return np.where(solved.ended[scenes], demand, np.nan)
-
-
-def _reached(
-    plan: Plan, solved: Solved, target: Target, scenes: np.ndarray, point: tuple[int, ...], case: int, place: int
-) -> np.ndarray:
-    """Demand over limit by the largest values of scenes, whatever ended them; 0 of collapse."""
-    limit, values, links = target.limit, solved.values, plan.links
-    if limit.quantity == COLLAPSE:
-        return np.zeros(scenes.shape)
-    there = links.kind[(*point, case)] != ""
-    if limit.quantity == CONTACT:
-        mine = [k for k, each in enumerate(links.places) if there[k] and each[0] == target.building]
-        return _over_gap(values["link.max_closing"][scenes][..., mine], links.gap[(*point, case)][mine])
-    building = plan.study.building(point, target.building)
-    if limit.quantity == SHEAR_DEMAND:
-        struck = [k for k in takes_blow(target, links.places, building.yield_shear) if there[k]]
-        demand = values["columns.demand"][scenes][..., struck]
-        return np.fmax.reduce(demand, axis=-1) / limit.value if struck else np.zeros(scenes.shape)
-    return _over_limit(limit, values[_PEAKS[limit.quantity]][scenes, place, : building.storeys], building.height)
-
-
-def _over_limit(limit: Limit, peaks: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Demand over limit of peaks of storeys or floors, shape (..., storeys) as `height` [m]; of the worst of them."""
-    parts = peaks / (limit.value * height if limit.of_height else limit.value)
-    return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
-
-
-def _over_gap(closing: np.ndarray, gap: np.ndarray) -> np.ndarray:
-    """Largest closing over gap [-], above 1 where a gap closes; 0 without links, NaN where no closing is known.
-
-    closing, gap : of every link, shape (..., links) [m]
-    """
-    if not closing.shape[-1]:
-        return np.zeros(closing.shape[:-1])
-    at_once = np.where(closing > 0, np.inf, np.where(np.isnan(closing), np.nan, 0.0))  # floors in touch
-    parts = np.divide(closing, gap, out=at_once, where=np.broadcast_to(gap > 0, closing.shape))
-    return np.fmax.reduce(parts, axis=-1)
-
-
-# What a curve rests on
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """What one curve rests on; shapes (motions, levels).
-
-    method : ida, stripes or cloud
-    intensity : [SI]
-    demand : over limit [-], above 1 where the limit is passed; inf where a collapse ended the scene after that,
-        UNDECIDED where it did before; NaN where the scene failed or was not asked for
-    asked : whether the scene was
-    """
-
-    method: str
-    intensity: np.ndarray
-    demand: np.ndarray
-    asked: np.ndarray
-
-    @property
-    def failed(self) -> int:
-        """Scenes that failed."""
-        return int((self.asked & np.isnan(self.demand)).sum())
-
-    @property
-    def undecided(self) -> np.ndarray:
-        """Scenes that did not fail and tell nothing of the limit: a collapse ended them before it was passed or, of a
-        cloud, their demand is not known to its end or has no logarithm; shape (motions, levels)."""
-        if self.method == "cloud":
-            return self.asked & ~np.isnan(self.demand) & ~_drawable(self.demand)
-        return self.demand == UNDECIDED
-
-    @property
-    def undecided_motions(self) -> int:
-        """Motions not known to pass, nor to hold at the highest intensities, since a collapse ended their scenes there;
-        of a cloud motions that have no point because of that."""
-        undecided = self.demand == UNDECIDED
-        if self.method == "cloud":
-            return int((undecided.any(axis=1) & ~_drawable(self.demand).any(axis=1)).sum())
-        levels = np.arange(1, self.demand.shape[1] + 1)
-        held = np.where((self.demand <= 1) & ~undecided, levels, 0).max(axis=1)
-        lost = np.where(undecided, levels, 0).max(axis=1)
-        return int(((lost > held) & ~(self.demand > 1).any(axis=1)).sum())
-
-    def held_and_passed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of every motion the highest intensity below its first pass at which it holds (0: none), that of its first
-        pass (inf: none), and whether it holds at a higher one again; shape (motions,)."""
-        motions, levels = self.demand.shape
-        held, passed, returns = np.zeros(motions), np.full(motions, np.inf), np.zeros(motions, bool)
-        for motion, demand in enumerate(self.demand.tolist()):
-            known = found(dict(enumerate(demand)), levels)
-            if known.held >= 0:
-                held[motion] = self.intensity[motion, known.held]
-            if known.passed < levels:
-                passed[motion] = self.intensity[motion, known.passed]
-            returns[motion] = known.returns
-        return held, passed, returns
-
-    def brackets(self) -> Brackets:
-        """The capacities: of `ida` one bracket a motion, of `stripes` one for every scene."""
-        motions = len(self.demand)
-        if self.method == "ida":
-            held, passed, _ = self.held_and_passed()
-            return Brackets.of(np.arange(motions), held, passed, motions)
-        known = np.where(self.undecided, np.nan, self.demand)
-        return _of_scenes(_motion_of(self.demand), self.intensity.ravel(), known.ravel(), motions)
-
-    def curve(self) -> Curve:
-        """The fit; none where half of the motions or more are undecided."""
-        motions = len(self.demand)
-        if 2 * self.undecided_motions >= motions:
-            return Curve(Outcome.UNDECIDED, motions, None, None, self._middle())
-        if self.method != "cloud":
-            return curves.fit(self.brackets())
-        some = _drawable(self.demand)
-        if 2 * some.any(axis=1).sum() <= motions:  # the others collapsed: a line through the rest would mislead
-            return Curve(Outcome.FEW, motions, None, None, (0.0, np.inf))
-        return curves.fit_cloud(self.intensity[some], self.demand[some], np.nonzero(some)[0])
-
-    def _middle(self) -> tuple[float, float]:
-        """Intensities between which half of the motions pass, whatever the undecided ones would do."""
-        if self.method == "cloud":
-            return 0.0, np.inf
-        held, passed, _ = self.held_and_passed()
-        half = len(held) // 2
-        return float(np.sort(held)[len(held) - 1 - half]), float(np.sort(passed)[half])
-
-    def draws(self, times: np.ndarray) -> Fits:
-        """The fits of a bootstrap; `times` : `resamples` of the motions."""
-        if self.method != "cloud":
-            return curves.draw(self.brackets(), times)
-        return _cloud_draws(_motion_of(self.demand), self.intensity.ravel(), self.demand.ravel(), times)
-
-
-def _drawable(demand: np.ndarray) -> np.ndarray:
-    """Which demands a cloud can show."""
-    return np.isfinite(demand) & (demand > 0)
-
-
-def _motion_of(demand: np.ndarray) -> np.ndarray:
-    """The numbers of the motions of demands (motions, levels), flat."""
-    return np.repeat(np.arange(len(demand)), demand.shape[1])
-
-
-def _of_scenes(motion: np.ndarray, intensity: np.ndarray, demand: np.ndarray, motions: int) -> Brackets:
-    """The capacities by single scenes; NaN tells nothing."""
-    known = ~np.isnan(demand)
-    above, x = demand[known] > 1, intensity[known]
-    return Brackets.of(motion[known], np.where(above, 0.0, x), np.where(above, x, np.inf), motions)
-
-
-def _cloud_draws(motion: np.ndarray, intensity: np.ndarray, demand: np.ndarray, times: np.ndarray) -> Fits:
-    some = _drawable(demand)
-    return curves.draw_cloud(intensity[some], demand[some], motion[some], times)
+    x, demand = scenes["intensity"], scenes["demand"]
+    by = [scenes[key] for key in keys]
+    passed = x.where(demand > 1).groupby(by).min()
+    first = x.where(demand > 1).groupby(by).transform("min").fillna(np.inf)
+    holds = (demand <= 1) & (demand != UNDECIDED)
+    lost = demand == UNDECIDED
+    found = pd.DataFrame({"held": x.where(holds & (x < first)).groupby(by).max().fillna(0.0)})
+    found["passed"] = passed.fillna(np.inf)
+    found["returns"] = (holds & (x > first)).groupby(by).any()
+    found["open"] = (x.where(lost).groupby(by).max() > found["held"]) & passed.isna()
+    found["undecided"] = lost.groupby(by).sum().astype(float)
+    return found.reset_index()
 
 
 def fits_of(rows: pd.DataFrame, suffix: str, method: str, times: np.ndarray) -> Fits:
@@ -342,187 +280,222 @@ def fits_of(rows: pd.DataFrame, suffix: str, method: str, times: np.ndarray) -> 
 
     suffix : ALONE or ""; times : `resamples` of as many motions
     """
+    motion, _ = motion_numbers(rows)
+    one, other, told = _observed(rows, suffix, method)
+    weights = times[:, motion[told]].astype(float)
+    return fit_lines(one, other, weights) if method == "cloud" else fit_brackets(one, other, weights)
+
+
+def curve_of(rows: pd.DataFrame, suffix: str, method: str) -> Curve:
+    """The curve of some rows of the table of motions, or why there is none; undecided motions are not looked at."""
     motion, motions = motion_numbers(rows)
+    one, other, told = _observed(rows, suffix, method)
+    if method != "cloud":
+        return fit(one, other, motions)
+    drawn = np.unique(motion[told]).size
+    if 2 * drawn <= motions:  # the others collapsed: a line through the rest would mislead
+        return Curve(Outcome.FEW, 0.0, np.inf)
+    return fit_cloud(one, other, drawn)
+
+
+def _observed(rows: pd.DataFrame, suffix: str, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The ends of brackets, or the intensities and demands of a cloud, of the rows that tell something, and which rows
+    these are: of `ida` one bracket a motion, of `stripes` one for every scene."""
     if method == "ida":
-        held, passed = rows["held" + suffix].to_numpy(), rows["passed" + suffix].to_numpy()
-        return curves.draw(Brackets.of(motion, held, passed, motions), times)
-    intensity, demand = rows["intensity"].to_numpy(), rows["demand" + suffix].to_numpy()
-    if method == "stripes":
-        return curves.draw(_of_scenes(motion, intensity, demand, motions), times)
-    return _cloud_draws(motion, intensity, demand, times)
+        one, other = (rows[name + suffix].to_numpy(float) for name in ("held", "passed"))
+    else:
+        x, demand = rows["intensity"].to_numpy(float), rows["demand" + suffix].to_numpy(float)
+        if method == "cloud":
+            told = np.isfinite(demand) & (demand > 0)
+            return x[told], demand[told], told
+        one, other = np.where((demand <= 1) & (demand != UNDECIDED), x, 0.0), np.where(demand > 1, x, np.inf)
+    told = (one > 0) | (other < np.inf)
+    return one[told], other[told], told
 
 
 def motion_numbers(rows: pd.DataFrame) -> tuple[np.ndarray, int]:
     """The number of the motion of every row of one curve, and how many motions there are."""
-    names = list(dict.fromkeys(rows["record"]))
-    return rows["record"].map({name: number for number, name in enumerate(names)}).to_numpy(), len(names)
-
-
-class _Samples(NamedTuple):
-    """What a curve rests on with pounding, and alone (None: what takes a neighbour), and where it stands: point of the
-    sweep without the intensity, case, analysis, by number from 0."""
-
-    point: int
-    case: int
-    analysis: int
-    target: Target
-    linked: Sample
-    alone: Sample | None
-
-
-def _samples(plan: Plan, solved: Solved, question: Question, layout: Layout) -> Iterator[_Samples]:
-    """Of every curve."""
-    x, method = intensities(plan, question), question.spec.method
-    for at in np.ndindex(layout.linked.shape[:3]):
-        point, case, analysis = at
-
-        def of(target: Target, scenes: np.ndarray, is_alone: bool, point: int = point, case: int = case) -> Sample:
-            demand = _demand(plan, solved, target, scenes, layout.points[point], case, is_alone)
-            return Sample(method, x[point], demand, solved.there[scenes])
-
-        for target in question.targets:
-            alone = None
-            if target.limit.quantity not in TAKES_NEIGHBOUR:
-                alone = of(target, layout.alone[point, analysis, ..., target.building], True)
-            yield _Samples(point, case, analysis, target, of(target, layout.linked[at], False), alone)
+    numbers, names = pd.factorize(rows["record"])
+    return numbers, len(names)
 
 
 # The tables
 
 
-def _where(plan: Plan, question: Question, layout: Layout, samples: Sequence[_Samples]) -> list[Column]:
-    """The columns that say where a curve stands."""
-    columns = place_columns(plan.axes, [layout.points[each.point] for each in samples])
-    if question.axis is not None:
-        columns = [column for column in columns if column.name != plan.axes[question.axis].names[0]]
-    texts = {
-        "case": ([plan.cases[each.case] for each in samples], "case of the study"),
-        "analysis": ([plan.analyses[each.analysis] for each in samples], "elastic or inelastic storeys"),
-        "limit": ([str(each.target.limit) for each in samples], "what is passed"),
-        "building": (
-            [each.target.label(plan.buildings) for each in samples],
-            "building that passes it, or the pair in contact",
-        ),
-    }
-    return [*columns, *(Column(name, np.array(values, object), text) for name, (values, text) in texts.items())]
+def _tables(plan: Plan, question: Question, series: list[Series], scenes: pd.DataFrame) -> list[Table]:
+    """The tables of curves and of motions.
+
+    scenes : `series`, `motion`, `level`, `intensity` and `demand`
+    """
+    times = resamples(len(plan.records), question.spec.draws)
+    motions = brackets(scenes, ["series", "motion"])
+    said, values = motions, ["held", "passed", "undecided"]
+    if question.spec.method != "ida":
+        lost = scenes["demand"] == UNDECIDED
+        said, values = (
+            scenes.assign(demand=scenes["demand"].mask(lost), undecided=lost.astype(float)),
+            ["demand", "undecided"],
+        )
+    said = said.assign(record=np.array(plan.records, object)[said["motion"]])
+    parts = zip(*(frame.groupby("series") for frame in (scenes, motions, said)), strict=True)
+    found = dict(enumerate(_curve(own, mine, rows, question, times) for (_, own), (_, mine), (_, rows) in parts))
+    linked = [number for number, each in enumerate(series) if not each.is_alone]
+    place_of = {number: place for place, number in enumerate(linked)}
+    where = _where(plan, question, [series[number] for number in linked])
+    names = [name for name in _CURVES if name not in _WHERE]
+    names += [name + ALONE for name in names if not name.startswith("ratio")]
+    numbers = pd.DataFrame(
+        [_pair(found[n], found.get(n + 1) if n + 1 not in place_of else None, question) for n in linked]
+    )
+    numbers = numbers.reindex(columns=names)
+    is_text = numbers.columns.str.startswith("outcome")
+    numbers = numbers.loc[:, ~is_text].astype(float).join(numbers.loc[:, is_text].fillna(""))[names]
+
+    is_linked = said["series"].isin(linked)
+    keys = ["series", "motion", *(["level"] if "level" in said else [])]
+    alone = said.loc[~is_linked, [*keys, *values]].assign(series=lambda rows: rows["series"] - 1)
+    rows = said[is_linked].merge(alone, on=keys, how="left", suffixes=("", ALONE))
+    if "level" in said:
+        rows = rows.fillna({"undecided" + ALONE: 0.0})
+    columns = ["record", *(["intensity"] if "level" in said else []), *values, *(name + ALONE for name in values)]
+    place = where.loc[rows["series"].map(place_of)].reset_index(drop=True)
+    tables = [
+        _told(plan, question, CURVES, where.join(numbers), _CURVES),
+        _told(plan, question, MOTIONS, place.join(rows[columns]), _MOTIONS),
+    ]
+    if question.hazard is None:
+        return tables
+    both = [(found[n], found.get(n + 1) if n + 1 not in place_of else None) for n in linked]
+    rates = pd.DataFrame([_rate(question.hazard, *each, question.spec.confidence) for each in both])
+    strips = _contributions(question.hazard, numbers)
+    of_place = where.loc[strips.pop("place")].reset_index(drop=True)
+    return [
+        *tables,
+        _told(plan, question, RATES, where.join(rates), _RATES),
+        _told(plan, question, CONTRIBUTIONS, of_place.join(strips), _CONTRIBUTIONS),
+    ]
 
 
-_MEANINGS = {
-    "outcome": "outcome of the fit",
-    "median": "intensity at which half of the motions pass the limit",
-    "spread": "logarithmic standard deviation of that intensity",
-    "low": "the median is not below",
-    "high": "the median is not above; inf where no end is known",
-    "motions": "motions of the curve",
-    "scenes": "scenes asked for",
-    "failed": "scenes that failed; they widen brackets and are counted neither as holding nor as passing",
-    "undecided": "scenes that a collapse ended before the limit was passed or, of a cloud, whose demand is not known "
-    "or has no logarithm; counted neither as holding nor as passing",
-    "undecided_motions": "motions not known to pass, nor to hold at the highest intensities, since a collapse ended "
-    "their scenes; from half of the motions on there is no curve",
-    "returns": "motions that hold at an intensity above their first pass",
-    "unfitted": "draws of the bootstrap without a fit; they count with what a fit would tend to",
-    "ratio": "median with pounding over median alone",
-}
-_INTENSITIES = ("median", "low", "high")
-_WITH_INTERVAL = ("median", "spread", "ratio")
+def _rate(
+    hazard: Hazard,
+    linked: tuple[dict[str, Any], Fits],
+    alone: tuple[dict[str, Any], Fits] | None,
+    confidence: float,
+) -> dict[str, float]:
+    """Annual rates of a limit with pounding and alone, their ratio, and their intervals over the same draws; NaN where
+    there is no curve."""
+    found, draws = dict[str, float](), list[np.ndarray]()
+    names = ("rate", "rate_low", "rate_high", "probability", "beyond")
+    for suffix, each in (("", linked), (ALONE, alone)):
+        row, fits = each or ({}, None)
+        if fits is None or "median" not in row:
+            found |= dict.fromkeys([name + suffix for name in names], np.nan)
+            continue
+        rate = float(hazard.of_lognormal(row["median"], row["spread"]))
+        beyond = float(hazard.of_lognormal(row["median"], row["spread"], above=hazard.last)) if rate > 0 else 0.0
+        at_all = np.where(fits.share > 0, fits.share * hazard.rate(np.zeros(1)), 0.0)  # of draws without a trend
+        draws.append(np.where(np.isinf(fits.spread), at_all, hazard.of_lognormal(fits.median, fits.spread)))
+        low, high = interval(draws[-1], confidence)
+        numbers = rate, low, high, probability(rate), beyond / rate if rate > 0 else 0.0
+        found |= {name + suffix: float(value) for name, value in zip(names, numbers, strict=True)}
+    if len(draws) == 2 and found["rate" + ALONE] > 0:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = draws[0] / draws[1]
+        low, high = interval(np.where(np.isnan(ratio), 1.0, ratio), confidence)
+        found |= {"rate_ratio": found["rate"] / found["rate" + ALONE], "rate_ratio_low": low, "rate_ratio_high": high}
+    return found
 
 
-def _curve_columns(plan: Plan, question: Question, samples: Sequence[_Samples]) -> Iterator[Column]:
-    """The columns of fits."""
-    spec, unit = question.spec, intensity_unit(plan, question)
-    times = curves.resamples(len(plan.records), spec.draws)
-    rows: list[dict[str, Any]] = []
-    for each in samples:
-        row, draws = _fitted(each.linked, times, spec.confidence)
-        if each.alone is not None:
-            alone, draws_alone = _fitted(each.alone, times, spec.confidence)
-            row |= {name + ALONE: value for name, value in alone.items()}
-            if "median" in row and "median" in alone:
-                row["ratio"] = row["median"] / alone["median"]
-                row["ratio_low"], row["ratio_high"] = curves.median_ratio(draws_alone, draws, spec.confidence)
-        rows.append(row)
-    for suffix in ("", ALONE):
-        for stem, text in _MEANINGS.items():
-            if stem == "ratio" and suffix:
-                continue
-            for end in ("", "_low", "_high") if stem in _WITH_INTERVAL else ("",):
-                name = stem + end + suffix
-                meaning = f"{end[1:]} end of the {spec.confidence:.4g} bootstrap interval: {text}" if end else text
-                meaning += ", buildings alone" if suffix else ""
-                if stem == "outcome":
-                    yield Column(name, np.array([row.get(name, "") for row in rows], object), meaning)
-                    continue
-                values = np.array([row.get(name, np.nan) for row in rows], dtype=float)
-                is_intensity = stem in _INTENSITIES
-                yield (
-                    Column(name, values, meaning, unit.si or "1", unit)
-                    if is_intensity
-                    else Column(name, values, meaning, "1")
-                )
+def _contributions(hazard: Hazard, curves: pd.DataFrame) -> pd.DataFrame:
+    """`place` (of the row in the table of curves), `from`, `to`, `rate` and `rate0` of STRIPS ranges of intensities,
+    equal in ln of the intensity, that all curves share."""
+    both = [curves[["median" + s, "spread" + s]].dropna().to_numpy() for s in ("", ALONE)]
+    medians, spreads = np.concatenate(both).T if len(both) else np.zeros((2, 0))
+    names = ["place", "from", "to", "rate", "rate" + ALONE]
+    if not medians.size:
+        return pd.DataFrame(columns=names)
+    ends = (medians * np.exp(-4 * spreads)).min(), 2.5 * (medians * np.exp(3 * spreads)).max()
+    edges = np.geomspace(max(ends[0], hazard.edges[0]), max(ends[1], 2 * hazard.edges[0]), STRIPS + 1)
+    parts = []
+    for place, row in enumerate(curves.to_dict("records")):
+        strips = {"place": place, "from": edges[:-1], "to": edges[1:]}
+        for suffix in ("", ALONE):
+            slope = np.full(STRIPS, 1 / row["spread" + suffix])
+            is_told = row["median" + suffix] == row["median" + suffix]
+            rate = hazard.contributions(edges, -slope * np.log(row["median" + suffix]), slope) if is_told else np.nan
+            strips["rate" + suffix] = rate
+        parts.append(pd.DataFrame(strips))
+    return pd.concat(parts, ignore_index=True)[names]
 
 
-def _fitted(sample: Sample, times: np.ndarray, confidence: float) -> tuple[dict[str, Any], Fits]:
-    """The columns of one curve, and the fits of its draws."""
-    curve, draws = sample.curve(), sample.draws(times)
+def _told(plan: Plan, question: Question, name: str, frame: pd.DataFrame, columns: Columns) -> Table:
+    """A table with intensities in their unit."""
+    unit = intensity_unit(plan, question)
+    meant = {key: (unit.si or "1" if si == _INTENSITY else si, text) for key, (si, text) in columns.items()}
+    intensity = [key for key, (si, _) in columns.items() if si == _INTENSITY]
+    shown = [key + end for key in intensity for end in ("", ALONE) if key + end in frame]
+    return tabled(name, frame, meant, plan.axes, dict.fromkeys(shown, unit))
+
+
+def _pair(
+    linked: tuple[dict[str, Any], Fits], alone: tuple[dict[str, Any], Fits] | None, question: Question
+) -> dict[str, Any]:
+    """The columns of a curve with pounding, of that of the building alone, and of the ratio of both medians."""
+    row, draws = linked
+    if alone is None:
+        return row
+    own, own_draws = alone
+    row = row | {name + ALONE: value for name, value in own.items()}
+    if "median" in row and "median" in own:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = draws.median / own_draws.median
+        # a draw whose ratio has no value, both medians beyond the same end, is taken as 1
+        low, high = interval(np.where(np.isnan(ratio), 1.0, ratio), question.spec.confidence)
+        row |= {"ratio": row["median"] / own["median"], "ratio_low": low, "ratio_high": high}
+    return row
+
+
+def _where(plan: Plan, question: Question, series: list[Series]) -> pd.DataFrame:
+    """Where curves stand: the swept values but the intensity, case, analysis, limit and building."""
+    others = [number for number in range(len(plan.axes)) if number != question.axis]
+    found = swept([plan.axes[number] for number in others], [[each.point[n] for n in others] for each in series])
+    found["case"] = [plan.cases[each.case] for each in series]
+    found["analysis"] = [plan.analyses[each.analysis] for each in series]
+    found["limit"] = [str(each.target.limit) for each in series]
+    found["building"] = [each.target.label(plan.buildings) for each in series]
+    return found
+
+
+def _curve(
+    scenes: pd.DataFrame, motions: pd.DataFrame, rows: pd.DataFrame, question: Question, times: np.ndarray
+) -> tuple[dict[str, Any], Fits]:
+    """The columns of one curve, and the fits of its draws.
+
+    scenes, motions : it rests on; rows : of the table of motions
+    """
+    method, confidence, demand = question.spec.method, question.spec.confidence, scenes["demand"]
+    count, lost, is_open = len(motions), demand == UNDECIDED, motions["open"]
+    if method == "cloud":
+        is_drawn = np.isfinite(demand) & (demand > 0)
+        has_point = is_drawn.groupby(scenes["motion"]).any()
+        is_open = lost.groupby(scenes["motion"]).any() & ~has_point
+        lost = demand.notna() & ~is_drawn
+        if 2 * has_point.sum() > count and 2 * is_open.sum() < count:
+            count = int(has_point.sum())
+    curve, draws = curve_of(rows, "", method), fits_of(rows, "", method, times)
+    if 2 * is_open.sum() >= len(motions):  # between these half of them pass, whatever the undecided ones would do
+        half, (held, passed) = count // 2, (np.sort(motions[name]) for name in ("held", "passed"))
+        ends = (0.0, np.inf) if method == "cloud" else (held[count - 1 - half], passed[half])
+        curve = Curve(Outcome.UNDECIDED, *ends)
     row: dict[str, Any] = {
-        "outcome": str(curve.outcome),
-        "low": curve.between[0],
-        "high": curve.between[1],
-        "motions": curve.motions,
-        "scenes": int(sample.asked.sum()),
-        "failed": sample.failed,
-        "undecided": int(sample.undecided.sum()),
-        "undecided_motions": sample.undecided_motions,
-    }
-    if sample.method == "ida":
-        row["returns"] = int(sample.held_and_passed()[2].sum())
-    if curve.median is None:
-        return row, draws
-    band = curves.bands(draws, np.ones(1), confidence)
-    row |= {"median": curve.median, "median_low": band.median[0], "median_high": band.median[1]}
-    row |= {"spread": curve.spread, "spread_low": band.spread[0], "spread_high": band.spread[1]}
-    return row | {"unfitted": band.unfitted}, draws
-
-
-def _motion_columns(
-    plan: Plan, question: Question, where: Sequence[Column], samples: Sequence[_Samples]
-) -> list[Column]:
-    """What each motion said: of `ida` the bracket of its capacity, otherwise its demand at each intensity."""
-    motions, levels = samples[0].linked.demand.shape
-    is_ida, unit = question.spec.method == "ida", intensity_unit(plan, question)
-    each = 1 if is_ida else levels  # rows of a motion
-    columns = [dataclasses.replace(column, data=np.repeat(column.data, motions * each)) for column in where]
-    names = np.repeat(np.array(plan.records, dtype=object), each)
-    columns.append(Column("record", np.tile(names, len(samples)), "ground motion"))
-    if not is_ida:
-        whole = np.concatenate([sample.linked.intensity.ravel() for sample in samples])
-        columns.append(Column("intensity", whole, "", unit.si or "1", unit))
-    said = {
-        "held": "highest intensity below `passed` at which the motion holds; 0 where there is none",
-        "passed": "lowest intensity at which the motion passes the limit; inf where there is none",
-        "undecided": "scenes that a collapse ended before the limit was passed",
-    } if is_ida else {
-        "demand": "demand over limit; inf where a collapse ended the scene after the limit was passed; empty where one "
-        "did before, and where the scene failed",
-        "undecided": "1 where a collapse ended the scene before the limit was passed",
+        "outcome": str(curve.outcome), "low": curve.low, "high": curve.high, "motions": count, "scenes": len(scenes),
+        "failed": int(demand.isna().sum()), "undecided": int(lost.sum()), "undecided_motions": int(is_open.sum()),
     }  # fmt: skip
-    for suffix, mine in (("", [sample.linked for sample in samples]), (ALONE, [sample.alone for sample in samples])):
-        nothing = dict.fromkeys(said, np.full(motions * each, np.nan))
-        if not is_ida:
-            nothing["undecided"] = np.zeros(motions * each)
-        told = [nothing if sample is None else _told(sample) for sample in mine]
-        for name, text in said.items():
-            values = np.concatenate([one[name] for one in told])
-            shown = (unit.si or "1", unit) if name in ("held", "passed") else ("1", None)
-            columns.append(Column(name + suffix, values, text + ", building alone" * bool(suffix), *shown))
-    return columns
-
-
-def _told(sample: Sample) -> dict[str, np.ndarray]:
-    """The columns of one curve in the table of motions."""
-    lost = sample.demand == UNDECIDED
-    if sample.method == "ida":
-        held, passed, _ = sample.held_and_passed()
-        return {"held": held, "passed": passed, "undecided": lost.sum(axis=1).astype(float)}
-    return {"demand": np.where(lost, np.nan, sample.demand).ravel(), "undecided": lost.ravel().astype(float)}
+    if method == "ida":
+        row["returns"] = int(motions["returns"].sum())
+    if curve.outcome is Outcome.FITTED:
+        band = bands(draws, np.ones(1), confidence)
+        for name, value, (low, high) in (("median", curve.median, band.median), ("spread", curve.spread, band.spread)):
+            row |= {name: value, f"{name}_low": low, f"{name}_high": high}
+        row["unfitted"] = band.unfitted
+    return row, draws

@@ -17,6 +17,7 @@ from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.questions import FragilitySpec, Measure
 from pounding_cli.study.study import Study
+from pounding_cli.workflows.hazard import Hazard, hazard_of
 
 if TYPE_CHECKING:
     from pounding_cli.records import Motion
@@ -37,12 +38,14 @@ class Question:
     axis : number of the swept axis that varies the intensity; None of a cloud without one
     measure : the intensity measure of the curves; that of `axis` unless another is wanted
     targets : in the order of the limits
+    hazard : how often a year an intensity is exceeded; None where nothing is asked of it
     """
 
     spec: FragilitySpec
     axis: int | None
     measure: Measure
     targets: tuple[Target, ...]
+    hazard: Hazard | None = None
 
 
 def question_of(study: Study) -> Question:
@@ -65,7 +68,7 @@ def question_of(study: Study) -> Question:
         problems.at(root, ("keep",), what, hint, key=True)
     problems.check()
     assert measure is not None
-    return Question(spec, axis, measure, targets)
+    return Question(spec, axis, measure, targets, hazard_of(study, "fragility", measure))
 
 
 def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Target, ...]:

@@ -4,15 +4,15 @@ means for the gaps of the cases; distances to a property line."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import cache, partial
-from itertools import pairwise, product
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import pandas as pd
 
-from pounding_cli.model.links import APART, Link, LinkPlace
+from pounding_cli.model.links import APART, Link
 from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
 from pounding_cli.model.separation import (
     ASCE7,
@@ -25,17 +25,20 @@ from pounding_cli.model.separation import (
     gb50011_width,
     root_of_squares,
 )
-from pounding_cli.results.tables import Column, Table, place_columns
+from pounding_cli.model.wall import Wall
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import SweepAxis
-from pounding_cli.study.file import Items, Map
+from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
-from pounding_cli.workflows.workflow import Found, Workflow
+from pounding_cli.workflows.gap_rate import intensity_of, of_rate
+from pounding_cli.workflows.hazard import hazard_of
+from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pounding_cli.batch.solve import Solver
     from pounding_cli.model.building import Building
-    from pounding_cli.study.questions import GapSpec
 
 EXACT = "exact"
 """Name among the rules of what is required: the largest closing over time, located within the step it lies in."""
@@ -49,31 +52,49 @@ FEWEST = 5
 CASES, LINE = "gap_cases", "property_line"
 """Names of the tables of the gaps of the cases and of the distances to a property line."""
 
-_UBC = "UBC"
-
-_OF_COLUMNS = (
-    "building whose columns, in the storey below its floor, a slab of the other faces: left or right; empty where two "
-    "slabs face each other"
-)
-
+UBC = "UBC"
 
 _BETWEEN = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
 
-_ASIDE = ("keep", "report", "claims", "uncertain")
-"""Sections without a meaning where no case is run."""
+_ASIDE = (*_BETWEEN, "sweep", "keep", "report", "claims", "uncertain")
+"""Sections without a meaning where the buildings stand alone."""
 
-Points = list[tuple[int, ...]]
-"""Points of the sweep, an index on every axis each."""
+_COLUMNS: Columns = {
+    "analysis": ("", "elastic or inelastic storeys"),
+    "left": ("", "building left of the gap"),
+    "right": ("", "building right of the gap"),
+    "floor": ("1", "floor, of the left building where two face each other"),
+    "right_floor": ("1", "floor of the right building"),
+    "columns": ("", "building whose columns, in the storey below its floor, a slab of the other faces: left or right; "
+                "empty where two slabs face each other"),
+    "building": ("", "building, left to right"),
+    "side": ("", "of the building that faces the line"),
+    "height": ("m", "of the slabs, or the floor, above the ground"),
+    "rule": ("", "exact, or the rule"),
+    "motions": ("1", "number of motions behind the row; 0 where the rule depends on none"),
+    "mean": ("m", "mean over the motions"),
+    "std": ("m", "standard deviation over the motions (n - 1)"),
+    "mean_plus_std": ("m", "mean plus one standard deviation"),
+    "largest": ("m", "largest of the motions"),
+    "median": ("m", "median of the lognormal fit"),
+    "dispersion": ("1", "standard deviation of the logarithm (n - 1)"),
+    "error": ("m", "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it"),
+    "over_exact": ("1", "mean over the mean of the exact separations"),
+    "case": ("", "case of the study"),
+    "gap": ("m", "of the case at these floors"),
+    "required": ("m", "by the rule at these floors, which lack most or have least to spare; largest of the motions"),
+    "enough": ("", "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes "
+               "failed"),
+    "enough_for": ("1", "motions for which it is"),
+}  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Rule:
-    """Separations by one rule.
+class Rule(NamedTuple):
+    """Separations by one rule at some places.
 
-    values : [m], shape (points, analyses, motions, pairs of floors); NaN where it says nothing
-    errors : numerical error of each [m], same shape
-    needs_motions : whether it depends on the motion; else `values` has one motion
+    values, errors : with their numerical errors [m], shape (places, analyses, motions), of a rule that does not need
+        motions (places, 1, 1); NaN where it says nothing
     """
 
     name: str
@@ -87,9 +108,15 @@ class Gap(Workflow):
 
     name = "gap"
 
+    def check(self, study: Study) -> None:
+        """A rate of contact takes an intensity and its hazard curve."""
+        if study.model.gap.rate is not None:
+            hazard_of(study, "gap", intensity_of(study)[1])
+
     def plan(self, study: Study) -> Plan:
         """The scenes whose closings are the required separations: every motion and analysis, with nothing between the
         buildings; swept keys of links are left out, those of buildings and motions stay."""
+        self.check(study)
         apart = _with_nothing_between(study)
         return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
 
@@ -97,296 +124,252 @@ class Gap(Workflow):
         """The tables of what is required, of what that means for the cases, and of the property lines."""
         plan = self.plan(study)
         data = solver.dataset(plan)
-        points = list(np.ndindex(*plan.shape[:-3]))
-        names = ("max_closing", "displacement", "displacement_max", "displacement_min", "error_estimate")
-        # points first, without the one case
-        found = {name: _points_first(data[name].values, len(plan.axes)) for name in names}
-        facts = _Facts(plan, points, plan.links.places)
-        rules = list(_rules(plan, found, facts))
-        tables = {
-            "gap": _required(plan, points, facts, rules),
-            CASES: _of_cases(plan, points, facts, rules),
-            LINE: _of_lines(plan, points, found),
-        }
-        return Found(plan, data, [Table.of(name, columns) for name, columns in tables.items()])
+        places = _facing(plan)
+        rules = _rules(plan, data, places)
+        separations = _separations(plan, places, rules)
+        tables = [
+            _required(plan, "gap", places, separations, rules),
+            _of_cases(plan, places, separations, rules),
+            _of_lines(plan, data),
+        ]
+        if study.model.gap.rate is not None:
+            exact = separations[separations["rule"] == 0].join(places["number"], on="row")
+            keys = ["point", "analysis", "number", "motion"]
+            worst = exact.groupby(keys)["value"].agg(lambda each: each.max(skipna=False)).reset_index()
+            tables.append(of_rate(plan, worst, CONFIDENCE))
+        return Found(plan, data, tables)
 
 
 ASKED = Gap()
 
 
-def _points_first(values: np.ndarray, axes: int) -> np.ndarray:
-    return values.reshape(-1, *values.shape[axes + 1 :])
+# Statistics
 
 
-def _required(plan: Plan, points: Points, facts: _Facts, rules: Sequence[Rule]) -> list[Column]:
-    """What floors that face each other require."""
+def statistics(
+    separations: pd.DataFrame, keys: list[str], percentiles: Sequence[float], contact: Sequence[float]
+) -> pd.DataFrame:
+    """Statistics over the motions, a row for every combination of `keys` of which some motion has a value.
 
-    def of_places(place: np.ndarray, point: np.ndarray) -> list[Column]:
-        return [
-            *_place_columns(plan.buildings, [facts.places[number] for number in place]),
-            Column("height", facts.heights[point, place], "of the slabs above the ground", "m"),
-        ]
-
-    return _rows(plan, points, rules, facts.faces, of_places)
-
-
-def _place_columns(names: Sequence[str], places: Sequence[LinkPlace]) -> list[Column]:
-    """Which floors, of which buildings."""
-    return [
-        Column("left", _texts(names[left] for left, *_ in places), "building left of the gap"),
-        Column("right", _texts(names[left + 1] for left, *_ in places), "building right of the gap"),
-        Column("floor", np.array([floor for _, floor, *_ in places], int), "floor of the left building", "1"),
-        Column("right_floor", np.array([floor for *_, floor, _ in places], int), "floor of the right building", "1"),
-        Column("columns", _texts(name.removesuffix(" columns") for *_, name in places), _OF_COLUMNS),
-    ]
-
-
-def _texts(values: Iterable[str]) -> np.ndarray:
-    return np.array(list(values), dtype=object)
-
-
-def _rows(
-    plan: Plan,
-    points: Points,
-    rules: Sequence[Rule],
-    faces: np.ndarray,
-    of_places: Callable[[np.ndarray, np.ndarray], list[Column]],
-    is_line: bool = False,
-) -> list[Column]:
-    """A row for every point, analysis, place and rule, with the statistics over the motions.
-
-    faces : whether a place is there, shape (points, places)
-    of_places : (place of every row, its point) -> the columns that say where it is
+    separations : `value` and `error` [m], a row a motion; NaN where there is none
+    percentiles, contact : wanted shares of the motions and probabilities of contact [-]; the latter by a lognormal fit
+        with an interval of CONFIDENCE, where all of several motions have a value above 0
     """
-    wanted = plan.study.model.gap
-    parts = [_statistics(rule, wanted) for rule in rules]
-    exact = parts[0]
-    for part in parts:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            part["over_exact"] = part["mean"] / exact["mean"]
-    shape = (len(points), len(plan.analyses), faces.shape[1], len(parts))
-    there = np.broadcast_to(faces[:, None, :, None], shape).copy()
-    there &= np.stack([part["motions"] >= 0 for part in parts], axis=-1)
-    point, analysis, place, rule = np.nonzero(there)
-    columns = place_columns(plan.axes, [points[number] for number in point])
-    columns += [
-        Column("analysis", np.array(plan.analyses, object)[analysis], "elastic or inelastic storeys"),
-        *of_places(place, point),
-        Column("rule", np.array([part["name"] for part in parts], object)[rule], "exact, or the rule"),
-    ]
-    width = plan.study.unit("gap")
-    for name, text in _meanings(wanted, is_line).items():
-        values = np.stack([part[name] for part in parts], axis=-1)[point, analysis, place, rule]
-        is_length = name not in ("motions", "dispersion", "over_exact")
-        columns.append(Column(name, values, text, "m" if is_length else "1", width if is_length else None))
-    return columns
-
-
-def _of_cases(plan: Plan, points: Points, facts: _Facts, rules: Sequence[Rule]) -> list[Column]:
-    """Whether the gaps of the cases are enough: a row for every point, case, analysis, pair of neighbours and rule."""
-    places = facts.places
-    rows: list[tuple[int, str, int, str, _Enough]] = []
-    for number, point in enumerate(points):
-        for case, gaps in gaps_of_cases(plan, point):
-            width = np.array([gaps.get(place, np.nan) for place in places])
-            for left in sorted({place[0] for place in gaps}):
-                own = np.isfinite(width) & np.array([place[0] == left for place in places]) & facts.faces[number]
-                for analysis in range(len(plan.analyses)) if own.any() else ():
-                    for rule in rules:
-                        one = _enough(rule, number, analysis, width, own)
-                        if one is not None:
-                            rows.append((number, case, analysis, rule.name, one))
-    unit, here = plan.study.unit("gap"), [each for *_, each in rows]
-    chosen = [places[each.place] for each in here]
-    return [
-        *place_columns(plan.axes, [points[number] for number, *_ in rows]),
-        Column("case", _texts(case for _, case, *_ in rows), "case of the study"),
-        Column("analysis", _texts(plan.analyses[analysis] for _, _, analysis, *_ in rows), "elastic or inelastic"),
-        *_place_columns(plan.buildings, chosen),
-        Column("gap", np.array([each.gap for each in here], float), "of the case at these floors", "m", unit),
-        Column("rule", _texts(name for *_, name, _ in rows), "exact, or the rule"),
-        Column(
-            "required",
-            np.array([each.required for each in here], float),
-            "by the rule at these floors, which lack most or have least to spare; largest of the motions",
-            "m",
-            unit,
-        ),
-        Column(
-            "enough",
-            _texts(each.word for each in here),
-            "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes failed",
-        ),
-        Column("enough_for", np.array([each.count for each in here], int), "motions for which it is", "1"),
-        Column(
-            "motions", np.array([each.motions for each in here], int), "motions; 0 where the rule depends on none", "1"
-        ),
-    ]
-
-
-@dataclass(frozen=True)
-class _Enough:
-    """Whether a gap is enough by a rule, and the floors that lack most or have least to spare.
-
-    place : their number; gap, required : there [m]
-    word : yes, no or unknown; count, motions : for how many motions it is enough, of how many
-    """
-
-    place: int
-    gap: float
-    required: float
-    word: str
-    count: int
-    motions: int
-
-
-def _enough(rule: Rule, point: int, analysis: int, gap: np.ndarray, own: np.ndarray) -> _Enough | None:
-    """Compare gaps [m], shape (places,), with what a rule requires at the places `own`; None where it says nothing.
-    A gap is enough where it is no narrower than what is required and its numerical error."""
-    values = rule.values[point, analysis][:, own]
-    errors = np.nan_to_num(rule.errors[point, analysis][:, own])
-    known = np.isfinite(values).all(axis=1)
-    if not known.any():
-        return None
-    is_enough = (values[known] + errors[known] <= gap[own]).all(axis=1)
-    largest = values[known].max(axis=0)
-    worst = int(np.argmin(gap[own] - largest))
-    word = "no" if not is_enough.all() else "yes" if known.all() else "unknown"
-    count, motions = (int(is_enough.sum()), known.size) if rule.needs_motions else (0, 0)
-    place = int(np.flatnonzero(own)[worst])
-    return _Enough(place, float(gap[place]), float(largest[worst]), word, count, motions)
-
-
-def _of_lines(plan: Plan, points: Points, found: Mapping[str, np.ndarray]) -> list[Column]:
-    """How far every floor moves to either side, and what codes ask of the distance to a property line."""
-    names, floors = plan.buildings, found["displacement"].shape[-1]
-    sides = [(building, floor, side) for building in range(len(names)) for floor in range(floors) for side in (0, 1)]
-    shape = len(points), len(sides)
-    heights = np.full(shape, np.nan)
-    codes = {name: np.full(shape, np.nan) for name in (ASCE7, EN1998)}
-    for number, point in enumerate(points):
-        row = [plan.study.building(point, place) for place in range(len(names))]
-        expected = [plan.study.code_displacements(point, name) for name in plan.study.model.group]
-        for column, (building, floor, _) in enumerate(sides):
-            if floor < row[building].storeys:
-                heights[number, column] = row[building].elevation[floor]
-                for name, whole in expected[building].items():
-                    codes[name][number, column] = whole[floor]
-    both = np.stack([-found["displacement_min"], found["displacement_max"]], axis=-1)
-    relative = found["error_estimate"][..., None, None]
-    reach = relative * np.nanmax(found["displacement"], axis=-1, keepdims=True, initial=0.0)
-    exact = both.reshape(*both.shape[:3], -1)
-    errors = np.broadcast_to(reach[..., None], both.shape).reshape(exact.shape)
-    rules = [Rule(EXACT, exact, errors)]
-    rules += [_of_no_motion(name, widths, len(plan.analyses)) for name, widths in codes.items()]
-
-    def of_places(place: np.ndarray, point: np.ndarray) -> list[Column]:
-        chosen = [sides[number] for number in place]
-        return [
-            Column("building", _texts(names[building] for building, *_ in chosen), "building, left to right"),
-            Column(
-                "side", _texts(("left", "right")[side] for *_, side in chosen), "of the building that faces the line"
-            ),
-            Column("floor", np.array([floor + 1 for _, floor, _ in chosen], int), "floor, from 1 at the ground", "1"),
-            Column("height", heights[point, place], "of the floor above the ground", "m"),
-        ]
-
-    return _rows(plan, points, rules, np.isfinite(heights), of_places, is_line=True)
-
-
-def _meanings(wanted: GapSpec, is_line: bool = False) -> dict[str, str]:
-    """The columns of numbers and what each means; `is_line`: of the distances to a property line."""
-    found = {
-        "motions": "number of motions behind the row; 0 where the rule depends on none",
-        "mean": "mean over the motions",
-        "std": "standard deviation over the motions (n - 1)",
-        "mean_plus_std": "mean plus one standard deviation",
-        "largest": "largest of the motions",
-    }
-    for share in wanted.percentiles:
-        found[f"percentile_{100 * share:g}"] = f"{100 * share:g} % of the motions need no more, interpolated"
-    found |= {
-        "median": "median of the lognormal fit",
-        "dispersion": "standard deviation of the logarithm (n - 1)",
-    }
-    for share in wanted.contact:
-        name = f"contact_{100 * share:g}"
-        said = "distance that the floor reaches with a probability" if is_line else "gap with a probability of contact"
-        said += f" of {100 * share:g} % by the lognormal fit"
-        found |= {
-            name: said,
-            f"{name}_low": f"lower end of its {CONFIDENCE:.0%} confidence interval; from {FEWEST} motions on",
-            f"{name}_high": f"upper end of its {CONFIDENCE:.0%} confidence interval; from {FEWEST} motions on",
-        }
-    found["error"] = "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it"
-    found["over_exact"] = "mean over the mean of the exact separations"
+    known = separations[separations["value"].notna()]
+    known = known.assign(log=np.log(known["value"].where(known["value"] > 0)))
+    groups = known.groupby(keys)
+    found = pd.DataFrame(groups["value"].agg(motions="size", mean="mean", std="std"))
+    found["mean_plus_std"] = found["mean"] + found["std"]
+    found["largest"] = groups["value"].max()
+    for share in percentiles:
+        found[f"percentile_{100 * share:g}"] = groups["value"].quantile(share)
+    is_fitted = (groups["log"].count() == found["motions"]) & (found["motions"] > 1)
+    centre, spread = groups["log"].mean().where(is_fitted), groups["log"].std().where(is_fitted)
+    found["median"], found["dispersion"] = np.exp(centre), spread
+    for share in contact:
+        factors = found["motions"].map(partial(_factors, probability=share))
+        for number, end in enumerate(("", "_low", "_high")):
+            found[f"contact_{100 * share:g}{end}"] = np.exp(centre + factors.str[number].astype(float) * spread)
+    found["error"] = groups["error"].max()
     return found
 
 
-class _Facts:
-    """What the buildings are at every point of the sweep; shapes (points, pairs of floors)."""
+@cache
+def _factors(motions: int, probability: float) -> tuple[float, float, float]:
+    """By how many standard deviations above the mean of the logarithms the gap lies, and its confidence interval.
 
-    def __init__(self, plan: Plan, points: Points, places: Sequence[LinkPlace]) -> None:
-        shape = (len(points), len(places))
-        self.correlations, self.heights, self.lower = (np.full(shape, np.nan) for _ in range(3))
-        self.codes = {name: np.full(shape, np.nan) for name in (_UBC, ASCE7, EN1998)}
-        self.upper = np.ones((2, *shape))  # what the floor has of a place's movement; the floor below has the rest
-        self.places = places
-        touched = plan.study.touching("buildings")
-        known: dict[tuple[int, ...], int] = {}
-        for number, point in enumerate(points):
-            key = tuple(place for place, is_touched in zip(point, touched, strict=True) if is_touched)
-            same = known.setdefault(key, number)
-            if same == number:
-                self._enter(plan, number, point)
-            else:
-                for array in (self.correlations, self.heights, self.lower, *self.codes.values()):
-                    array[number] = array[same]
-                self.upper[:, number] = self.upper[:, same]
-        self.faces = np.isfinite(self.heights)
+    The interval is exact for a normal sample: sqrt(n) times the distance of the quantile from the mean, over the
+    standard deviation, has Student's noncentral distribution.
+    """
+    from scipy import stats  # here, so that other commands do not load it
 
-    def _enter(self, plan: Plan, number: int, point: tuple[int, ...]) -> None:
-        row = [plan.study.building(point, place) for place in range(len(plan.buildings))]
-        damping = [first_mode_damping(building) for building in row]
-        expected = []
-        for name in plan.study.model.group:
-            ubc = plan.study.design_displacements(point, name)
-            codes = plan.study.code_displacements(point, name)
-            expected.append({**codes, **({} if ubc is None else {_UBC: ubc})})
-        level = [_same_floors(one, other) for one, other in pairwise(row)]
-        there: dict[tuple[int, int, int, str], tuple[float, float]] = {}
-        for left, pair in enumerate(pairwise(row)):
-            floors, strikes = meetings(*pair)
-            there |= {(left, *both, ""): (1.0, 1.0) for both in floors}
-            for strike in strikes:
-                name = f"{('left', 'right')[strike.side]} columns"
-                there[left, strike.left_floor, strike.right_floor, name] = strike.left_at, strike.right_at
-        for column, place in enumerate(self.places):
-            if place not in there:
-                continue
-            left, left_floor, right_floor, _ = place
-            a, b = row[left], row[left + 1]
-            slab = a.elevation[left_floor - 1] if there[place][0] == 1.0 else b.elevation[right_floor - 1]
-            self.heights[number, column] = slab
-            self.upper[:, number, column] = [at * at * (3.0 - 2.0 * at) for at in there[place]]
-            self.lower[number, column] = min(a.elevation[-1], b.elevation[-1])
-            if damping[left] > 0 and damping[left + 1] > 0:
-                self.correlations[number, column] = cross_correlation(
-                    float(a.periods[0]), float(b.periods[0]), damping[left], damping[left + 1]
-                )
-            upper = self.upper[:, number, column]
-            for name in expected[left].keys() & expected[left + 1].keys():
-                one, other = (
-                    part * d[floor - 1] + (1.0 - part) * (d[floor - 2] if floor > 1 else 0.0)
-                    for d, floor, part in zip(
-                        (expected[left][name], expected[left + 1][name]), (left_floor, right_floor), upper, strict=True
-                    )
-                )
-                self.codes[name][number, column] = {
-                    _UBC: one + other,
-                    ASCE7: float(root_of_squares(one, other)),
-                    EN1998: float(en1998_separation(one, other, level[left])),
-                }[name]
+    z, root = float(stats.norm.isf(probability)), np.sqrt(motions)
+    if motions < FEWEST:
+        return z, np.nan, np.nan
+    low, high = stats.nct.ppf([(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], motions - 1, z * root) / root
+    return z, float(low), float(high)
+
+
+def _separations(plan: Plan, places: pd.DataFrame, rules: Sequence[Rule]) -> pd.DataFrame:
+    """`value` and `error` [m] of every point, analysis, place, rule and motion, by number from 0.
+
+    places : a row for each that `rules` tell of, with the numbers of its point and place
+    """
+    parts = []
+    for number, rule in enumerate(rules):
+        shape = len(places), len(plan.analyses), rule.values.shape[2]
+        row, analysis, motion = (each.ravel() for each in np.indices(shape))
+        value, error = (np.broadcast_to(each, shape).ravel() for each in (rule.values, rule.errors))
+        columns = {"row": row, "analysis": analysis, "motion": motion, "rule": number, "value": value, "error": error}
+        parts.append(pd.DataFrame(columns))
+    return pd.concat(parts, ignore_index=True).join(places[["point", "place"]], on="row")
+
+
+def _required(plan: Plan, name: str, places: pd.DataFrame, separations: pd.DataFrame, rules: Sequence[Rule]) -> Table:
+    """Statistics of what is required: a row for every point, analysis, place and rule that says something there."""
+    wanted, keys = plan.study.model.gap, ["point", "analysis", "place", "rule"]
+    rows = statistics(separations, keys, wanted.percentiles, wanted.contact)
+    exact = rows["mean"].where(rows.index.get_level_values("rule") == 0)
+    rows["over_exact"] = rows["mean"] / exact.groupby(level=keys[:3]).transform("first")
+    rows = rows.reset_index()
+    numbers = list(rows.columns[len(keys) :])
+    rows["motions"] *= np.array([rule.needs_motions for rule in rules], int)[rows["rule"]]
+    meant = dict(_COLUMNS)
+    for share in wanted.percentiles:
+        meant[f"percentile_{100 * share:g}"] = "m", f"{100 * share:g} % of the motions need no more, interpolated"
+    for share in wanted.contact:
+        said = "distance that the floor reaches" if name == LINE else "gap"
+        said += f" with a probability{'' if name == LINE else ' of contact'} of {100 * share:g} % by the lognormal fit"
+        meant[f"contact_{100 * share:g}"] = (
+            "m",
+            f"{said}; with its interval ({CONFIDENCE:.0%}) from {FEWEST} motions on",
+        )
+    where = [column for column in places.columns if column in _COLUMNS]
+    return _told(plan, name, rows.merge(places, on=["point", "place"], how="left"), rules,
+                 ["analysis", *where, "rule", *numbers], meant)  # fmt: skip
+
+
+def _told(
+    plan: Plan, name: str, rows: pd.DataFrame, rules: Sequence[Rule], columns: list[str], meant: Columns = _COLUMNS
+) -> Table:
+    """A table of rows whose points, analyses and rules stand there by number; widths in the study's unit of gaps."""
+    points = list(np.ndindex(*plan.shape[:-3]))
+    for column, names in (("analysis", plan.analyses), ("rule", [rule.name for rule in rules])):
+        rows = rows.assign(**{column: np.array(names, object)[rows[column].astype(int)]})
+    frame = pd.concat([swept(plan.axes, [points[number] for number in rows["point"]]), rows[columns]], axis=1)
+    unit = plan.study.unit("gap")
+    widths = [each for each in columns if each != "height" and pd.api.types.is_float_dtype(frame[each])]
+    shown = {each: unit for each in widths if each not in ("dispersion", "over_exact")}
+    return tabled(name, frame, meant, plan.axes, shown)
+
+
+# What floors that face each other require
+
+
+def _facing(plan: Plan) -> pd.DataFrame:
+    """Floors, and slabs and columns, that face each other: a row for each at each point of the sweep.
+
+    `left_at` and `right_at` are the heights of both ends in the storeys below their floors, 1 at a floor.
+    """
+    points, links = int(np.prod(plan.shape[:-3])), plan.links
+    kind, left_at, right_at = (each.reshape(points, -1) for each in (links.kind, links.left_at, links.right_at))
+    point, place = np.nonzero(kind != "")
+    left, floor, right_floor, name = (np.array(each)[place] for each in zip(*links.places, strict=True))
+    names = np.array(plan.buildings, object)
+    found = pd.DataFrame({
+        "point": point, "place": place, "number": left, "left": names[left], "right": names[left + 1], "floor": floor,
+        "right_floor": right_floor, "columns": [each.removesuffix(" columns") for each in name],
+        "left_at": left_at[point, place], "right_at": right_at[point, place],
+    })  # fmt: skip
+    rows = [[plan.study.building(at, each) for each in range(len(names))] for at in np.ndindex(*plan.shape[:-3])]
+    beside_wall = np.array([isinstance(rows[at][each], Wall) for at, each in zip(point, left, strict=True)], bool)
+    is_left = (found["left_at"] == 1.0) & ~beside_wall
+    slabs = zip(point, np.where(is_left, left, left + 1), np.where(is_left, floor, right_floor), strict=True)
+    return found.assign(height=[rows[at][building].level(level) for at, building, level in slabs])
+
+
+def _by_floor(plan: Plan, of: Callable[[Point, int, str], np.ndarray | None]) -> np.ndarray:
+    """Something of every floor, shape (points, buildings, floors); NaN where there is none.
+
+    of : (point, place of the building, name of its type) -> of its floors
+    """
+    points, names = list(np.ndindex(*plan.shape[:-3])), plan.study.model.group
+    each = [[of(point, place, name) for place, name in enumerate(names)] for point in points]
+    most = max(plan.study.building(point, place).storeys for point in points for place in range(len(names)))
+    found = np.full((len(points), len(names), most), np.nan)
+    for point, row in enumerate(each):
+        for place, values in enumerate(row):
+            if values is not None:
+                found[point, place, : len(values)] = values
+    return found
+
+
+def _codes(plan: Plan) -> dict[str, np.ndarray]:
+    """Displacements that codes expect of every floor [m], by rule, shape (points, buildings, floors)."""
+    study = plan.study
+    return {
+        UBC: _by_floor(plan, lambda at, _, name: study.design_displacements(at, name)),
+        ASCE7: _by_floor(plan, lambda at, _, name: study.code_displacements(at, name).get(ASCE7)),
+        EN1998: _by_floor(plan, lambda at, _, name: study.code_displacements(at, name).get(EN1998)),
+    }
+
+
+def _rules(plan: Plan, data: xr.Dataset, places: pd.DataFrame) -> list[Rule]:
+    """The exact separations first, then the rules that say something here."""
+    study, points = plan.study, list(np.ndindex(*plan.shape[:-3]))
+    point, place, left = (places[name].to_numpy() for name in ("point", "place", "number"))
+    ends = [(left, places["floor"].to_numpy(), places["left_at"].to_numpy()),
+            (left + 1, places["right_floor"].to_numpy(), places["right_at"].to_numpy())]  # fmt: skip
+
+    row = [study.building(points[0], each) for each in range(len(plan.buildings))]
+    is_wall = np.array([isinstance(each, Wall) for each in row])
+
+    def moved(displacements: np.ndarray, base: np.ndarray | None = None) -> list[np.ndarray]:
+        """Displacements of both ends, shape (places, analyses, motions), those of columns between their floors.
+
+        displacements, base : shape (points, analyses, motions, buildings, floors) and that of the base; codes do not
+            tell how far a base moves
+        """
+        bases = np.zeros(displacements.shape[:-1]) if base is None else base
+        whole, found = np.concatenate([bases[..., None], displacements], axis=-1), []
+        whole[..., is_wall, :] = np.nan_to_num(whole[..., is_wall, :])
+        for building, floor, at in ends:
+            part = (at * at * (3.0 - 2.0 * at))[:, None, None]
+            level = np.where(is_wall[building], 1, floor)
+            above, below = (whole[point, :, :, building, each] for each in (level, np.maximum(level - 1, 0)))
+            is_known = ((level > 0) | (base is not None))[:, None, None]
+            found.append(np.where(is_known, np.where(part == 1.0, above, part * above + (1.0 - part) * below), np.nan))
+        return found
+
+    exact = _points_first(plan, data["max_closing"])[point, :, :, place]
+    relative = _points_first(plan, data["error_estimate"])
+    most = np.nanmax(_points_first(plan, data["max_closing"]), axis=-1, initial=0.0)
+    one, other = moved(_points_first(plan, data["displacement"]), _points_first(plan, data["sway"]))
+    reach = relative[point] * absolute_sum(one, other)  # a relative change of both peaks moves no rule by more
+
+    def of_pairs(value: Callable[[Building, Building], float]) -> np.ndarray:
+        """Something of both buildings, shape (places, 1, 1)."""
+        kept = cache(lambda at, place: value(study.building(at, place), study.building(at, place + 1)))
+        key = [study.key(each, ("buildings", "group")) for each in points]
+        return np.array([kept(key[p], b) for p, b in zip(point, left, strict=True)])[:, None, None]
+
+    rules = [
+        Rule(EXACT, exact, (relative * most)[point]),
+        Rule("ABS", absolute_sum(one, other), reach),
+        Rule("SRSS", root_of_squares(one, other), reach),
+        Rule("DDC", double_difference(one, other, of_pairs(_correlation)), reach),
+    ]
+    if (asked := study.model.gap.gb50011) is not None:
+        joint = of_pairs(
+            lambda a, b: gb50011_width(min(a.elevation[-1], b.elevation[-1]), asked.intensity, asked.structure)
+        )
+        rules.append(_of_no_motion("GB 50011-2010", joint))
+    for name, displacements in _codes(plan).items():
+        one, other = moved(displacements[:, None, None])
+        if name == UBC:
+            rules.append(_of_no_motion(_edition(plan), one + other))
+        elif name == ASCE7:
+            rules.append(_of_no_motion(name, root_of_squares(one, other)))
+        else:
+            rules.append(_of_no_motion(name, en1998_separation(one, other, of_pairs(_same_floors))))
+    return rules
+
+
+def _points_first(plan: Plan, values: xr.DataArray) -> np.ndarray:
+    """Values of the one case, shape (points, analyses, motions, ...)."""
+    return values.values.reshape(-1, *values.shape[len(plan.axes) + 1 :])
+
+
+def _of_no_motion(name: str, widths: np.ndarray) -> Rule:
+    return Rule(name, widths, np.zeros_like(widths), needs_motions=False)
+
+
+def _correlation(left: Building, right: Building) -> float:
+    """Of the first modes; NaN where one has no damping."""
+    damping = first_mode_damping(left), first_mode_damping(right)
+    if min(damping) <= 0:
+        return np.nan
+    return cross_correlation(float(left.periods[0]), float(right.periods[0]), *damping)
 
 
 def _same_floors(left: Building, right: Building) -> bool:
@@ -395,128 +378,136 @@ def _same_floors(left: Building, right: Building) -> bool:
     return bool((np.abs(left.elevation[:count] - right.elevation[:count]) <= FLOOR_TOLERANCE).all())
 
 
-def _rules(plan: Plan, found: Mapping[str, np.ndarray], facts: _Facts) -> Iterator[Rule]:
-    """The exact separations first, then the rules that say something here."""
-    analyses, wanted = len(plan.analyses), plan.study.model.gap
-    exact, peaks, relative = found["max_closing"], found["displacement"], found["error_estimate"][..., None]
-    left, left_floor, right_floor, _ = (np.array(column) for column in zip(*facts.places, strict=True))
-    a = _between(peaks[..., left, left_floor - 1], peaks[..., left, left_floor - 2], left_floor, facts.upper[0])
-    b = _between(
-        peaks[..., left + 1, right_floor - 1], peaks[..., left + 1, right_floor - 2], right_floor, facts.upper[1]
-    )
-    reach = relative * absolute_sum(
-        a, b
-    )  # a relative change of both peaks moves no rule by more than that of their sum
-    yield Rule(EXACT, exact, relative * np.nanmax(exact, axis=-1, keepdims=True, initial=0.0) + 0 * exact)
-    yield Rule("ABS", absolute_sum(a, b), reach)
-    yield Rule("SRSS", root_of_squares(a, b), reach)
-    yield Rule("DDC", double_difference(a, b, facts.correlations[:, None, None, :]), reach)
-    if wanted.gb50011 is not None:
-        system = wanted.gb50011.intensity, wanted.gb50011.structure
-        joint = np.vectorize(lambda height: gb50011_width(height, *system) if height == height else np.nan)
-        yield _of_no_motion("GB 50011-2010", joint(facts.lower), analyses)
-    for name, widths in facts.codes.items():
-        if np.isfinite(widths).any():
-            yield _of_no_motion(_edition(plan) if name == _UBC else name, widths, analyses)
-
-
-def _between(above: np.ndarray, below: np.ndarray, floor: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Displacements where slabs face each other or columns: `upper` of the floor above, shape (points, places), and
-    the rest of the floor below; floor 1 stands on the ground. Shape (points, analyses, motions, places)."""
-    part = upper[:, None, None, :]
-    return np.where(part == 1.0, above, part * above + (1.0 - part) * np.where(floor > 1, below, 0.0))
-
-
-def _of_no_motion(name: str, widths: np.ndarray, analyses: int) -> Rule:
-    values = np.repeat(widths[:, None, None, :], analyses, axis=1)
-    return Rule(name, values, 0 * values, needs_motions=False)
-
-
 def _edition(plan: Plan) -> str:
     """The edition of the UBC that set the yield shears; "UBC" where there are several."""
     specs = (plan.study.model.buildings[name].yield_ for name in plan.study.model.group)
-    editions = {getattr(spec, "code", _UBC) for spec in specs}
-    return editions.pop() if len(editions) == 1 else _UBC
+    editions = {getattr(spec, "code", UBC) for spec in specs}
+    return editions.pop() if len(editions) == 1 else UBC
 
 
-def _statistics(rule: Rule, wanted: GapSpec) -> dict:
-    """The columns of one rule, shape (points, analyses, pairs of floors); `motions` is -1 where it says nothing."""
-    values = rule.values
-    known = np.isfinite(values)
-    count = known.sum(axis=2)
-    none = count == 0
-    found: dict = {"name": rule.name, "motions": np.where(none, -1, count if rule.needs_motions else 0)}
-    filled = np.where(known, values, 0.0)
-    mean = _over(filled.sum(axis=2), count)
-    away = np.where(known, values - mean[:, :, None], 0.0)
-    std = np.sqrt(_over((away**2).sum(axis=2), count - 1))
-    found |= {"mean": mean, "std": std, "mean_plus_std": mean + std}
-    found["largest"] = np.where(none, np.nan, np.where(known, values, -np.inf).max(axis=2))
-    ordered = np.sort(np.where(known, values, np.inf), axis=2)
-    for share in wanted.percentiles:
-        found[f"percentile_{100 * share:g}"] = _percentile(ordered, count, share) if rule.needs_motions else mean
-    positive = known & (values > 0)
-    whole = (positive.sum(axis=2) == count) & (count > 1) & rule.needs_motions
-    logs = np.log(np.where(positive, values, 1.0))
-    centre = np.where(whole, _over(logs.sum(axis=2), count), np.nan)
-    spread = np.where(known, logs - centre[:, :, None], 0.0)
-    beta = np.sqrt(_over((spread**2).sum(axis=2), count - 1))
-    found |= {"median": np.exp(centre), "dispersion": np.where(whole, beta, np.nan)}
-    for share in wanted.contact:
-        name = f"contact_{100 * share:g}"
-        for suffix, factors in zip(("", "_low", "_high"), _quantiles(count, share), strict=True):
-            found[name + suffix] = np.exp(centre + factors * beta)
-    errors = np.where(np.isfinite(rule.errors), rule.errors, -1.0).max(axis=2)
-    found["error"] = np.where(none | (errors < 0), np.nan, errors)
-    return found
+# Distances to a property line
 
 
-def _over(total: np.ndarray, count: np.ndarray) -> np.ndarray:
-    return np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
+def _of_lines(plan: Plan, data: xr.Dataset) -> Table:
+    """How far every floor moves to either side, and what codes ask of the distance to a property line."""
+    height = _by_floor(plan, lambda at, place, _: plan.study.building(at, place).elevation)
+    point, building, floor, side = (each.ravel() for each in np.indices((*height.shape, 2)))
+    there = np.isfinite(height[point, building, floor])
+    point, building, floor, side = (each[there] for each in (point, building, floor, side))
+    places = pd.DataFrame({
+        "point": point, "place": np.ravel_multi_index((building, floor, side), (*height.shape[1:], 2)),
+        "building": np.array(plan.buildings, object)[building], "side": np.array(["left", "right"], object)[side],
+        "floor": floor + 1, "height": height[point, building, floor],
+    })  # fmt: skip
+
+    def at(name: str) -> np.ndarray:
+        return _points_first(plan, data[name])[point, :, :, building, floor]
+
+    exact = np.where(side[:, None, None] == 0, -at("displacement_min"), at("displacement_max"))
+    most = np.nanmax(_points_first(plan, data["displacement"]), axis=-1, initial=0.0)
+    errors = _points_first(plan, data["error_estimate"])[point] * most[point, :, :, building]
+    rules = [Rule(EXACT, exact, errors)]
+    rules += [_of_no_motion(name, widths[point, building, floor][:, None, None])
+              for name, widths in _codes(plan).items() if name != UBC]  # fmt: skip
+    return _required(plan, LINE, places, _separations(plan, places, rules), rules)
 
 
-def _percentile(ordered: np.ndarray, count: np.ndarray, share: float) -> np.ndarray:
-    """Linear between the order statistics, as numpy.percentile has it; `ordered` along axis 2, infinite where there is
-    no value."""
-    place = share * np.maximum(count - 1, 0)
-    low = np.floor(place).astype(int)
-    high = np.minimum(low + 1, np.maximum(count - 1, 0))
-    one, other = (np.take_along_axis(ordered, each[:, :, None], axis=2)[:, :, 0] for each in (low, high))
-    with np.errstate(invalid="ignore"):
-        found = one + (place - low) * (other - one)
-    return np.where(count > 0, found, np.nan)
+# The gaps of the cases
 
 
-def _quantiles(count: np.ndarray, probability: float) -> list[np.ndarray]:
-    """By how many standard deviations above the mean of the logarithms the gap lies, and its confidence interval.
+def _of_cases(plan: Plan, places: pd.DataFrame, separations: pd.DataFrame, rules: Sequence[Rule]) -> Table:
+    """Whether the gaps of the cases are enough: a row for every point, case, analysis, pair of neighbours and rule.
 
-    The interval is exact for a normal sample: sqrt(n) times the distance of the quantile from the mean, over the
-    standard deviation, has Student's noncentral distribution.
+    A gap is enough where it is no narrower than what is required and its numerical error, at all floors of the pair.
     """
-    found = [np.full(count.shape, np.nan) for _ in range(3)]
-    for number in np.unique(count[count > 1]):
-        for array, factor in zip(found, _factors(int(number), probability), strict=True):
-            array[count == number] = factor
-    return found
+    pair = ["point", "given", "number", "analysis", "rule"]
+    gaps = _gaps(plan).merge(places, on=["point", "place"])
+    rows = separations.merge(gaps, on=["point", "place"])
+    rows["fits"] = rows["value"] + rows["error"].fillna(0.0) <= rows["gap"]
+    rows["known"] = rows["value"].notna().groupby([rows[key] for key in [*pair, "motion"]]).transform("all")
+    all_known = rows.groupby(pair)["known"].all()
+    rows = rows[rows["known"]]
+    fits = rows.groupby([*pair, "motion"])["fits"].all().groupby(pair)
+    found = fits.agg(enough_for="sum", motions="size", enough="all").join(all_known)
+    floors = rows.groupby([*pair, "place"], as_index=False).agg(gap=("gap", "first"), required=("value", "max"))
+    spare = floors["gap"] - floors["required"]
+    worst = floors.loc[spare.groupby([floors[key] for key in pair]).idxmin()] if len(floors) else floors
+    found = worst.merge(found.reset_index(), on=pair, how="left").merge(
+        gaps.drop(columns="gap"), on=["point", "given", "number", "place"]
+    )
+    counts = np.array([rule.needs_motions for rule in rules], int)[found["rule"].astype(int)]
+    found["enough_for"], found["motions"] = (
+        counts * found["enough_for"].astype(int),
+        counts * found["motions"].astype(int),
+    )
+    found["enough"] = np.select(
+        [~found["enough"].astype(bool), found["known"].astype(bool)], ["no", "yes"], "unknown"
+    ).astype(object)
+    columns = ["case", "analysis", "left", "right", "floor", "right_floor", "columns", "gap", "rule", "required",
+               "enough", "enough_for", "motions"]  # fmt: skip
+    return _told(plan, CASES, found, rules, columns)
 
 
-@cache
-def _factors(number: int, probability: float) -> tuple[float, float, float]:
-    from scipy import stats  # here, so that other commands do not load it
+def _gaps(plan: Plan) -> pd.DataFrame:
+    """The gaps of the cases [m] at the places of the plan: at each of its points every set of gaps that the sweep of
+    the study gives a case (`given`, by number).
 
-    z = float(stats.norm.isf(probability))
-    root = np.sqrt(number)
-    if number < FEWEST:
-        return z, np.nan, np.nan
-    low, high = (float(stats.nct.ppf(p, number - 1, z * root)) / root for p in _tails())
-    return z, low, high
-
-
-def _tails() -> tuple[float, float]:
-    return (1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2
+    Left out are cases in which something acts between the buildings before a gap has closed, so that they do not move
+    alone, and those without links.
+    """
+    study = plan.study.written
+    assert study is not None
+    axes = [_kept(axis) for axis in study.swept]
+    number = {place: each for each, place in enumerate(plan.links.places)}
+    found: dict[tuple[int, int, tuple[tuple[int, float], ...]], str] = {}
+    for whole in np.ndindex(*(len(axis) for axis in study.swept)):
+        at = [each[1].index(each[2][place]) for each, place in zip(axes, whole, strict=True) if each[0]]
+        point = int(np.ravel_multi_index(at, plan.shape[:-3])) if at else 0
+        for place, case in enumerate(study.model.cases):
+            links = study.links(whole, case) or ()
+            if links and all(link.law.subtracts_gap for link in links):
+                gaps: dict[int, float] = {}
+                for link in links:
+                    columns = "left columns" if link.left_at < 1.0 else "right columns" if link.right_at < 1.0 else ""
+                    here = number.get((link.left, link.left_floor, link.right_floor, columns), -1)
+                    gaps[here] = min(link.gap, gaps.get(here, link.gap))
+                found[point, place, tuple(gaps.items())] = case
+    rows = [
+        (point, given, case, place, gap)
+        for given, ((point, _, gaps), case) in enumerate(sorted(found.items(), key=lambda each: each[0][:2]))
+        for place, gap in gaps
+    ]
+    return pd.DataFrame(rows, columns=["point", "given", "case", "place", "gap"])
 
 
 # The study with nothing between its buildings
+
+
+def _kept(axis: SweepAxis) -> tuple[list[int], list[tuple[str, ...]], list[tuple[str, ...]]]:
+    """Which keys of an axis change buildings or motions; their different values, and those at every point of it."""
+    kept = [number for number, path in enumerate(axis.paths) if path[0] not in _BETWEEN]
+    values = [tuple(str(given[number]) for number in kept) for given in axis.given]
+    return kept, list(dict.fromkeys(values)), values
+
+
+def _with_nothing_between(study: Study) -> Study:
+    """The study with one case, in which nothing stands between the buildings, and without the axes of links."""
+    root, mark = study.root, study.root.mark
+    tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, root.marks)
+    tree["cases"] = Map({APART: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {APART: (mark, mark)})
+    apart = Study(study.path, study.text, tree, reader=study.reader, written=study)
+    axes = []
+    for axis in study.swept:
+        kept, different, values = _kept(axis)
+        if kept:
+            first = [values.index(each) for each in different]
+            given, marks = (
+                [tuple(each[place][n] for n in kept) for place in first] for each in (axis.given, axis.marks)
+            )
+            units = tuple(axis.units[n] for n in kept)
+            axes.append(SweepAxis(tuple(axis.names[n] for n in kept), given, marks, units))
+    apart.narrow(axes)
+    return apart
 
 
 def _all_facing(apart: Study, point: Point, case: str) -> tuple[Link, ...]:
@@ -529,63 +520,3 @@ def _all_facing(apart: Study, point: Point, case: str) -> tuple[Link, ...]:
         links += [Link.apart(left, *both) for both in floors]
         links += [Link.apart(left, s.left_floor, s.right_floor, s.left_at, s.right_at) for s in strikes]
     return tuple(links)
-
-
-def gaps_of_cases(plan: Plan, point: Point) -> Iterator[tuple[str, dict[LinkPlace, float]]]:
-    """The cases of the study at a point of a plan of `expand_gap`, each with its gaps [m] by place; once for every set
-    of gaps that the sweep of the study gives it. Places are named as those of a plan of `expand_gap`.
-
-    Left out are cases in which something acts between the buildings before a gap has closed, so that they do not move
-    alone, and those without links.
-    """
-    study, choices, kept = plan.study.written, list[range | list[int]](), iter(point)
-    assert study is not None
-    for axis in study.swept:
-        own, keys = _kept(axis)
-        there: range | list[int] = range(len(keys))
-        if own:
-            wanted = next(kept)
-            number = {key: place for place, key in enumerate(dict.fromkeys(keys))}
-            there = [place for place in there if number[keys[place]] == wanted]
-        choices.append(there if any(path[0] == "cases" for path in axis.paths) else there[:1])
-    for case in study.model.cases:
-        seen = set()
-        for whole in product(*choices):
-            links = study.links(whole, case) or ()
-            if not links or not all(link.law.subtracts_gap for link in links):
-                continue
-            gaps: dict[LinkPlace, float] = {}
-            for link in links:
-                columns = "left columns" if link.left_at < 1.0 else "right columns" if link.right_at < 1.0 else ""
-                place = link.left, link.left_floor, link.right_floor, columns
-                gaps[place] = min(link.gap, gaps.get(place, link.gap))
-            if (key := tuple(gaps.items())) not in seen:
-                seen.add(key)
-                yield case, gaps
-
-
-def _kept(axis: SweepAxis) -> tuple[list[int], list[tuple[str, ...]]]:
-    """Which keys of an axis change buildings or motions, and the values of those keys at every point of it."""
-    kept = [number for number, path in enumerate(axis.paths) if path[0] not in _BETWEEN]
-    return kept, [tuple(str(values[number]) for number in kept) for values in axis.given]
-
-
-def _with_nothing_between(study: Study) -> Study:
-    """The study with one case, in which nothing stands between the buildings, and without the axes of links."""
-    root, mark = study.root, study.root.mark
-    axes = Items((), mark)
-    for axis in study.swept:
-        kept, keys = _kept(axis)
-        values = dict(zip(keys, axis.given, strict=True))
-        if kept:
-            columns = {
-                axis.names[n]: Items([row[n] for row in values.values()], mark, [mark] * len(values)) for n in kept
-            }
-            axes.append(Map(columns, mark, dict.fromkeys(columns, (mark, mark))))
-            axes.marks.append(mark)
-    marks = dict.fromkeys(("cases", "sweep"), (mark, mark)) | root.marks
-    tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, marks)
-    nothing = Map({"link": "none"}, mark, {"link": (mark, mark)})
-    tree["cases"] = Map({APART: nothing}, mark, {APART: (mark, mark)})
-    tree["sweep"] = axes
-    return Study(study.path, study.text, tree, written=study)

@@ -14,9 +14,19 @@ Emergency Management Agency steel moment frame guidelines. Journal of Structural
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
+from pydantic_core import PydanticCustomError
 from scipy.special import log_ndtr, ndtr
+
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.records.hazard import intensity_factor, measure_of, read_hazard
+from pounding_cli.study.file import Problems
+from pounding_cli.study.quantity import ACCELERATION, Quantity
+from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
+from pounding_cli.study.study import Study
 
 YEARS = 50.0
 """Years of the probability that is told beside a rate."""
@@ -59,28 +69,30 @@ class Hazard:
             return self.k0[piece] * x ** -self.k[piece]
 
     def contributions(self, edges: np.ndarray, intercept: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Annual rate of a limit by intensity [1/year], shape (m,).
+        """Annual rates of limits by intensity [1/year], shape (..., m).
 
         edges : intensities, rising, shape (m + 1,)
-        intercept, slope : c and b of the probability Phi(c + b ln x) between them, shape (m,)
+        intercept, slope : c and b of the probability Phi(c + b ln x) between them, shape (..., m)
         """
-        cuts = np.unique(np.clip(np.concatenate([edges, self.edges]), edges[0], edges[-1]))
-        cuts = cuts[cuts >= self.edges[0]]
+        cuts = np.unique(np.clip(np.concatenate([edges, self.edges]), max(edges[0], self.edges[0]), edges[-1]))
         if cuts.size < 2:
-            return np.zeros(edges.size - 1)
+            return np.zeros(intercept.shape)
         part = np.clip(np.searchsorted(edges, cuts[:-1], side="right") - 1, 0, edges.size - 2)
         piece = np.clip(np.searchsorted(self.edges, cuts[:-1], side="right") - 1, 0, self.k.size - 1)
-        rates = _piece(cuts[:-1], cuts[1:], self.k0[piece], self.k[piece], intercept[part], slope[part])
-        return np.bincount(part, rates, edges.size - 1)
+        rates = _piece(cuts[:-1], cuts[1:], self.k0[piece], self.k[piece], intercept[..., part], slope[..., part])
+        return np.stack([rates[..., part == each].sum(axis=-1) for each in range(edges.size - 1)], axis=-1)
 
-    def of_lognormal(self, median: float, spread: float) -> float:
-        """Annual rate at which a limit with a lognormal fragility curve is passed [1/year]; with a spread of 0 that at
-        which the median is exceeded."""
-        if not spread > 0:
-            return float(self.rate(np.array(median)))
-        slope = np.array([1.0 / spread])
-        whole = np.array([self.edges[0], np.inf])
-        return float(self.contributions(whole, -slope * np.log(median), slope).sum())
+    def of_lognormal(self, median: ArrayLike, spread: ArrayLike, above: float = 0.0) -> np.ndarray:
+        """Annual rates of limits with lognormal fragility curves, from intensities above one [1/year]; with a spread of
+        0 that at which the median is exceeded, and none where the median is inf."""
+        median, spread = np.broadcast_arrays(np.asarray(median, float), np.asarray(spread, float))
+        is_curve = (spread > 0) & (median > 0) & (median < np.inf)
+        slope = 1.0 / np.where(is_curve, spread, 1.0)
+        intercept = -slope * np.log(np.where(is_curve, median, 1.0))
+        whole = np.array([above, np.inf])
+        rates = self.contributions(whole, intercept[..., None], slope[..., None])[..., 0]
+        at_median = self.rate(np.maximum(np.where(np.isfinite(median), median, 1.0), above))
+        return np.where(is_curve, rates, np.where(median == np.inf, 0.0, at_median))
 
 
 def _piece(
@@ -108,3 +120,61 @@ def _difference(u1: np.ndarray, u2: np.ndarray, size: np.ndarray) -> np.ndarray:
 def probability(rate: float, years: float = YEARS) -> float:
     """Probability [-] that what comes at an annual rate [1/year] comes within so many years (Poisson process)."""
     return float(-np.expm1(-rate * years))
+
+
+_VELOCITY = Quantity("velocity", "m/s", "20 cm/s", 0.0, open_low=True)
+_FACTOR = Quantity("scale factor", "", "1.5", 0.0, open_low=True)
+INTENSITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "pgv": _VELOCITY, "factor": _FACTOR}
+"""How every intensity measure is written."""
+
+
+def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
+    """The hazard curve that a section of a study gives; None without one.
+
+    Raises
+    ------
+    InputError : no hazard curve, or one of another intensity measure
+    """
+    spec, si = getattr(study.model, section).hazard, INTENSITIES[measure.name].si
+    if spec is None:
+        return None
+    problems, path = Problems(study.file), (section, "hazard")
+    try:
+        if isinstance(spec, PowerHazard):
+            one = intensity_factor(spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(si), si, "")
+            return Hazard.power_law(spec.k0 * one**spec.k, spec.k)
+        if isinstance(spec, HazardFile):
+            return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, si, measure))
+        points = []
+        for level, rate in spec.items():
+            try:
+                points.append((INTENSITIES[measure.name].read(level), rate))
+            except PydanticCustomError as refused:
+                told = refused.context or {}
+                problems.at(study.root, (*path, level), f"{level}: {told['message']}", told["hint"], key=True)
+        problems.check()
+        points.sort()
+        intensity, rate = np.array(points).T
+        if len(points) < 2 or (np.diff(intensity) <= 0).any() or (np.diff(rate) >= 0).any():
+            hint = "give at least two intensities, each once, with rates that fall as they rise"
+            problems.at(study.root, path, "this is not a hazard curve", hint)
+        problems.check()
+        return Hazard.table(intensity, rate)
+    except InputError as error:
+        for problem in error.problems:
+            if not problem.file:
+                problems.at(study.root, path, problem.message, problem.hint)
+        if problems.found:
+            problems.check()
+        raise
+
+
+def _from_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple[np.ndarray, np.ndarray]:
+    """The points of a file, unless it says that they are those of another measure."""
+    points = read_hazard(path, unit, si)
+    named = measure_of(path)
+    mine = f"SA({measure.period:g})" if measure.name == "sa" and measure.period else measure.name.upper()
+    if named and named != mine and not (mine == "SA" and named.startswith("SA")):
+        hint = f"write `intensity: {named.lower()}`, or take the curve of {measure}"
+        raise InputError(Problem(f"the hazard is that of {named}, the intensity is {measure}", hint, str(path)))
+    return points

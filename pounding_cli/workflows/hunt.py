@@ -8,8 +8,7 @@ told, but for a pass between two levels below that were looked at.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -31,113 +30,65 @@ _NARROW = 8
 """A bracket of more levels is halved too, for the case that the demand misleads."""
 
 
-@dataclass(frozen=True)
-class Found:
-    """What is known of one motion.
-
-    held : number of the highest level below `passed` at which it holds, -1 where there is none
-    passed : number of the lowest level at which it passes the limit; the number of levels where there is none
-    returns : whether it holds at a level above `passed`
-    """
-
-    held: int
-    passed: int
-    returns: bool
-
-
-def found(seen: Mapping[int, float], levels: int) -> Found:
-    """What is known from some levels.
-
-    seen : number of a level -> demand over limit there; above 1 where the limit is passed, UNDECIDED where a collapse
-        left that open, NaN where the scene failed
-    levels : how many there are
-    """
-    passed = min((level for level, demand in seen.items() if demand > 1), default=levels)
-    holds = [level for level, demand in seen.items() if demand <= 1 and demand != UNDECIDED]
-    held = max((level for level in holds if level < passed), default=-1)
-    return Found(held, passed, any(level > passed for level in holds))
-
-
 def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> set[int]:
     """The levels of one motion to look at next; none when its bracket is closed and filled below.
 
     Parameters
     ----------
     intensity : of the levels, rising, shape (levels,)
-    seen : as in `found`
+    seen : number of a level -> demand over limit there; above 1 where the limit is passed, UNDECIDED where a collapse
+        left that open, NaN where the scene failed
     fill : of the levels below the bracket, and of those between the lowest and the highest undecided one, no more than
         1 / (fill + 1) follow each other without being looked at
     """
-    top = len(intensity) - 1
     if not seen:
         return {0}
-    known = found(seen, top + 1)
-    undecided = [level for level, demand in seen.items() if demand == UNDECIDED and known.held < level < known.passed]
-    below = _fill(seen, -1, known.held, fill) if known.held >= 1 else set()
+    levels = len(intensity)
+    passed = min((level for level, demand in seen.items() if demand > 1), default=levels)
+    held = max((level for level, demand in seen.items() if UNDECIDED < demand <= 1 and level < passed), default=-1)
+    undecided = [level for level, demand in seen.items() if demand == UNDECIDED and held < level < passed]
+    below = _fill(seen, -1, held, fill) if held >= 1 else set()
     if undecided:
-        return below | _around(intensity, seen, known, undecided, fill)
-    if known.passed > top:
-        step = _step_up(intensity, seen, known.held)
-        return {step} if step is not None else set()
-    return below | _close(intensity, seen, known)
+        # around them: between the highest at which the motion holds and the lowest undecided one, and between the
+        # highest undecided one and the lowest that passes, or up to the top; then among them
+        lowest, highest = min(undecided), max(undecided)
+        around = _middle(seen, held, lowest)
+        if passed == levels:
+            step = int(np.searchsorted(intensity, _STEP_UNDECIDED * intensity[highest]))
+            around |= _nearest(_unseen(seen, highest, passed), step)
+        else:
+            around |= _middle(seen, highest, passed)
+        return below | (around or _fill(seen, lowest, highest, fill))
+    if passed == levels:  # a level above all at which the motion holds, where demand in proportion would pass the limit
+        above = _unseen(seen, held, levels)
+        if held < 0:
+            return set(above[:1])  # all that was looked at failed
+        factor = _LONGEST_STEP if seen[held] * _LONGEST_STEP < _OVERSHOOT else _OVERSHOOT / seen[held]
+        return _nearest(above, int(np.searchsorted(intensity, factor * intensity[max(seen)])))
+    inside = _unseen(seen, held, passed)
+    wanted = _middle(seen, held, passed) if len(inside) > _NARROW or held < 0 else set()
+    if held >= 0:  # beside where a straight line through both ends meets the limit
+        share = (1.0 - seen[held]) / (seen[passed] - seen[held])
+        right = int(np.searchsorted(intensity, intensity[held] + share * (intensity[passed] - intensity[held])))
+        wanted |= _nearest(inside, right - 1) | _nearest(inside, right)
+    return below | wanted
 
 
-def _around(
-    intensity: np.ndarray, seen: Mapping[int, float], known: Found, undecided: list[int], fill: int
-) -> set[int]:
-    """Levels around those that a collapse leaves undecided, then among them.
-
-    Around: between the highest at which the motion holds and the lowest undecided one, and between the highest
-    undecided one and the lowest that passes, or up to the top.
-    """
-    lowest, highest = min(undecided), max(undecided)
-    below = [level for level in range(known.held + 1, lowest) if level not in seen]
-    above = [level for level in range(highest + 1, known.passed) if level not in seen]
-    wanted = {below[len(below) // 2]} if below else set()
-    if above and known.passed == len(intensity):
-        step = int(np.searchsorted(intensity, _STEP_UNDECIDED * intensity[highest]))
-        wanted.add(_nearest(above, step))
-    elif above:
-        wanted.add(above[len(above) // 2])
-    return wanted or _fill(seen, lowest, highest, fill)
+def _unseen(seen: Collection[int], low: int, high: int) -> list[int]:
+    """The levels between two that were not looked at."""
+    return [level for level in range(low + 1, high) if level not in seen]
 
 
-def _step_up(intensity: np.ndarray, seen: Mapping[int, float], held: int) -> int | None:
-    """A level above all at which the motion holds, where demand in proportion would pass the limit."""
-    last = max(seen)
-    above = [level for level in range(held + 1, len(intensity)) if level not in seen]
-    if not above:
-        return None
-    if held < 0:
-        return above[0]  # all that was looked at failed
-    demand = seen[held]
-    factor = _LONGEST_STEP if demand * _LONGEST_STEP < _OVERSHOOT else _OVERSHOOT / demand
-    wanted = int(np.searchsorted(intensity, factor * intensity[max(held, last)]))
-    return _nearest(above, wanted)
+def _middle(seen: Collection[int], low: int, high: int) -> set[int]:
+    levels = _unseen(seen, low, high)
+    return {levels[len(levels) // 2]} if levels else set()
 
 
-def _nearest(levels: list[int], wanted: int) -> int:
-    return min(levels, key=lambda level: (abs(level - wanted), level))
+def _nearest(levels: list[int], wanted: int) -> set[int]:
+    return {min(levels, key=lambda level: (abs(level - wanted), level))} if levels else set()
 
 
-def _close(intensity: np.ndarray, seen: Mapping[int, float], known: Found) -> set[int]:
-    """Levels inside the bracket: beside where a straight line through both ends meets the limit."""
-    low, high = known.held, known.passed
-    inside = [level for level in range(low + 1, high) if level not in seen]
-    if not inside:
-        return set()
-    wanted = {inside[len(inside) // 2]} if len(inside) > _NARROW or low < 0 else set()
-    if low >= 0:
-        below, above = seen[low], seen[high]
-        share = (1.0 - below) / (above - below)
-        meets = intensity[low] + share * (intensity[high] - intensity[low])
-        right = int(np.searchsorted(intensity, meets))
-        for level in (right - 1, right):
-            wanted.add(_nearest(inside, level))
-    return wanted
-
-
-def _fill(seen: Mapping[int, float], low: int, high: int, fill: int) -> set[int]:
+def _fill(seen: Collection[int], low: int, high: int, fill: int) -> set[int]:
     """Levels between two, so that none of the stretches between those looked at is too long."""
     if fill < 1 or high <= low:
         return set()

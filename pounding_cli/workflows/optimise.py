@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pounding_cli.results.dataset import dataset
 from pounding_cli.results.flags import counts_of_flags, parted
-from pounding_cli.results.tables import Column, Table
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study
 from pounding_cli.study.expression import Expression, Quantity
 from pounding_cli.study.vary import Factor
 from pounding_cli.variables import VARIABLES
-from pounding_cli.workflows.expressions import Get, error_of, getter, values_of
+from pounding_cli.workflows.expressions import error_of, getter, values_of
 from pounding_cli.workflows.optimise_question import Point, Question, check_corners, plan_of, question_of
-from pounding_cli.workflows.search import Search, Settings
-from pounding_cli.workflows.workflow import Found, Workflow
+from pounding_cli.workflows.search import Search
+from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -34,6 +35,49 @@ UNSETTLED = "the last generation was reached before its points were nearly as go
 NOTHING = "no point gave a number"
 """Outcomes."""
 
+_SOUGHT = "unit of the number sought"
+_FLAT = "of what stays within the tolerance"
+_OPTIMUM: Columns = {
+    "sought": ("", "number that is optimised"),
+    "optimum": (_SOUGHT, "its best value"),
+    "error": (_SOUGHT, "numerical error of that, at most"),
+    "tolerance": (_SOUGHT, "its error, or 1 % of it"),
+    "as_written": (_SOUGHT, "value of the file as written"),
+    "outcome": ("", "outcome, or why there is no answer"),
+    "points": ("1", "points that were tried"),
+    "failed": ("1", "points without a number"),
+    "meaningless": ("1", "points whose number has no meaning"),
+    "key": ("", "key that varies"),
+    "unit": ("", "its unit"),
+    "value": ("", "of the key at the optimum; NaN of a choice"),
+    "place": ("1", "of the optimum in what was searched, 0 to 1"),
+    "option": ("", "chosen at the optimum; empty of a number"),
+    "flat_from": ("", f"lower end {_FLAT}, of a key by itself, the others at the optimum"),
+    "flat_to": ("", f"upper end {_FLAT}, of a key by itself, the others at the optimum"),
+    "together_from": ("", f"lower end {_FLAT}, among all points that were tried"),
+    "together_to": ("", f"upper end {_FLAT}, among all points that were tried"),
+    "range_from": ("", "lower end of what was searched"),
+    "range_to": ("", "upper end of what was searched"),
+    "spacing": ("", "linear or log; empty of a choice"),
+    "written": ("", "of the key as written"),
+    "written_option": ("", "option as written"),
+    "mapped": ("1", "1 of a key of the map"),
+}
+_DESIGN: Columns = {
+    "quantity": ("", "what is compared; largest over the storeys"),
+    "unit": ("", "its unit"),
+    "optimum": ("", "at the optimum"),
+    "as_written": ("", "with the study as it is written"),
+    "of": ("1", "scenes, where scenes are counted; otherwise 0"),
+}
+_POINTS: Columns = {
+    "point": ("1", "number of the point"),
+    "stage": ("", "what it was tried for"),
+    "value": (_SOUGHT, "of the number sought; NaN where it has none or no meaning"),
+    "error": (_SOUGHT, "numerical error of that, at most"),
+    "meaningless": ("1", "1 where a link left the range in which its law has a meaning"),
+}
+
 
 class Optimise(Workflow):
     """The values of keys at which a number is least, or most."""
@@ -48,8 +92,7 @@ class Optimise(Workflow):
         """The scenes of the first points: the study as it is written, or else the middle of all ranges."""
         question = question_of(study)
         check_corners(study, question)
-        middle = tuple((0.5 + factor.options // 2) / (factor.options or 1) for factor in question.factors)
-        return plan_of(study, question, [question.written or middle])
+        return plan_of(study, question, [question.written or question.middle])
 
     def goes_on(self, study: Study) -> bool:
         """Every point decides about the next."""
@@ -59,249 +102,198 @@ class Optimise(Workflow):
         """The optimum, what the buildings do there, and all points."""
         question = question_of(study)
         check_corners(study, question)
-        hunt = Hunt(study, question, solver)
-        hunt.search.run()
-        plan = plan_of(study, question, list(hunt.search.values))
-        data = hunt.dataset(plan, is_rough=True)  # what only led to the valley keeps its rough numbers
-        hunt.note(plan, data)
-        built = plan.axes[-1].values[-1] if question.written is None else None
-        tables = {OPTIMUM: _optimum(hunt, built), DESIGN: _design(plan, hunt, data), POINTS: _points(hunt)}
-        return Found(plan, data, [Table.of(name, columns) for name, columns in tables.items()])
+        void: set[Point] = set()
+
+        def function(points: list[Point], is_rough: bool) -> tuple[np.ndarray, np.ndarray]:
+            solved = _Solved(study, question, solver, points, is_rough)
+            void.update(point for point, is_void in zip(points, solved.void, strict=False) if is_void)
+            values = np.where(solved.void, np.nan, question.sign * solved.values())
+            return values[: len(points)], solved.errors()[: len(points)]
+
+        search = Search(function, [factor.options for factor in question.factors], question.spec, question.written)
+        search.run()
+        # what only led to the valley keeps its rough numbers
+        whole = _Solved(study, question, solver, list(search.tried), is_rough=True)
+        tables = [
+            _optimum(search, question, whole, void),
+            _design(search, question, whole),
+            _points(search, question, void),
+        ]
+        return Found(whole.plan, whole.data, tables)
 
 
 ASKED = Optimise()
 
 
-class Hunt:
-    """A search over the points of a study.
+class _Solved:
+    """The scenes of some points; the last axis of their plan holds the points, and behind them the study as it is
+    written where no point stands for it."""
 
-    void : points whose number has no meaning
-    built : number of the study as it is written, the least sought; NaN where it has none
-    """
+    def __init__(
+        self, study: Study, question: Question, solver: Solver, points: Sequence[Point], is_rough: bool
+    ) -> None:
+        self.question, self.plan = question, plan_of(study, question, points)
+        self.data: xr.Dataset = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
+        self.get = getter(self.plan, self.data)
+        self.count = len(self.plan.axes[-1].values)
 
-    def __init__(self, study: Study, question: Question, solver: Solver) -> None:
-        self.study, self.question, self.solver, spec = study, question, solver, question.spec
-        settings = Settings(spec.seed, spec.population, spec.generations, spec.slice_points, spec.map_points)
-        self.search = Search(self.values, [factor.options for factor in question.factors], settings, question.written)
-        self.void: set[Point] = set()
-        self.built = np.nan
+    def here(self, values: np.ndarray) -> np.ndarray:
+        """What belongs to the case and the analysis, shape (other points of the sweep, points, ...)."""
+        axes = len(self.plan.axes)
+        moved = np.moveaxis(values, (axes, axes + 1), (0, 1))[self.question.case, self.question.analysis]
+        return moved.reshape(-1, self.count, *moved.shape[axes:])
 
     @property
-    def points(self) -> list[Point]:
-        """All that were looked at."""
-        return list(self.search.values)
+    def void(self) -> np.ndarray:
+        """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
+        meaningless = counts_of_flags(self.data["flags"].values)["records_meaningless"]
+        return np.asarray((self.here(meaningless) > 0).any(axis=0))
 
-    def values(self, points: list[Point], is_rough: bool) -> tuple[np.ndarray, np.ndarray]:
-        """What the search is told of some points."""
-        plan = plan_of(self.study, self.question, points)
-        data = self.dataset(plan, is_rough)
-        values, errors = _values(self.question, plan, getter(plan, data))
-        void = _void(self.question, plan, data)[: len(points)]
-        self.void |= {point for point, is_void in zip(points, void.tolist(), strict=True) if is_void}
-        return np.where(void, np.nan, values[: len(points)]), errors[: len(points)]
+    def values(self, quantity: Quantity | None = None) -> np.ndarray:
+        """The number sought, or a quantity, at every point: over the motions as the number sought is, over a sweep its
+        mean or its worst, of a quantity the largest; NaN where one is."""
+        question, expression = self.question, self.question.expression
+        if quantity is not None:
+            expression = Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
+        values = self.here(values_of(expression, self.get, question.spec.over_motions))
+        if question.spec.over_sweep == "mean":
+            return values.mean(axis=0)
+        return values.min(axis=0) if quantity is None and question.sign < 0 else values.max(axis=0)
 
-    def dataset(self, plan: Plan, is_rough: bool) -> xr.Dataset:
-        """What the scenes of a plan did; `is_rough`: their errors need not be known."""
-        return dataset(self.solver.asked(plan), self.solver.responses(plan, rough=is_rough))
-
-    def note(self, plan: Plan, data: xr.Dataset) -> None:
-        """Keep the number of the study as it is written."""
-        if self.search.written is not None:
-            self.built = self.search.values[self.search.written]
-        elif not _void(self.question, plan, data)[-1]:
-            self.built = float(_values(self.question, plan, getter(plan, data))[0][-1])
-
-
-def _values(question: Question, plan: Plan, get: Get) -> tuple[np.ndarray, np.ndarray]:
-    """What the search is told of every point of the last axis: the number, negative where the most is sought, and its
-    error."""
-    spec = question.spec
-    values = values_of(question.expression, get, spec.over_motions)
-    errors = error_of(question.expression, get, spec.over_motions)
-    points = len(plan.axes[-1].values)
-    values, errors = (each[..., question.case, question.analysis].reshape(-1, points) for each in (values, errors))
-    values = question.sign * values
-    if spec.over_sweep == "mean":
-        return values.mean(axis=0), errors.mean(axis=0)
-    known = np.where(np.isnan(values), np.inf, values)  # a point that failed makes the worst unknown
-    worst = known.argmax(axis=0)
-    chosen = worst, np.arange(points)
-    return values[chosen], errors[chosen]
+    def errors(self) -> np.ndarray:
+        """The numerical error of the number sought at every point."""
+        question = self.question
+        errors = self.here(error_of(question.expression, self.get, question.spec.over_motions))
+        if question.spec.over_sweep == "mean":
+            return errors.mean(axis=0)
+        values = question.sign * self.here(values_of(question.expression, self.get, question.spec.over_motions))
+        worst = np.where(np.isnan(values), np.inf, values).argmax(axis=0)
+        return errors[worst, np.arange(self.count)]
 
 
-def _void(question: Question, plan: Plan, data: xr.Dataset) -> np.ndarray:
-    """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
-    found = counts_of_flags(data["flags"].values)["records_meaningless"][..., question.case, question.analysis] > 0
-    return np.asarray(found.reshape(-1, len(plan.axes[-1].values)).any(axis=0))
-
-
-def _design(plan: Plan, hunt: Hunt, data: xr.Dataset) -> list[Column]:
-    """What the buildings do at the optimum, and with the study as it is written: a row for each quantity."""
-    question, search, points = hunt.question, hunt.search, len(plan.axes[-1].values)
-    get = getter(plan, data)
-    shown = (
-        hunt.points.index(search.best) if search.best is not None else None,
-        points - 1 if search.written is None else hunt.points.index(search.written),
+def _optimum(search: Search, question: Question, whole: _Solved, void: set[Point]) -> Table:
+    """A row for each key."""
+    best, sign, factors = search.best, question.sign, question.factors
+    values = np.array([each.value for each in search.tried.values()])
+    if search.written is not None:
+        as_written = sign * search.tried[search.written].value
+        written = _values(factors, search.written)
+    else:
+        as_written = np.nan if whole.void[-1] else float(whole.values()[-1])
+        given = whole.plan.axes[-1].values[-1]
+        written = [(np.nan, value) if isinstance(value, str) else (value, "") for value in given]
+    at_best = _values(factors, best)
+    frame = pd.DataFrame(
+        {
+            "sought": f"{'least' if sign > 0 else 'most'} {question.expression}",
+            "optimum": np.nan if best is None else sign * search.value(best),
+            "error": np.nan if best is None else search.error,
+            "tolerance": np.nan if best is None else search.tolerance,
+            "as_written": as_written,
+            "outcome": NOTHING if best is None else FOUND if search.is_settled else UNSETTLED,
+            "points": values.size,
+            "failed": int(np.isnan(values).sum()) - len(void),
+            "meaningless": len(void),
+            "key": [factor.key for factor in factors],
+            "unit": [factor.unit.si or factor.unit.name for factor in factors],
+            "value": [number for number, _ in at_best],
+            "place": np.nan if best is None else list(best),
+            "option": [text for _, text in at_best],
+        }
     )
-    rows: list[tuple[str, str, int, list[float]]] = []
-
-    def add(name: str, unit: str, values: np.ndarray, of: int = 0) -> None:
-        rows.append((name, unit, of, [np.nan if at is None else float(values[at]) for at in shown]))
-
-    def here(name: str) -> np.ndarray:
-        """A variable, shape (other points of the sweep, points, motions, ...)."""
-        whole = data[name].values
-        moved = np.moveaxis(whole, (len(plan.axes), len(plan.axes) + 1), (0, 1))[question.case, question.analysis]
-        return moved.reshape(-1, points, *moved.shape[len(plan.axes) :])
-
-    add(str(question.expression), question.expression.unit or "1", _over_sweep(question, plan, get))
-    has_links = bool(plan.links.places)
-    failed = ~np.isin(here("status"), OUTCOMES)
-    known, of = ~failed.any(axis=(0, 2)), failed[:, 0].size
-    impacts = np.maximum(here("impacts"), 0).sum(axis=-1) if has_links else np.zeros(failed.shape)
-    add("contacts, all motions", "1", np.where(known, impacts.sum(axis=(0, 2)), np.nan))
-    add("scenes with contact", "1", np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan), of)
-    add("scenes that failed", "1", failed.sum(axis=(0, 2)).astype(float), of)
-    places: list[int | None] = list(range(len(plan.buildings)))
-    for place in places if len(places) <= MOST_BUILDINGS else [None]:
-        for name in ("V_ratio", "mu", "drift", "acceleration"):
-            add(*_quantity(name, place, plan), _over_sweep(question, plan, get, Quantity(name, "largest", place)))
-    for name in ("peak_force", "max_closing") if has_links else ():
-        add(*_quantity(name, None, plan), _over_sweep(question, plan, get, Quantity(name)))
-    flags = here("flags")
-    said = {flag: None for at in shown if at is not None for cell in flags[:, at].flat for flag, _ in parted(cell)}
-    for flag in said:
-        has = np.array([any(flag == each for each, _ in parted(cell)) for cell in flags.flat]).reshape(flags.shape)
-        add(f"scenes flagged: {flag}", "1", has.sum(axis=(0, 2)).astype(float), of)
-    return [
-        Column("quantity", _text([name for name, *_ in rows]), "what is compared; largest over the storeys"),
-        Column("unit", _text([unit for _, unit, *_ in rows]), "its unit"),
-        Column("optimum", np.array([values[0] for *_, values in rows]), "at the optimum"),
-        Column("as_written", np.array([values[1] for *_, values in rows]), "with the study as it is written"),
-        Column("of", np.array([of for _, _, of, _ in rows], int), "scenes, where scenes are counted; otherwise 0", "1"),
-    ]
+    spans = {
+        "flat": search.flat,
+        "together": _together(search),
+        "range": {number: (0.0, 1.0) for number in search.continuous},
+    }
+    for name, span in spans.items():
+        nothing = np.array([np.nan, np.nan])
+        ends = [factor.number(np.array(span[n])) if n in span else nothing for n, factor in enumerate(factors)]
+        frame[f"{name}_from"], frame[f"{name}_to"] = np.array(ends, float).T
+    frame["spacing"] = [factor.spacing for factor in factors]
+    frame["written"], frame["written_option"] = [number for number, _ in written], [text for _, text in written]
+    frame["mapped"] = [int(row in search.mapped) for row in range(len(factors))]
+    return tabled(OPTIMUM, frame, _in(_OPTIMUM, question))
 
 
-def _quantity(name: str, place: int | None, plan: Plan) -> tuple[str, str]:
-    """What a quantity is called, and its unit."""
-    return f"largest {name}" + ("" if place is None else f" in {plan.buildings[place]}"), VARIABLES[name].unit
+def _in(columns: Columns, question: Question) -> Columns:
+    """The columns with the unit of the number sought."""
+    unit = question.expression.unit or "1"
+    return {name: (unit if si == _SOUGHT else si, text) for name, (si, text) in columns.items()}
 
 
-def _over_sweep(question: Question, plan: Plan, get: Get, quantity: Quantity | None = None) -> np.ndarray:
-    """The number sought, or a quantity, at every point of the last axis: over the motions as the number sought is, over
-    a sweep its mean or its worst, of a quantity the largest."""
-    spec, points = question.spec, len(plan.axes[-1].values)
-    expression, sign = question.expression, question.sign
-    if quantity is not None:
-        expression, sign = Expression(quantity.name, "", (quantity,), lambda value: value(quantity)), 1
-    values = values_of(expression, get, spec.over_motions)[..., question.case, question.analysis].reshape(-1, points)
-    if spec.over_sweep == "mean":
-        return values.mean(axis=0)
-    return sign * (sign * values).max(axis=0)  # NaN where one is
-
-
-def _optimum(hunt: Hunt, built: tuple[float | str, ...] | None) -> list[Column]:
-    """A row for each key; `built` : what the study says of the keys, where that is no point of the search."""
-    question, search = hunt.question, hunt.search
-    best, sign, unit = search.best, question.sign, question.expression.unit or "1"
-    values = np.array(list(search.values.values()))
-    outcome = NOTHING if best is None else FOUND if search.is_settled else UNSETTLED
-    keys, rows = len(question.factors), range(len(question.factors))
-
-    def same(value: float | str | None) -> np.ndarray:
-        if isinstance(value, str):
-            return np.array([value] * keys, dtype=object)
-        return np.full(keys, np.nan if value is None else value)
-
-    def over_keys(ends: list[tuple[float, float] | None]) -> tuple[np.ndarray, np.ndarray]:
-        both = [
-            (np.nan, np.nan) if end is None else tuple(question.factors[row].number(np.array(end)))
-            for row, end in enumerate(ends)
-        ]
-        low, high = np.array(both, float).reshape(-1, 2).T
-        return low, high
-
-    flat = over_keys([search.flat.get(row) for row in rows])
-    together = over_keys([_together(hunt, row) for row in rows])
-    ends = over_keys([None if factor.options else (0.0, 1.0) for factor in question.factors])
-    at_best = [_value(factor, best, row) for row, factor in enumerate(question.factors)]
-    at_written = [_value(factor, search.written, row) for row, factor in enumerate(question.factors)]
-    if built is not None:
-        at_written = [(np.nan, value) if isinstance(value, str) else (value, "") for value in built]
-    place = [np.nan] * keys if best is None else list(best)
-    flat_text = "of a key by itself, the others at the optimum"
-    with_text = "among all points that were tried"
-    bottom = "range over which the number stays within its tolerance"
-    return [
-        Column("sought", same(f"{'least' if sign > 0 else 'most'} {question.expression}"), "number that is optimised"),
-        Column("optimum", same(None if best is None else sign * search.values[best]), "its best value", unit),
-        Column("error", same(None if best is None else search.error), "numerical error of that, at most", unit),
-        Column("tolerance", same(None if best is None else search.tolerance), "its error, or 1 % of it", unit),
-        Column("as_written", same(sign * hunt.built), "value of the file as written", unit),
-        Column("outcome", same(outcome), "outcome, or why there is no answer"),
-        Column("points", np.full(keys, values.size), "points that were tried", "1"),
-        Column("failed", np.full(keys, int(np.isnan(values).sum()) - len(hunt.void)), "points without a number", "1"),
-        Column("meaningless", np.full(keys, len(hunt.void)), "points whose number has no meaning", "1"),
-        Column("key", _text([factor.key for factor in question.factors]), "key that varies"),
-        Column("unit", _text([factor.unit.si or factor.unit.name for factor in question.factors]), "its unit"),
-        Column("value", np.array([number for number, _ in at_best]), "of the key at the optimum; NaN of a choice"),
-        Column("place", np.array(place), "of the optimum in what was searched, 0 to 1", "1"),
-        Column("option", _text([text for _, text in at_best]), "chosen at the optimum; empty of a number"),
-        Column("flat_from", flat[0], f"lower end: {bottom}, {flat_text}"),
-        Column("flat_to", flat[1], f"upper end: {bottom}, {flat_text}"),
-        Column("together_from", together[0], f"lower end: {bottom}, {with_text}"),
-        Column("together_to", together[1], f"upper end: {bottom}, {with_text}"),
-        Column("range_from", ends[0], "lower end of what was searched"),
-        Column("range_to", ends[1], "upper end of what was searched"),
-        Column("spacing", _text([factor.spacing for factor in question.factors]), "linear or log; empty of a choice"),
-        Column("written", np.array([number for number, _ in at_written]), "of the key as written"),
-        Column("written_option", _text([text for _, text in at_written]), "option as written"),
-        Column("mapped", np.array([row in (search.mapped or ()) for row in rows], int), "1 of a key of the map", "1"),
-    ]  # fmt: skip
-
-
-def _together(hunt: Hunt, number: int) -> tuple[float, float] | None:
+def _together(search: Search) -> dict[int, tuple[float, float]]:
     """Between which ends a key may lie so that some point that was tried is within the tolerance."""
-    search = hunt.search
-    if search.best is None or hunt.question.factors[number].options:
-        return None
-    bound = search.values[search.best] + search.tolerance
-    inside = [point[number] for point, value in search.values.items() if value <= bound]
-    return min(inside), max(inside)
+    if search.best is None:
+        return {}
+    bound = search.value(search.best) + search.tolerance
+    inside = np.array([point for point, each in search.tried.items() if each.value <= bound])
+    return {number: (inside[:, number].min(), inside[:, number].max()) for number in search.continuous}
 
 
-def _value(factor: Factor, point: Point | None, number: int) -> tuple[float, str]:
-    """A key at a point: its number, or its option."""
+def _values(factors: Sequence[Factor], point: Point | None) -> list[tuple[float, str]]:
+    """The keys at a point: of each its number, or its option."""
     if point is None:
-        return np.nan, ""
-    value = float(factor.number(np.array(point[number])))
-    return (np.nan, factor.labels[int(value)]) if factor.options else (value, "")
-
-
-def _points(hunt: Hunt) -> list[Column]:
-    """Every point that was tried, in the order in which the search asked for it."""
-    question, search = hunt.question, hunt.search
-    cube, unit = np.array(list(search.values)), question.expression.unit or "1"
-    columns = [
-        Column("point", np.arange(1, len(cube) + 1), "number of the point", "1"),
-        Column("stage", _text([search.stages[point] for point in search.values]), "what it was tried for"),
+        return [(np.nan, "")] * len(factors)
+    numbers = [float(factor.number(np.array(u))) for factor, u in zip(factors, point, strict=True)]
+    return [
+        (np.nan, factor.labels[int(number)]) if factor.options else (number, "")
+        for factor, number in zip(factors, numbers, strict=True)
     ]
+
+
+def _design(search: Search, question: Question, whole: _Solved) -> Table:
+    """What the buildings do at the optimum, and with the study as it is written: a row for each quantity."""
+    plan, points = whole.plan, list(search.tried)
+    best = None if search.best is None else points.index(search.best)
+    shown = best, whole.count - 1 if search.written is None else points.index(search.written)
+    has_links = bool(plan.links.places)
+    failed = ~np.isin(whole.here(whole.data["status"].values), OUTCOMES)
+    known, of = ~failed.any(axis=(0, 2)), failed[:, 0].size
+    impacts = np.zeros(failed.shape)
+    if has_links:
+        impacts = np.maximum(whole.here(whole.data["impacts"].values), 0).sum(axis=-1)
+    rows: list[tuple[str, str, int, np.ndarray]] = [
+        (str(question.expression), question.expression.unit or "1", 0, whole.values()),
+        ("contacts, all motions", "1", 0, np.where(known, impacts.sum(axis=(0, 2)), np.nan)),
+        ("scenes with contact", "1", of, np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan)),
+        ("scenes that failed", "1", of, failed.sum(axis=(0, 2))),
+    ]
+    names = list(enumerate(plan.buildings)) if len(plan.buildings) <= MOST_BUILDINGS else [(None, "")]
+    quantities = [
+        (f"largest {name}" + f" in {building}" * bool(building), Quantity(name, "largest", place))
+        for place, building in names
+        for name in ("V_ratio", "mu", "drift", "acceleration")
+    ]
+    quantities += [(f"largest {name}", Quantity(name)) for name in ("peak_force", "max_closing") if has_links]
+    rows += [(text, VARIABLES[each.name].unit, 0, whole.values(each)) for text, each in quantities]
+    flags = whole.here(whole.data["flags"].values)
+    said = [flag for at in shown if at is not None for cell in flags[:, at].flat for flag, _ in parted(cell)]
+    for flag in dict.fromkeys(said):
+        has = np.vectorize(lambda cell, flag=flag: any(flag == each for each, _ in parted(cell)), otypes=[bool])(flags)
+        rows.append((f"scenes flagged: {flag}", "1", of, has.sum(axis=(0, 2))))
+    frame = pd.DataFrame({
+        "quantity": [text for text, *_ in rows],
+        "unit": [unit for _, unit, *_ in rows],
+        **{name: [np.nan if at is None else float(values[at]) for *_, values in rows]
+           for name, at in zip(("optimum", "as_written"), shown, strict=True)},
+        "of": [count for *_, count, _ in rows],
+    })  # fmt: skip
+    return tabled(DESIGN, frame, _DESIGN)
+
+
+def _points(search: Search, question: Question, void: set[Point]) -> Table:
+    """Every point that was tried, in the order in which the search asked for it."""
+    cube, tried = np.array(list(search.tried)), list(search.tried.values())
+    columns: dict[str, Any] = {"point": np.arange(1, len(cube) + 1), "stage": [each.stage for each in tried]}
     for number, factor in enumerate(question.factors):
         values = factor.number(cube[:, number])
-        if factor.options:
-            labels = _text([factor.labels[int(value)] for value in values])
-            columns.append(Column(factor.key, labels, f"varies: {factor.key}"))
-        else:
-            columns.append(Column(factor.key, values, f"varies: {factor.key}", factor.unit.si or "1", factor.unit))
-    found = question.sign * np.array(list(search.values.values()))
-    columns.append(Column("value", found, f"{question.expression}; NaN where it has none or no meaning", unit))
-    columns.append(Column("error", np.array(list(search.errors.values())), "numerical error of that, at most", unit))
-    void = [point in hunt.void for point in search.values]
-    columns.append(
-        Column("meaningless", np.array(void, int), "1 where a link left the range in which its law has a meaning", "1")
-    )
-    return columns
-
-
-def _text(values: list[str]) -> np.ndarray:
-    return np.array(values, dtype=object)
+        columns[factor.key] = [factor.labels[int(value)] for value in values] if factor.options else values
+    columns["value"] = question.sign * np.array([each.value for each in tried])
+    columns["error"] = [each.error for each in tried]
+    columns["meaningless"] = [int(point in void) for point in search.tried]
+    numbers = [factor for factor in question.factors if not factor.options]
+    meant = {factor.key: ("", f"varies: {factor.key}") for factor in question.factors}
+    meant |= {factor.key: (factor.unit.si or "1", f"varies: {factor.key}") for factor in numbers}
+    shown = {factor.key: factor.unit for factor in numbers}
+    return tabled(POINTS, pd.DataFrame(columns), {**meant, **_in(_POINTS, question)}, units=shown)

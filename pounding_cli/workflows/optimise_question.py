@@ -54,6 +54,11 @@ class Question:
         """1 where the least is sought, -1 where the most is: the search knows the least alone."""
         return 1 if self.spec.least is not None else -1
 
+    @property
+    def middle(self) -> Point:
+        """The middle of all ranges and choices."""
+        return tuple((0.5 + factor.options // 2) / (factor.options or 1) for factor in self.factors)
+
 
 def plan_of(study: Study, question: Question, points: Sequence[Point]) -> Plan:
     """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
@@ -126,7 +131,7 @@ def check_written(study: Study, path: Path) -> None:
     InputError : as `question_of` and `text_at`; or the study would be another one there
     """
     question = question_of(study)
-    text = text_at(study, question, tuple((0.5 + options // 2) / (options or 1) for options in _options(question)))
+    text = text_at(study, question, question.middle)
     try:
         found, why = Study(path, text, parse(text, shortened(path))), "its motions would be others"
         first = (0,) * len(study.axes)
@@ -136,10 +141,6 @@ def check_written(study: Study, path: Path) -> None:
     if not is_same:
         hint = "write it beside the study: motions are sought there" if path.parent != study.path.parent else ""
         raise InputError(Problem(f"the study would not run from there: {why}", hint or "change the study", str(path)))
-
-
-def _options(question: Question) -> list[int]:
-    return [factor.options for factor in question.factors]
 
 
 def _digests(study: Study, point: tuple[int, ...]) -> dict[str, str]:

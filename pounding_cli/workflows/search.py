@@ -11,16 +11,16 @@ The points follow from the seed and the values alone. A search that is begun aga
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
 from scipy.stats import qmc
 
 from pounding_cli.errors import InputError
+from pounding_cli.study.questions import OptimiseSpec
 
 Point = tuple[float, ...]
 """Coordinates between 0 and 1."""
@@ -60,21 +60,12 @@ _RETURNS = 3
 """Times that the search goes on from a lower point that its surroundings hold."""
 
 
-@dataclass(frozen=True)
-class Settings:
-    """How a search goes.
+class Tried(NamedTuple):
+    """What is known of a point: its value and the error of that, NaN where there is none; the stage that asked."""
 
-    population : points of a generation; by the number of coordinates unless given
-    generations : at most
-    slice_points : along every coordinate
-    map_points : along each of the two coordinates of the map
-    """
-
-    seed: int = 1
-    population: int | None = None
-    generations: int = 100
-    slice_points: int = 21
-    map_points: int = 15
+    value: float
+    error: float
+    stage: str
 
 
 class Search:
@@ -84,28 +75,33 @@ class Search:
     ----------
     function : what is minimised
     options : of every coordinate how many values it chooses from; 0 where it is continuous
+    spec : how the search goes
     written : the point from which the user comes; None for none
 
     Attributes
     ----------
-    values, errors, stages : of every point that was looked at, in that order
+    tried : every point that was looked at, in that order
     flat : of continuous coordinates, between which ends the function stays on its bottom, the others at the best point
-    mapped : the two coordinates of the map; None where there is none
+    mapped : the two coordinates of the map
     is_settled : whether the population came together before its generations were spent
     """
 
     def __init__(
-        self, function: Function, options: Sequence[int], settings: Settings | None = None, written: Point | None = None
+        self, function: Function, options: Sequence[int], spec: OptimiseSpec | None = None, written: Point | None = None
     ) -> None:
-        self.function, self.options, self.settings = function, tuple(options), settings or Settings()
+        self.function, self.options, self.spec = function, tuple(options), spec or OptimiseSpec()
         self.written = None if written is None else self.key(written)
-        self.values: dict[Point, float] = {}
-        self.errors: dict[Point, float] = {}
-        self.stages: dict[Point, str] = {}
+        self.continuous = [number for number, many in enumerate(options) if not many]
+        self.tried: dict[Point, Tried] = {}
         self.flat: dict[int, tuple[float, float]] = {}
-        self.mapped: tuple[int, int] | None = None
+        self.mapped: tuple[int, ...] = ()
         self.is_settled = True
         self._centre: Point | None = None
+
+    def value(self, point: Point) -> float:
+        """The value of a point that was looked at; infinite where it has none."""
+        value = self.tried[point].value
+        return np.inf if np.isnan(value) else value
 
     @property
     def best(self) -> Point | None:
@@ -113,11 +109,11 @@ class Search:
 
         The one that was polished stays it until a lower one is found.
         """
-        found = min(self.values, key=self._ranked, default=None)
-        if found is None or np.isnan(self.values[found]):
+        found = min(self.tried, key=self.value, default=None)
+        if found is None or np.isinf(self.value(found)):
             return None
         centre = self._centre
-        if centre is not None and self.values[centre] - self.values[found] <= _SAME * abs(self.values[centre]):
+        if centre is not None and self.value(centre) - self.value(found) <= _SAME * abs(self.value(centre)):
             return centre
         return found
 
@@ -125,23 +121,17 @@ class Search:
     def error(self) -> float:
         """The error of the least value; where it is not known, the largest known on the bottom; NaN: there is none."""
         assert self.best is not None
-        own, least = self.errors[self.best], self.values[self.best]
-        if not np.isnan(own):
-            return own
-        near = [self.errors[point] for point, value in self.values.items() if value <= least + FLAT * abs(least)]
+        least = self.tried[self.best]
+        if not np.isnan(least.error):
+            return least.error
+        near = [each.error for each in self.tried.values() if each.value <= least.value + FLAT * abs(least.value)]
         return max((error for error in near if not np.isnan(error)), default=np.nan)
 
     @property
     def tolerance(self) -> float:
         """By how much the function may lie above its least value on the bottom: its error, or a share of it."""
         assert self.best is not None
-        error = self.error
-        return max(0.0 if np.isnan(error) else error, FLAT * abs(self.values[self.best]))
-
-    @property
-    def continuous(self) -> list[int]:
-        """The coordinates that are."""
-        return [number for number, options in enumerate(self.options) if not options]
+        return float(np.fmax(self.error, FLAT * abs(self.value(self.best))))
 
     def key(self, point: Sequence[float]) -> Point:
         """The point as it is known: choices in the middle of their share."""
@@ -154,27 +144,14 @@ class Search:
         """A point with other values of some coordinates."""
         return self.key([moves.get(number, u) for number, u in enumerate(point)])
 
-    def _along(self, number: int, best: Point) -> tuple[np.ndarray, np.ndarray]:
-        """What is known along a coordinate through a point: coordinate, rising, and value."""
-        line = sorted(
-            (point[number], value) for point, value in self.values.items()
-            if all(u == v for place, (u, v) in enumerate(zip(point, best, strict=True)) if place != number)
-        )  # fmt: skip
-        return np.array([u for u, _ in line]), np.array([value for _, value in line])
-
-    def _ranked(self, point: Point) -> float:
-        value = self.values[point]
-        return np.inf if np.isnan(value) else value
-
     # The stages
 
     def run(self) -> None:
         """Search."""
         if self.written is not None:
             self._look([self.written], WRITTEN)
-        combinations = [[(place + 0.5) / options for place in range(options)] for options in self.options]
         if not self.continuous and np.prod(self.options) <= _FEW_COMBINATIONS:
-            self._look(list(product(*combinations)), SEARCH)
+            self._look(list(product(*(self._across(number, 0) for number in range(len(self.options))))), SEARCH)
             return
         self._evolve()
         for _ in range(_RETURNS):
@@ -184,35 +161,41 @@ class Search:
             if self.continuous:
                 self._polish()
             self._centre = self.best
-            self._surroundings()
+            self._look_around(self.best)
             if self.best == self._centre:
                 return
 
     def _look(self, points: Sequence[Sequence[float]], stage: str) -> np.ndarray:
         """The values at points, worked out where they are not known; infinite where there is none."""
         keys = [self.key(point) for point in points]
-        if new := [key for key in dict.fromkeys(keys) if key not in self.values]:
+        if new := [key for key in dict.fromkeys(keys) if key not in self.tried]:
             values, errors = self.function(new, stage == SEARCH and bool(self.continuous))
-            self.values |= zip(new, values.tolist(), strict=True)
-            self.errors |= zip(new, errors.tolist(), strict=True)
-            self.stages |= dict.fromkeys(new, stage)
-        return np.array([self._ranked(key) for key in keys])
+            found = zip(new, values.tolist(), errors.tolist(), strict=True)
+            self.tried |= {key: Tried(value, error, stage) for key, value, error in found}
+        return np.array([self.value(key) for key in keys])
+
+    def _across(self, number: int, points: int) -> list[float]:
+        """Values of a coordinate: every choice, or so many points from end to end."""
+        options = self.options[number]
+        return [(each + 0.5) / options for each in range(options)] or np.linspace(0.0, 1.0, points).tolist()
 
     def _evolve(self) -> None:
-        """Differential evolution, a generation at a time, until all points of one are nearly as good."""
-        size, seed = len(self.options), self.settings.seed
-        number = self.settings.population or max(20, 12 * size)
-        population = qmc.LatinHypercube(size, rng=np.random.default_rng(seed)).random(number)
+        """Differential evolution until all points of a generation are nearly as good."""
+        size, seed = len(self.options), self.spec.seed
+        first = qmc.LatinHypercube(size, rng=np.random.default_rng(seed))
+        population = first.random(self.spec.population or max(20, 12 * size))
         values = self._look(population, SEARCH)
-        for generation in range(self.settings.generations):
+        for generation in range(self.spec.generations):  # its random numbers follow from the seed and its number
             if not np.isfinite(values).any() or _is_close(values):
                 return
-            with _refusals():
+            try:
                 found = differential_evolution(
                     lambda x: self._look(x.T, SEARCH), [(0.0, 1.0)] * size, init=population, maxiter=1, polish=False,
                     tol=0.0, atol=0.0, updating="deferred", vectorized=True,
                     rng=np.random.default_rng([seed, generation]),
                 )  # fmt: skip
+            except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
+                raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
             population, values = found.population, found.population_energies
         self.is_settled = _is_close(values)
 
@@ -221,84 +204,62 @@ class Search:
         for edge in _SIMPLEX:
             best = self.best
             assert best is not None
-            before, places = self.values[best], self.continuous
-            begin = np.array([best[place] for place in places])
+            before, begin = self.value(best), np.array([best[place] for place in self.continuous])
             corners = begin + np.vstack([np.zeros(begin.size), edge * np.diag(np.where(begin + edge > 1, -1.0, 1.0))])
-
             options = {
                 "initial_simplex": corners, "xatol": 1e-4, "fatol": max(1e-7 * abs(before), 1e-300),
                 "maxfev": 60 * len(corners), "adaptive": len(corners) > 4,
             }  # fmt: skip
 
-            def of(x: np.ndarray, best: Point = best, places: list[int] = places) -> float:
-                return float(self._look([self.moved(best, dict(zip(places, x.tolist(), strict=True)))], POLISH)[0])
+            def of(x: np.ndarray, best: Point = best) -> float:
+                return float(
+                    self._look([self.moved(best, dict(zip(self.continuous, x.tolist(), strict=True)))], POLISH)[0]
+                )
 
-            minimize(of, corners[0], method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
+            minimize(of, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
             assert self.best is not None
-            if before - self.values[self.best] <= _GAIN * abs(before):
+            if before - self.value(self.best) <= _GAIN * abs(before):
                 return
 
-    def _surroundings(self) -> None:
-        """Slices through the best point, the ends of its flat bottom, and a map over two coordinates."""
-        best = self.best
-        assert best is not None
-        line = np.linspace(0.0, 1.0, self.settings.slice_points).tolist()
-        points = []
-        for number, options in enumerate(self.options):
-            across = [(place + 0.5) / options for place in range(options)] if options else line
-            points += [self.moved(best, {number: u}) for u in across]
-        self._look(points, SLICES)
-        if self.best != best:
+    def _look_around(self, best: Point) -> None:
+        """Slices through the best point, the ends of its flat bottom, and a map over two coordinates; it ends where
+        a lower point is found."""
+        slices = [
+            self.moved(best, {number: u}) for number in range(len(best))
+            for u in self._across(number, self.spec.slice_points)
+        ]  # fmt: skip
+        while slices:  # halve the intervals in which the function leaves the bottom, all at once
+            self._look(slices, SLICES)
+            if self.best != best:
+                return
+            ends = {number: self._ends(number, best) for number in self.continuous}
+            slices = [
+                self.moved(best, {number: (inside + outside) / 2})
+                for number, both in ends.items() for inside, outside in both
+                if _NARROW < abs(outside - inside) < np.inf
+            ]  # fmt: skip
+        self.flat = {number: (low, high) for number, ((low, _), (high, _)) in ends.items()}
+        if len(self.flat) < 2:
             return
-        self._ends(best)
-        if self.best != best or len(self.continuous) < 2:
-            return
-        one, other = sorted(sorted(self.continuous, key=lambda number: self.flat[number][1] - self.flat[number][0])[:2])
-        self.mapped = one, other
-        line = np.linspace(0.0, 1.0, self.settings.map_points).tolist()
+        narrow = sorted(self.continuous, key=lambda number: self.flat[number][1] - self.flat[number][0])[:2]
+        self.mapped = one, other = tuple(sorted(narrow))
+        line = np.linspace(0.0, 1.0, self.spec.map_points).tolist()
         self._look([self.moved(best, {one: u, other: v}) for u in line for v in line], MAP)
 
-    def _ends(self, best: Point) -> None:
-        """Halve the intervals in which the function leaves the bottom, on both sides of every coordinate at once."""
-        while True:
-            middles = [
-                self.moved(best, {number: (inside + outside) / 2})
-                for number in self.continuous for inside, outside in self._leaving(number, best)
-                if outside is not None and abs(outside - inside) > _NARROW
-            ]  # fmt: skip
-            if not middles:
-                break
-            self._look(middles, SLICES)
-            if self.best != best:  # the search goes on from there
-                return
-        for number in self.continuous:
-            (low, _), (high, _) = self._leaving(number, best)
-            self.flat[number] = low, high
-
-    def _leaving(self, number: int, best: Point) -> list[tuple[float, float | None]]:
-        """Below and above the best point: the last coordinate on the bottom and the first beyond it, None for none."""
-        u, values = self._along(number, best)
-        is_in = values <= self.values[best] + self.tolerance
-        here, found = int(np.flatnonzero(u == best[number])[0]), []
-        for step, end in ((-1, -1), (1, u.size)):
-            place = here
-            while place + step != end and is_in[place + step]:
-                place += step
-            found.append((float(u[place]), None if place + step == end else float(u[place + step])))
-        return found
+    def _ends(self, number: int, best: Point) -> list[tuple[float, float]]:
+        """Below and above the best point along a coordinate: the last value on the bottom and the first beyond it,
+        infinite where there is none."""
+        line = [
+            (point[number], self.value(point) <= self.value(best) + self.tolerance) for point in self.tried
+            if (point[:number], point[number + 1 :]) == (best[:number], best[number + 1 :])
+        ]  # fmt: skip
+        here, outside = best[number], [u for u, is_in in line if not is_in]
+        low = max((u for u in outside if u < here), default=-np.inf)
+        high = min((u for u in outside if u > here), default=np.inf)
+        inside = [u for u, _ in line if low < u < high]
+        return [(min(inside), low), (max(inside), high)]
 
 
 def _is_close(values: np.ndarray) -> bool:
     """Whether a population has found its valley."""
     return bool(np.isfinite(values).all() and values.std() <= _SPREAD * abs(values.mean()))
-
-
-@contextlib.contextmanager
-def _refusals() -> Iterator[None]:
-    """An `InputError` of the function comes through: SciPy takes every ValueError for a fault of its own caller's."""
-    try:
-        yield
-    except RuntimeError as error:
-        if isinstance(error.__cause__, InputError):
-            raise error.__cause__ from None
-        raise

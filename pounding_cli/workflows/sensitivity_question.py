@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -57,26 +58,26 @@ class Question:
         return next((n for n, factor in enumerate(self.factors) if factor.key == MOTION), None)
 
     @property
-    def levels(self) -> int:
-        """Levels of the method of Morris: even, and as many as the longest choice has options."""
-        most = max(_LEAST_LEVELS, *(self.options))
-        return most + most % 2
+    def takes_one(self) -> bool:
+        """Whether every sample rests on one motion."""
+        return self.motion is not None and not self.factors[self.motion].options
 
     @property
     def options(self) -> tuple[int, ...]:
         """How many values each factor chooses from; 0 of a continuous one."""
-        return tuple(
-            factor.options or len(self.motions) if factor.key == MOTION else factor.options for factor in self.factors
-        )
+        return tuple(factor.options or len(self.motions) * (factor.key == MOTION) for factor in self.factors)
+
+    @property
+    def levels(self) -> int:
+        """Levels of the method of Morris: even, and as many as the longest choice has options."""
+        most = max(_LEAST_LEVELS, *self.options)
+        return most + most % 2
 
     @property
     def problem(self) -> dict[str, Any]:
         """The unit cube, as SALib has it."""
-        return {
-            "num_vars": len(self.factors),
-            "names": [factor.key for factor in self.factors],
-            "bounds": [[0.0, 1.0]] * len(self.factors),
-        }
+        names = [factor.key for factor in self.factors]
+        return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
     @cached_property
     def grid(self) -> np.ndarray:
@@ -99,25 +100,23 @@ class Question:
             return self.grid
         return (np.rint(self.grid * (self.levels - 1)) + 0.5) / self.levels
 
-    @cached_property
-    def _distinct(self) -> tuple[np.ndarray, np.ndarray]:
-        columns = [n for n, factor in enumerate(self.factors) if factor.key != MOTION]
-        return distinct(self.keys, self.cube[:, columns])
-
     @property
-    def points(self) -> np.ndarray:
-        """The different points that the samples need, shape (points, keys)."""
-        return self._distinct[0]
+    def independent(self) -> np.ndarray:
+        """Numbers of the samples of Sobol that are independent of each other, his matrices A and B, shape (2 x base
+        samples,); of Morris the first of every trajectory."""
+        block = len(self.cube) // self.samples
+        begins = np.arange(self.samples) * block
+        return np.concatenate([begins, begins + block - 1]) if self.spec.method == "sobol" else begins
+
+    @cached_property
+    def distinct(self) -> tuple[np.ndarray, np.ndarray]:
+        """The different points that the samples need, shape (points, keys), and of every sample its point."""
+        return distinct(self.keys, np.delete(self.cube, [] if self.motion is None else self.motion, axis=1))
 
     @property
     def place(self) -> np.ndarray:
         """Of every sample its point, shape (samples,)."""
-        return self._distinct[1]
-
-    @property
-    def takes_one(self) -> bool:
-        """Whether every sample rests on one motion."""
-        return self.motion is not None and not self.factors[self.motion].options
+        return self.distinct[1]
 
     @cached_property
     def drawn(self) -> np.ndarray | None:
@@ -140,9 +139,8 @@ class Question:
     def motion_label(self, number: int) -> str:
         """A line of `drawn` in words: the motions, with a factor where one was drawn more than once."""
         assert self.drawn is not None
-        counts = np.bincount(self.drawn[number], minlength=len(self.motions))
-        named = zip(self.motions, counts.tolist(), strict=True)
-        return " + ".join(name if count == 1 else f"{count} {name}" for name, count in named if count)
+        counts = Counter(self.drawn[number].tolist())
+        return " + ".join(f"{count} {self.motions[n]}" if count > 1 else self.motions[n] for n, count in counts.items())
 
 
 def question_of(study: Study) -> Question:

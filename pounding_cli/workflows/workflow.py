@@ -1,19 +1,35 @@
-"""What every question is made of."""
+"""What every question is made of, and how its tables are declared."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from pounding_cli.numbers import Unit
+from pounding_cli.results.tables import Column, Table
+
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pounding_cli.batch.solve import Solver
-    from pounding_cli.results.tables import Table
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.plan import Axis
+
+Columns = Mapping[str, tuple[str, str]]
+"""Column -> SI unit ("1" for a pure number, "" for a text) and meaning."""
+
+_ENDS = {
+    "_low": "lower end of the confidence interval: ",
+    "_high": "upper end of the confidence interval: ",
+    "_error": "standard error: ",
+    "0": "buildings alone: ",
+}
+"""Ends of names of columns, and what they mean of the column without."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,3 +76,52 @@ class Workflow(ABC):
     def goes_on(self, study: Study) -> bool:
         """Whether results decide what else is solved."""
         return False
+
+
+def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame:
+    """The swept values at some points, a row a point and a column a key.
+
+    points : of every row its index on every axis
+    """
+    import pandas as pd
+
+    at = np.array(points, int).reshape(len(points), len(axes))
+    columns = {
+        name: pd.Series([axis.values[place][key] for place in at[:, number]], dtype=_type(axis, key))
+        for number, axis in enumerate(axes)
+        for key, name in enumerate(axis.names)
+    }
+    return pd.DataFrame(columns, index=range(len(points)))
+
+
+def _type(axis: Axis, key: int) -> type:
+    return object if any(isinstance(value[key], str) for value in axis.values) else float
+
+
+def tabled(
+    name: str, frame: pd.DataFrame, columns: Columns, axes: Sequence[Axis] = (), units: Mapping[str, Unit] | None = None
+) -> Table:
+    """A table of an answer.
+
+    columns : unit and meaning of its columns but those of swept keys; ends of names as in `_ENDS` need not be told
+    axes : of the sweep
+    units : units that people read some columns in, with those of swept keys
+    """
+    shown = {key: axis.unit(number) for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
+    swept_keys, found = {key for axis in axes for key in axis.names}, {}
+    for key in map(str, frame.columns):
+        if key in swept_keys:
+            si, text = "" if frame[key].dtype == object else shown[key].si, f"swept: {key}"
+        else:
+            si, text = _meant(key, columns)
+        unit = shown.get(key, Unit("" if si == "1" else si))
+        found[key] = Column(text, replace(unit, si=si), key)
+    return Table(name, frame, found, name.replace("_", " ").capitalize())
+
+
+def _meant(column: str, columns: Columns) -> tuple[str, str]:
+    if column in columns:
+        return columns[column]
+    end = next(end for end in _ENDS if column.endswith(end))
+    unit, text = _meant(column.removesuffix(end), columns)
+    return unit, _ENDS[end] + text

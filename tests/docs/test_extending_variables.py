@@ -38,10 +38,11 @@ results = pound.run("study.yaml", engine="serial")
 link = results.link()
 expected = link["impulse"] / link["contact_time"]
 struck = link["case"] == "touching"
+column = results.column("link", "mean_force")
 print(json.dumps({
     "equal": bool(np.array_equal(link["mean_force"][struck], expected[struck]) and struck.any()),
     "never closes": bool(link["mean_force"][~struck].isna().all()),
-    "meaning": results.meaning("link", "mean_force"),
+    "meaning": [column.unit.name, column.text],
     "dataset": results.dataset["mean_force"].attrs["units"],
     "worst": float(over_sweep(results, Choice("mean_force", case="touching")).mean),
     "largest": float(link["mean_force"].max()),

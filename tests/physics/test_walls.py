@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import pounding_cli as pound
 from tests.adapter import Scene, difference, refused, solve
 from tests.physics.cases import shake
 
@@ -129,3 +131,28 @@ def test_walls_that_are_refused(wall: str, link: str, line: int, word: str) -> N
     problems = refused(STUDY.replace("WALL", wall).replace("LINK", link))
     assert {each for each, _, _ in problems} == {line}, problems
     assert any(word in words for _, _, words in problems), problems
+
+
+def test_the_gap_to_a_wall_is_how_far_the_building_moves(tmp_path: Path) -> None:
+    """By `pound gap`: at a floor the displacement to that side, at a base its sway, which codes do not know."""
+    study = {
+        "records": {"use": ["elcentro", "taft"], "duration": 8.0},
+        "buildings": {
+            "moat": {"wall": {"height": 4.0}},
+            "house": {
+                "storeys": 2, "period": 0.3,
+                "foundation": {"mass": 2e5, "isolation": {"radius": 3.1, "friction": 0.06}},
+            },
+        },
+        "group": ["moat", "house"], "analyses": ["elastic"],
+        "cases": {"near": {"link": "pounding", "gap": 0.01}},
+    }  # fmt: skip
+    results = pound.run(study, tmp_path / "gap.h5", workflow="gap")
+    found = results.answer("gap").frame
+    exact, codes = found[found["rule"] == "exact"], found[found["rule"] == "UBC-1991"]
+    assert list(exact["floor"]) == [0, 1]
+    assert list(codes["floor"]) == [1]
+    moved = results.data["displacement_min"].sel(building="house", floor=1).values
+    assert exact["largest"].iloc[1] == pytest.approx(-moved.min(), rel=1e-9)
+    sway = results.data["sway"].sel(building="house").values
+    assert exact["largest"].iloc[0] <= sway.max() * (1 + 1e-9)

@@ -123,7 +123,7 @@ def test_a_history_in_a_line_as_a_table_and_as_a_dataset(results):
     data = history.dataset
     assert data["shear"].attrs["units"] == "N"
     assert data["shear"].sel(building="soft", storey=1).values == pytest.approx(history.shear[:, 1, 0])
-    assert data["energy"].sel(kind="input").values == pytest.approx(history.energy["input"])
+    assert data["energy_input"].values == pytest.approx(history.energy["input"])
 
 
 def test_curves_of_a_history(results, plt):

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from pounding_cli.laws.guards import HIGH, START
 from pounding_cli.laws.law import Behaviour, line, parameter
@@ -22,11 +21,8 @@ def next_branch(e, guard):
         line(e, k, e.c, 0.0, -limit, limit)
     elif e.branch == ELASTIC:
         e.branch = UPPER if guard == HIGH else LOWER
-        line(e, soft, e.c, e.h[UPPER_LINE] if e.branch == UPPER else e.h[LOWER_LINE], -math.inf, math.inf)
-        if e.branch == UPPER:
-            e.slow = 0.0
-        else:
-            e.fast = 0.0
+        offset = e.h[UPPER_LINE] if e.branch == UPPER else e.h[LOWER_LINE]
+        line(e, soft, e.c, offset, -math.inf, math.inf, e.branch)
     else:
         side, v, f = e.branch, e.v1, soft * e.v1 + e.f0
         width = 2.0 * (k * limit + e.p[GROWTH] * (side * f - k * limit)) / k
@@ -40,8 +36,8 @@ def next_branch(e, guard):
 class Isotropic(StoreyLaw):
     """k D between the yield lines; part of the hardening widens the range between them."""
 
-    name: ClassVar[str] = "isotropic"
-    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
+    name = "isotropic"
+    behaviour = Behaviour(next_branch)
 
     growth: float = parameter("part of the hardening that widens the elastic range", high=1.0, open_high=False)
 

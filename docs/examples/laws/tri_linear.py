@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 from pounding_cli.laws.guards import HIGH, START
 from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
@@ -29,9 +28,9 @@ def next_branch(e, guard):
 class TriLinear(LinkLaw):
     """k1 v, from v2 on with the slope k2, from v3 on with k3."""
 
-    name: ClassVar[str] = "tri-linear"
-    subtracts_gap: ClassVar[bool] = True
-    behaviour: ClassVar[Behaviour] = Behaviour(next_branch)
+    name = "tri-linear"
+    subtracts_gap = True
+    behaviour = Behaviour(next_branch)
 
     stiffness: float = parameter("first stiffness k1", "N/m", open_low=True)
     second_stiffness: float = parameter("stiffness k2 from v2 on", "N/m", open_low=True)

@@ -1,0 +1,193 @@
+"""What joins two floors for good: a connector, and dampers of four kinds (paper, eq. 10)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from pounding_cli.laws.bilinear import BILINEAR
+from pounding_cli.laws.dashpot import DASHPOT, DashpotLaw, dashpot_constant
+from pounding_cli.laws.law import JOINED, Behaviour, LinkLaw, line, parameter
+
+
+@dataclass(frozen=True)
+class Joint(LinkLaw):
+    """A force at all closings u_left - u_right.
+
+    It takes the place of the impact unless another link lets its floors strike: a scene in which they would have struck
+    leaves out the very thing it is about, so all numbers of that scene lose their meaning (paper, after eq. 10).
+    """
+
+    drawn = "bar"
+    meaningless = True
+    joins = True
+    behaviour = JOINED
+
+
+@dataclass(frozen=True)
+class Connector(Joint):
+    """F = s_con v + c v'."""
+
+    name = "connector"
+    example = "{link: connector, gap: 5 cm, floors: [3, 5], stiffness: 1/5 mean storey}"
+    citation = (
+        ("spiliopoulos1996", "permanent connectors, eq. (10)"),
+        DASHPOT,
+        ("westermo1989", "connecting buildings"),
+    )
+    stiffness_default = "0.2 x mean storey"
+    beyond_gap = "connector closes more than the gap, so the floors would have struck"
+
+    stiffness: float = parameter("spring s_con", "N/m", open_low=True)
+    damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)
+    dashpot: DashpotLaw = parameter("mass in eq. (7)", default=DashpotLaw.REDUCED_MASS)
+
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k [N/m], c [N s/m]."""
+        mass = self.dashpot.mass(left_mass, right_mass)
+        return self.stiffness, dashpot_constant(self.damping_ratio, self.stiffness, mass)
+
+    def stored(self, closing: float, force: float) -> float:
+        """k v^2 / 2 [J]."""
+        return 0.5 * self.stiffness * closing**2
+
+
+@dataclass(frozen=True)
+class Damper(Joint):
+    """F = c v'."""
+
+    name = "damper"
+    example = "{link: damper, gap: 5 cm, damping_coefficient: 2 MN s/m}"
+    beyond_gap = "damper closes more than the gap, so the floors would have struck"
+    takes_energy = True
+
+    damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
+
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """No spring, c [N s/m]."""
+        return 0.0, self.damping_coefficient
+
+
+def flow(e: Any, guard: int) -> None:
+    """The one branch of a fluid viscous damper, whose force is straight where the power is 1. Parameters: force at
+    1 m/s [N], power of the rate [-], rate below which the force is straight, to the power 4."""
+    straight = e.p[1] == 1.0
+    line(e, 0.0, e.p[0] if straight else 0.0, 0.0, -math.inf, math.inf)
+    e.smooth = 0 if straight else 1
+
+
+def viscous_force(e: Any, v: float, r: float) -> float:
+    """c v' (v'^4 + w^4)^((a - 1) / 4) [N]."""
+    square = r * r
+    return e.p[0] * r * (square * square + e.p[2]) ** (0.25 * (e.p[1] - 1.0))
+
+
+@dataclass(frozen=True)
+class Viscous(Joint):
+    """F = c |v'|^a sgn v'.
+
+    The power has no derivative at rest, so F = c v' (v'^4 + w^4)^((a - 1) / 4): straight in v' below the rate w, and
+    within (1 - a) / 4 (w / v')^4 of the power above it.
+    """
+
+    name = "viscous"
+    example = "{link: viscous, gap: 5 cm, force_at_1_m_s: 500 kN, exponent: 0.3}"
+    citation = (("lin2002", "viscous dampers with an exponent"),)
+    beyond_gap = "viscous damper closes more than the gap, so the floors would have struck"
+    takes_energy = True
+    behaviour = Behaviour(flow, viscous_force)
+
+    force_at_1_m_s: float = parameter("force c at a rate of 1 m/s", "N", open_low=True)
+    exponent: float = parameter("power a of the rate", low=0.1, high=1.0, open_high=False)
+    straight_below: float = parameter("rate w below which the force is straight", "m/s", low=1e-9, default=1e-6)
+
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """c [N], a [-], w^4."""
+        return self.force_at_1_m_s, self.exponent, self.straight_below**4
+
+    @property
+    def is_linear(self) -> bool:
+        """Where the power is 1."""
+        return self.exponent == 1.0 or super().is_linear
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """The slope at rest."""
+        return 0.0, self.force_at_1_m_s * self.straight_below ** (self.exponent - 1.0)
+
+
+SHORTEST_RELAXATION = 1e-6
+"""Least c / k of a Maxwell damper [s]: steps are a few times as long."""
+
+
+def relax(e: Any, guard: int) -> None:
+    """The one branch of a Maxwell damper, whose force relaxes. Parameters: spring k [N/m] and dashpot c [N s/m]; the
+    history variable is the force [N]."""
+    line(e, e.p[0], 0.0, 0.0, -math.inf, math.inf)
+    e.relaxation = e.p[0] / e.p[1]
+
+
+@dataclass(frozen=True)
+class Maxwell(Joint):
+    """F' = k (v' - F / c): the spring and the dashpot carry one force F, and their rates add up to v'."""
+
+    name = "maxwell"
+    example = "{link: maxwell, gap: 5 cm, damping_coefficient: 2 MN s/m, stiffness: 100 kN/mm}"
+    citation = (("zhang2000", "Maxwell dampers between buildings"),)
+    stiffness_default = "1 x mean storey"
+    beyond_gap = "Maxwell damper closes more than the gap, so the floors would have struck"
+    remembers = True
+    takes_energy = True
+    behaviour = Behaviour(relax)
+
+    stiffness: float = parameter("spring k of the damper and its brace", "N/m", open_low=True)
+    damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.damping_coefficient < SHORTEST_RELAXATION * self.stiffness:
+            raise ValueError(
+                f"link: the force of this Maxwell damper relaxes in {self.damping_coefficient / self.stiffness:.3g} s "
+                f"(c / k), less than {SHORTEST_RELAXATION:g} s: write `link: damper`, which has no spring"
+            )
+
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k [N/m], c [N s/m]."""
+        return self.stiffness, self.damping_coefficient
+
+    def stored(self, closing: float, force: float) -> float:
+        """F^2 / 2 k in the spring [J]."""
+        return 0.5 * force**2 / self.stiffness
+
+
+@dataclass(frozen=True)
+class Friction(Joint):
+    """F = k (v - slip) up to the slip force Fs, and +-Fs while the damper slips: bilinear without hardening."""
+
+    name = "friction"
+    example = "{link: friction, gap: 5 cm, slip_force: 200 kN}"
+    citation = (
+        ("pall1982", "friction dampers"),
+        ("bhaskararao2006", "friction dampers between buildings"),
+    )
+    stiffness_default = "1 x mean storey"
+    beyond_gap = "friction damper closes more than the gap, so the floors would have struck"
+    remembers = True
+    behaviour = BILINEAR
+
+    stiffness: float = parameter("spring k of the damper and its brace before it slips", "N/m", open_low=True)
+    slip_force: float = parameter("force Fs at which it slips", "N", open_low=True)
+
+    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """k [N/m], Fs / k [m], no hardening."""
+        return self.stiffness, self.slip_force / self.stiffness, 0.0
+
+    @property
+    def steepest(self) -> tuple[float, float]:
+        """Before it slips."""
+        return self.stiffness, 0.0
+
+    def stored(self, closing: float, force: float) -> float:
+        """F^2 / 2 k [J]."""
+        return 0.5 * force**2 / self.stiffness

@@ -1,0 +1,124 @@
+"""What reports of `pound fragility` and `pound gap` say of a hazard curve: annual rates, and the gap for one."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from pounding_cli.numbers import counted
+from pounding_cli.report.document import Picture
+from pounding_cli.report.evidence import Evidence
+from pounding_cli.report.style import entitle, looks, panels, shared_legend, styled
+from pounding_cli.report.table import NOTHING, digits, from_rows, interval
+from pounding_cli.results.tables import Table
+from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, RATES
+from pounding_cli.workflows.gap_rate import NAME
+from pounding_cli.workflows.hazard import YEARS
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
+
+MUCH_BEYOND = 0.1
+"""Part of a rate from beyond the last intensity of the hazard curve that is told [-]."""
+
+_HEADS = (
+    "rate alone [1/year]",
+    "with pounding [1/year]",
+    f"in {YEARS:g} years alone",
+    "with pounding",
+    "ratio of rates",
+)
+
+
+def rate_table(results: Results, shown: Evidence) -> tuple[list[Table], list[Picture], list[str]]:
+    """Annual rates of limits with their intervals, the figure of what contributes, and notes; nothing without a hazard
+    curve."""
+    if RATES not in results.answers:
+        return [], [], []
+    rows = results.answer(RATES).frame
+    keys = [key for key in results.axes if key in rows]
+    words = ["limit", "building", *(name for name in ("case", "analysis") if len(set(rows[name])) > 1)]
+    found = []
+    for row in rows.to_dict("records"):
+        cells = [results.value_label(key, row[key]) for key in keys] + [str(row[name]) for name in words]
+        cells += [
+            interval(row, "rate", ALONE),
+            interval(row, "rate"),
+            _percent(row["probability" + ALONE]),
+            _percent(row["probability"]),
+        ]
+        found.append([*cells, interval(row, "rate_ratio")])
+    heads = [*(results.axis_label(key) for key in keys), *words, *_HEADS]
+    notes = [
+        "Annual rate: how often a year the limit is passed on average, by the curve and the hazard curve of the study; "
+        "below the lowest intensity of the hazard curve nothing is counted."
+    ]
+    beyond = max(rows[name].max() for name in ("beyond", "beyond" + ALONE))
+    if beyond > MUCH_BEYOND:
+        notes.append(
+            f"Up to {beyond:.0%} of a rate comes from intensities above the last one of the hazard curve, where its "
+            "last line goes on: give the curve further."
+        )
+    draw = partial(draw_contributions, results, shown)
+    text = "Annual rates at which limits are passed, by the intensity at which they are."
+    pictures = [Picture("fragility-rates", "What contributes to the annual rates", text, draw)]
+    return [from_rows("Annual rates of the limits", heads, found)], pictures, notes
+
+
+def _percent(value: float) -> str:
+    return NOTHING if value != value else f"{digits(100 * value, 3)} %"
+
+
+@styled
+def draw_contributions(results: Results, shown: Evidence) -> Figure:
+    """The annual rate per ln of the intensity, alone and with pounding: a panel a limit and building."""
+    answer = results.answer(CONTRIBUTIONS)
+    rows, unit = shown.here(answer.frame), answer.columns["from"].unit
+    rows = rows[rows["analysis"] == rows["analysis"].iloc[-1]]
+    places = rows[["limit", "building"]].drop_duplicates().to_numpy().tolist()
+    how = looks(list(dict.fromkeys(rows["case"])))
+    figure, axes = panels(1, len(places), 3.6, 2.8)
+    for ax, (limit, building) in zip(axes.flat, places, strict=True):
+        mine = rows[(rows["limit"] == limit) & (rows["building"] == building)]
+        for number, (case, own) in enumerate(mine.groupby("case", sort=False)):
+            at = np.sqrt(own["from"] * own["to"]) / unit.factor
+            width = np.log(own["to"] / own["from"])
+            if number == 0 and own["rate" + ALONE].notna().any():
+                ax.plot(at, own["rate" + ALONE] / width, color="#777777", ls=(0, (2, 1)), lw=1.6, label="alone")
+            look = how[str(case)]
+            ax.plot(at, own["rate"] / width, color=look.color, ls=look.line, lw=1.8, label=f"with pounding: {case}")
+        ax.set_title(f"{building}, {limit}", loc="left")
+        ax.set_xscale("log")
+        ax.set_ylim(bottom=0)
+        ax.set_xlabel(f"intensity [{unit.name}]" if unit.name else "intensity")
+    axes.flat[0].set_ylabel("annual rate per ln of the intensity")
+    shared_legend(figure, axes.flat)
+    entitle(figure, shown.title)
+    return figure
+
+
+def gap_for_rate(results: Results) -> tuple[list[Table], list[str]]:
+    """The gap for an annual rate of contact, of every pair; nothing without a hazard curve."""
+    if NAME not in results.answers:
+        return [], []
+    answer = results.answer(NAME)
+    rows, unit = answer.frame, answer.columns["gap"].unit
+    keys = [key for key in results.axes if key in rows]
+    found = []
+    for row in rows.to_dict("records"):
+        cells = [*(results.value_label(key, row[key]) for key in keys), f"{row['left']} | {row['right']}"]
+        found.append([*cells, str(row["analysis"]), interval(row, "gap", factor=unit.factor)])
+    heads = [*(results.axis_label(key) for key in keys), "between", "analysis", f"gap [{unit.name}]"]
+    first = rows.iloc[0]
+    caption = (
+        f"Gap that closes {digits(first['rate'], 3)} times a year, {_percent(first['probability'])} in {YEARS:g} years"
+    )
+    few = counted(int(first["intensities"]), "intensity", "intensities")
+    notes = [
+        f"The gap for a rate rests on {few} of {counted(int(first['motions']), 'motion')} and the hazard curve of the "
+        "study; between them the closings are lognormal, below the lowest one in proportion to it."
+    ]
+    return [from_rows(caption, heads, found)], notes
