@@ -287,19 +287,17 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Question) -> Iterator[Ser
     """Whether every claim holds (1 or 0), and whether at least a part of it does, at every sample of `pound
     sensitivity`; NaN of a sample with a scene that failed, and where nothing tests the claim."""
     axes = tuple(axis.names[0] for axis in plan.axes)  # the samples are the last one
-    at = {axes[-1]: xr.DataArray(question.place, dims=axes[-1])}
-    data = data.reset_coords(_OF_MOTIONS).drop_vars(axes[-1])
-    scenes = data[[name for name in (*_OF_SCENES, "status", "drift", "drift0") if name in data]].isel(at)
+    at = {axes[-1]: xr.DataArray(question.distinct[1], dims=axes[-1])}
+    data = data.reset_coords(_OF_MOTIONS).drop_vars(axes[-1]).isel(at)
+    scenes = data[[name for name in (*_OF_SCENES, "status", "drift", "drift0") if name in data]]
     if question.drawn is not None:
-        drawn = question.drawn[question.motion_set]
-        scenes = scenes.drop_vars("record").isel(record=xr.DataArray(drawn, dims=(axes[-1], "record")))
+        drawn = xr.DataArray(question.drawn, dims=(axes[-1], "record"))
+        scenes = scenes.drop_vars("record").isel(record=drawn)
     alone_failed = ((scenes["drift"] == scenes["drift"]) & (scenes["drift0"] != scenes["drift0"])).any(
         ("building", "storey")
     )
     failed = ((scenes["status"] != DONE) | alone_failed).any(("case", "analysis", "record")).transpose(*axes)
-    for key, found in evaluated(
-        Numbers(scenes, data[_OF_MOTIONS].isel(at, missing_dims="ignore"), axes), plan.study.model.claims
-    ):
+    for key, found in evaluated(Numbers(scenes, data[_OF_MOTIONS], axes), plan.study.model.claims):
         said = np.where(failed, UNTESTED, verdict([passed for *_, passed in found]))
         for name, held in ((f"claim {key}", (HOLDS,)), (f"claim {key}, at least in part", (HOLDS, PARTLY))):
             if held == (HOLDS,) or (said == PARTLY).any():

@@ -290,18 +290,10 @@ def fit_lines(intensity: np.ndarray, demand: np.ndarray, weights: np.ndarray) ->
 
 
 class Bands(NamedTuple):
-    """What the draws say of a curve; ends are 0 or inf where the draws leave them open.
+    """Ends of the probability that a limit is passed [-], shape (intensities,)."""
 
-    median, spread : low and high end
-    low, high : of the probability [-], shape (intensities,)
-    unfitted : draws without a fit; they count with what a fit would tend to
-    """
-
-    median: tuple[float, float]
-    spread: tuple[float, float]
     low: np.ndarray
     high: np.ndarray
-    unfitted: int
 
 
 def resamples(motions: int, draws: int = DRAWS, seed: int = _SEED) -> np.ndarray:
@@ -314,13 +306,11 @@ def resamples(motions: int, draws: int = DRAWS, seed: int = _SEED) -> np.ndarray
 
 
 def bands(fits: Fits, intensity: np.ndarray, confidence: float = CONFIDENCE) -> Bands:
-    """Percentile bands of median, spread and probability.
+    """Percentile bands of the probability.
 
     fits : of all draws; intensity : where the probability is wanted, above 0, shape (intensities,)
     """
-    low, high = interval(fits.probability(np.asarray(intensity, dtype=float)), confidence)
-    median, spread = interval(fits.median, confidence), interval(fits.spread, confidence)
-    return Bands(median, spread, low, high, int((fits.outcome != Outcome.FITTED).sum()))
+    return Bands(*interval(fits.probability(np.asarray(intensity, dtype=float)), confidence))
 
 
 def interval(values: np.ndarray, confidence: float) -> tuple:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -40,11 +39,10 @@ def getter(plan: Plan, data: xr.Dataset) -> Get:
     return get
 
 
-def values_of(expression: Expression, get: Get, over_motions: str | None = None) -> np.ndarray:
-    """The values of an expression; NaN where a scene that they rest on failed, or has no such number.
+def values_of(expression: Expression, get: Get, over_motions: str) -> np.ndarray:
+    """The values of an expression; NaN where a scene that they rest on failed, or has no such number.  Shape (...).
 
-    over_motions : `mean` or `largest` of the motions, storey by storey before storeys are compared: shape (...); None:
-        of each motion, shape (..., motions)
+    over_motions : `mean` or `largest` of the motions, storey by storey before storeys are compared
     """
     found = expression(lambda quantity: _value(quantity, get, over_motions))
     return np.where(np.isfinite(found), found, np.nan)
@@ -53,73 +51,49 @@ def values_of(expression: Expression, get: Get, over_motions: str | None = None)
 def error_of(expression: Expression, get: Get, over_motions: str) -> np.ndarray:
     """The numerical error of an expression, at most: what it changes where each of its quantities moves by its own
     error, all added up; NaN where no scene was solved more finely.  Shape (...), as `values_of`."""
-    total = np.zeros(())
-    for part in expression.quantities:
-        low, high = (expression(_Shifted(part, sign, get, over_motions)) for sign in (-1, 1))
-        total = total + np.abs(high - low) / 2
-    return total
 
+    def moved(part: Quantity, sign: int) -> np.ndarray:
+        def value(quantity: Quantity) -> np.ndarray:
+            error = sign * _error(part.name, get) if quantity is part else 0.0
+            return _value(quantity, get, over_motions, error)
 
-@dataclass(frozen=True)
-class _Shifted:
-    """The quantities of an expression, one of them moved by its error."""
+        return expression(value)
 
-    part: Quantity
-    sign: int
-    get: Get
-    over_motions: str
-
-    def __call__(self, quantity: Quantity) -> np.ndarray:
-        return _value(quantity, self._moved if quantity is self.part else self.get, self.over_motions)
-
-    def _moved(self, name: str) -> np.ndarray:
-        values = self.get(name)
-        return values + self.sign * _error(name, self.get) if name == self.part.name else values
-
-
-def _ratio_of(name: str) -> str:
-    """The ratio to the building alone whose error a variable has; "" where it is none."""
-    alone = "mu0" if name == "drift0" else name  # a ductility is a drift over the yield drift
-    return next((ratio for ratio in RATIOS if name == ratio or alone == VARIABLES[ratio].ratio[-1]), "")
+    return sum((np.abs(moved(part, 1) - moved(part, -1)) / 2 for part in expression.quantities), np.zeros(()))
 
 
 def _error(name: str, get: Get) -> np.ndarray:
     """The error of a variable, all motions alike where few were solved more finely; NaN where none was."""
     values = get(name)
-    if ratio := _ratio_of(name):
-        with np.errstate(all="ignore"):
-            share = np.expand_dims(get(f"{ratio}_mean_error") / np.abs(get(f"{ratio}_mean")), -3)
-        return np.abs(values) * share
+    alone = "mu0" if name == "drift0" else name  # a ductility is a drift over the yield drift
+    for ratio in RATIOS:
+        if name == ratio or alone == VARIABLES[ratio].ratio[-1]:  # it has the error of the ratio to the building alone
+            with np.errstate(all="ignore"):
+                share = get(f"{ratio}_mean_error") / np.abs(get(f"{ratio}_mean"))
+            return np.abs(values) * np.expand_dims(share, -3)
     known = get("error_estimate")
-    mean = _reduced("mean", known, np.isfinite(known), (-1,))[..., None]
-    mean = np.where(np.isfinite(known).any(axis=-1, keepdims=True), mean, np.nan)
-    share = np.where(np.isfinite(known), known, mean)
+    is_known = np.isfinite(known)
+    mean = _reduced("mean", known, is_known, (-1,))[..., None]
+    share = np.where(is_known, known, np.where(is_known.any(axis=-1, keepdims=True), mean, np.nan))
     return np.abs(values) * share.reshape(*share.shape, *(1,) * (values.ndim - share.ndim))
 
 
-def _value(quantity: Quantity, get: Get, over_motions: str | None) -> np.ndarray:
-    """One quantity. A storey that a building does not have counts for nothing; one whose number is missing makes the
-    result NaN: what failed must not drop out of a mean."""
-    numbers: np.ndarray = get(quantity.name)
-    there = np.asarray(_there(quantity.name, get))
-    axes: tuple[int, ...] = (-1,) if quantity.name in LINK else (-2, -1)
+def _value(quantity: Quantity, get: Get, over_motions: str, error: np.ndarray | float = 0.0) -> np.ndarray:
+    """One quantity, moved by its error. A storey that a building does not have counts for nothing; one whose number is
+    missing makes the result NaN: what failed must not drop out of a mean."""
+    name = quantity.name
+    numbers = get(name) + error
+    # which storeys, floors or links there are; none of a scene that failed
+    there = ~np.isnan(get("max_closing" if name in LINK else "acceleration" if name in FLOOR else "drift"))
+    axes: tuple[int, ...] = (-1,) if name in LINK else (-2, -1)
     if quantity.building is not None:
         numbers, there = (each[..., [quantity.building], :] for each in (numbers, there))
     if quantity.level:
-        place = slice(quantity.level - 1, quantity.level)
-        numbers, there = numbers[..., place], there[..., place]
-    if over_motions is not None:
-        axis = axes[0] - 1
-        reduced = _reduced(over_motions, numbers, there, (axis,))
-        numbers = np.where(there.all(axis=axis), reduced, np.nan)
-        there = np.asarray(there.any(axis=axis))
-    found = _reduced(quantity.reduction, numbers, there, axes)
-    return np.where(there.any(axis=axes), found, np.nan)
-
-
-def _there(name: str, get: Get) -> np.ndarray:
-    """Which storeys, floors or links there are; none of a scene that failed."""
-    return ~np.isnan(get("max_closing" if name in LINK else "acceleration" if name in FLOOR else "drift"))
+        numbers, there = (each[..., quantity.level - 1 : quantity.level] for each in (numbers, there))
+    motions = axes[0] - 1
+    numbers = np.where(there.all(axis=motions), _reduced(over_motions, numbers, there, (motions,)), np.nan)
+    there = np.asarray(there.any(axis=motions))
+    return np.where(there.any(axis=axes), _reduced(quantity.reduction, numbers, there, axes), np.nan)
 
 
 def _reduced(how: str, numbers: np.ndarray, there: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:
@@ -154,11 +128,10 @@ def _read(
     study: Study, section: str, key: str, texts: Sequence[str], problems: Problems,
 ) -> tuple[Said, ...]:  # fmt: skip
     """What the texts of a section say; what is wrong with them is noted."""
-    root, found = study.root, dict[str, Said]()
-    is_list = isinstance(get(root, section, key), list)
-    names = places(study.model.group)
+    root, found, names = study.root, dict[str, Said](), places(study.model.group)
+    storeys = [study.building((0,) * len(study.axes), place).storeys for place in range(len(names))]
     for number, text in enumerate(texts):
-        path = (section, key, number) if is_list else (section, key)
+        path = (section, key, number) if isinstance(get(root, section, key), list) else (section, key)
         try:
             said = read(text, names)
         except NotUnderstood as error:
@@ -167,12 +140,8 @@ def _read(
         if said.text in found:
             problems.at(root, path, f"'{said}' occurs twice", "remove one of the two")
         for part in said.quantities:
-            tall = [
-                study.building((0,) * len(study.axes), place).storeys
-                for place in (range(len(names)) if part.building is None else [part.building])
-            ]
-            if part.level > max(tall):
-                what = f"'{said}': the highest is {max(tall)}"
-                problems.at(root, path, what, f"write a number from 1 to {max(tall)}")
+            most = max(storeys) if part.building is None else storeys[part.building]
+            if part.level > most:
+                problems.at(root, path, f"'{said}': the highest is {most}", f"write a number from 1 to {most}")
         found[said.text] = said
     return tuple(found.values())

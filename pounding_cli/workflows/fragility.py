@@ -12,18 +12,8 @@ import pandas as pd
 
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Target
-from pounding_cli.workflows.curves import (
-    Curve,
-    Fits,
-    Outcome,
-    bands,
-    fit,
-    fit_brackets,
-    fit_cloud,
-    fit_lines,
-    interval,
-    resamples,
-)
+from pounding_cli.workflows import curves
+from pounding_cli.workflows.curves import Curve, Fits, Outcome, interval
 from pounding_cli.workflows.fragility_question import Question, intensities, intensity_unit, question_of, takes_blow
 from pounding_cli.workflows.hazard import YEARS, Hazard, probability
 from pounding_cli.workflows.hunt import UNDECIDED, next_levels
@@ -40,20 +30,14 @@ RATES, CONTRIBUTIONS = "fragility_rates", "fragility_contributions"
 ALONE = "0"
 """Ends the name of a column of the buildings alone."""
 
-_WHERE = ("case", "analysis", "limit", "building")
+_WITH_INTERVAL = ("median", "spread", "ratio")
 _INTENSITY = "unit of the intensity"
 _CURVES: Columns = {
-    "case": ("", "case of the study"),
-    "analysis": ("", "elastic or inelastic storeys"),
     "limit": ("", "what is passed"),
     "building": ("", "building that passes it, or the pair in contact"),
     "outcome": ("", "outcome of the fit"),
     "median": (_INTENSITY, "intensity at which half of the motions pass the limit"),
-    "median_low": (_INTENSITY, "lower end of the bootstrap interval of the median"),
-    "median_high": (_INTENSITY, "upper end of the bootstrap interval of the median"),
     "spread": ("1", "logarithmic standard deviation of that intensity"),
-    "spread_low": ("1", "lower end of the bootstrap interval of the spread"),
-    "spread_high": ("1", "upper end of the bootstrap interval of the spread"),
     "low": (_INTENSITY, "the median is not below"),
     "high": (_INTENSITY, "the median is not above; inf where no end is known"),
     "motions": ("1", "motions of the curve"),
@@ -66,12 +50,10 @@ _CURVES: Columns = {
     "returns": ("1", "motions that hold at an intensity above their first pass"),
     "unfitted": ("1", "draws of the bootstrap without a fit; they count with what a fit would tend to"),
     "ratio": ("1", "median with pounding over median alone"),
-    "ratio_low": ("1", "lower end of the bootstrap interval of the ratio"),
-    "ratio_high": ("1", "upper end of the bootstrap interval of the ratio"),
 }  # fmt: skip
 _MOTIONS: Columns = {
-    **{name: _CURVES[name] for name in _WHERE},
-    "record": ("", "ground motion"),
+    "limit": _CURVES["limit"],
+    "building": _CURVES["building"],
     "intensity": (_INTENSITY, "intensity of the motion"),
     "held": (_INTENSITY, "highest intensity below `passed` at which the motion holds; 0 where there is none"),
     "passed": (_INTENSITY, "lowest intensity at which the motion passes the limit; inf where there is none"),
@@ -81,18 +63,16 @@ _MOTIONS: Columns = {
 }  # fmt: skip
 
 _RATES: Columns = {
-    **{name: _CURVES[name] for name in _WHERE},
+    "limit": _CURVES["limit"],
+    "building": _CURVES["building"],
     "rate": ("1/year", "mean annual rate at which the limit is passed"),
-    "rate_low": ("1/year", "lower end of the bootstrap interval of the rate"),
-    "rate_high": ("1/year", "upper end of the bootstrap interval of the rate"),
     "probability": ("1", f"probability that it is passed within {YEARS:g} years"),
     "beyond": ("1", "part of the rate that comes from intensities above the last one of the hazard curve"),
     "rate_ratio": ("1", "rate with pounding over rate alone"),
-    "rate_ratio_low": ("1", "lower end of the bootstrap interval of that ratio"),
-    "rate_ratio_high": ("1", "upper end of the bootstrap interval of that ratio"),
 }
 _CONTRIBUTIONS: Columns = {
-    **{name: _CURVES[name] for name in _WHERE},
+    "limit": _CURVES["limit"],
+    "building": _CURVES["building"],
     "from": (_INTENSITY, "lower end of a range of intensities"),
     "to": (_INTENSITY, "its upper end"),
     "rate": ("1/year", "annual rate at which the limit is passed at these intensities"),
@@ -283,7 +263,7 @@ def fits_of(rows: pd.DataFrame, suffix: str, method: str, times: np.ndarray) -> 
     motion, _ = motion_numbers(rows)
     one, other, told = _observed(rows, suffix, method)
     weights = times[:, motion[told]].astype(float)
-    return fit_lines(one, other, weights) if method == "cloud" else fit_brackets(one, other, weights)
+    return curves.fit_lines(one, other, weights) if method == "cloud" else curves.fit_brackets(one, other, weights)
 
 
 def curve_of(rows: pd.DataFrame, suffix: str, method: str) -> Curve:
@@ -291,11 +271,11 @@ def curve_of(rows: pd.DataFrame, suffix: str, method: str) -> Curve:
     motion, motions = motion_numbers(rows)
     one, other, told = _observed(rows, suffix, method)
     if method != "cloud":
-        return fit(one, other, motions)
+        return curves.fit(one, other, motions)
     drawn = np.unique(motion[told]).size
     if 2 * drawn <= motions:  # the others collapsed: a line through the rest would mislead
         return Curve(Outcome.FEW, 0.0, np.inf)
-    return fit_cloud(one, other, drawn)
+    return curves.fit_cloud(one, other, drawn)
 
 
 def _observed(rows: pd.DataFrame, suffix: str, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -327,7 +307,7 @@ def _tables(plan: Plan, question: Question, series: list[Series], scenes: pd.Dat
 
     scenes : `series`, `motion`, `level`, `intensity` and `demand`
     """
-    times = resamples(len(plan.records), question.spec.draws)
+    times = curves.resamples(len(plan.records), question.spec.draws)
     motions = brackets(scenes, ["series", "motion"])
     said, values = motions, ["held", "passed", "undecided"]
     if question.spec.method != "ida":
@@ -342,7 +322,8 @@ def _tables(plan: Plan, question: Question, series: list[Series], scenes: pd.Dat
     linked = [number for number, each in enumerate(series) if not each.is_alone]
     place_of = {number: place for place, number in enumerate(linked)}
     where = _where(plan, question, [series[number] for number in linked])
-    names = [name for name in _CURVES if name not in _WHERE]
+    names = [name + end for name in _CURVES if name not in ("limit", "building")
+             for end in (("", "_low", "_high") if name in _WITH_INTERVAL else ("",))]  # fmt: skip
     names += [name + ALONE for name in names if not name.startswith("ratio")]
     numbers = pd.DataFrame(
         [_pair(found[n], found.get(n + 1) if n + 1 not in place_of else None, question) for n in linked]
@@ -433,7 +414,8 @@ def _told(plan: Plan, question: Question, name: str, frame: pd.DataFrame, column
     unit = intensity_unit(plan, question)
     meant = {key: (unit.si or "1" if si == _INTENSITY else si, text) for key, (si, text) in columns.items()}
     intensity = [key for key, (si, _) in columns.items() if si == _INTENSITY]
-    shown = [key + end for key in intensity for end in ("", ALONE) if key + end in frame]
+    ends = [end + alone for end in ("", "_low", "_high") for alone in ("", ALONE)]
+    shown = [key + end for key in intensity for end in ends if key + end in frame]
     return tabled(name, frame, meant, plan.axes, dict.fromkeys(shown, unit))
 
 
@@ -494,8 +476,8 @@ def _curve(
     if method == "ida":
         row["returns"] = int(motions["returns"].sum())
     if curve.outcome is Outcome.FITTED:
-        band = bands(draws, np.ones(1), confidence)
-        for name, value, (low, high) in (("median", curve.median, band.median), ("spread", curve.spread, band.spread)):
-            row |= {name: value, f"{name}_low": low, f"{name}_high": high}
-        row["unfitted"] = band.unfitted
+        for name in ("median", "spread"):
+            low, high = interval(getattr(draws, name), confidence)
+            row |= {name: getattr(curve, name), f"{name}_low": low, f"{name}_high": high}
+        row["unfitted"] = int((draws.outcome != Outcome.FITTED).sum())
     return row, draws

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from pounding_cli import records
 from pounding_cli.model.links import LinkPlace, columns_struck, ends_on_columns, link_places
 from pounding_cli.numbers import Unit
 from pounding_cli.study.build import places
-from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
+from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Limit, Target
 from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.questions import FragilitySpec, Measure
@@ -60,73 +60,81 @@ def question_of(study: Study) -> Question:
     if not spec.limits:
         hint = "write e.g. `fragility: {limits: [mu > 4]}`"
         problems.at(root, ("fragility",), "the study has no limit, whose fragility could be sought", hint, key=True)
-    targets = _targets(study, spec, problems)
-    axis, measure = _intensity(study, spec, problems)
+    is_list, targets = isinstance(get(root, "fragility", "limits"), list), list[Target]()
+    for number, limit in enumerate(spec.limits):
+        path = ("fragility", "limits", number) if is_list else ("fragility", "limits")
+        for target in _targets(study, limit, path, problems):
+            if target in targets:
+                problems.at(root, path, f"the limit '{limit}' occurs twice", "remove one of the two")
+            targets.append(target)
+    axis = _axis(study, spec, problems)
+    own = "pga" if axis is None else INTENSITY_KEYS.get(study.axes[axis].names[0], "pga")
+    measure = spec.intensity or Measure(own)
+    if measure == Measure("sa") and own != "sa" and (axis is not None or spec.method == "cloud"):
+        what = "sa is not swept and has no period"
+        problems.at(root, _place(study), what, "write e.g. `intensity: sa(0.5 s)`")
     if spec.method == "ida" and study.model.keep is not None:
         what = "histories cannot be kept where `pound fragility` chooses which intensities are solved"
         hint = "remove `keep:`, or write `method: stripes`; `pound run` keeps those of chosen intensities"
         problems.at(root, ("keep",), what, hint, key=True)
     problems.check()
-    assert measure is not None
-    return Question(spec, axis, measure, targets, hazard_of(study, "fragility", measure))
+    return Question(spec, axis, measure, tuple(targets), hazard_of(study, "fragility", measure))
 
 
-def _targets(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[Target, ...]:
-    root, group = study.root, study.model.group
-    names = places(group)
-    is_list = isinstance(get(root, "fragility", "limits"), list)
-    found: dict[Target, None] = {}
-    for number, limit in enumerate(spec.limits):
-        path = ("fragility", "limits", number) if is_list else ("fragility", "limits")
-        if limit.quantity == CONTACT:
-            found |= {Target(limit, left): None for left in range(len(names) - 1)}
-            continue
-        mine = [
-            place for place, name in enumerate(names) if not limit.building or limit.building in (name, group[place])
-        ]
-        if not mine:
-            known = dict.fromkeys((*names, *group))
-            problems.at(
-                root, path, f"'{limit}': no building '{limit.building}' in the group", nearest(limit.building, known)
-            )
-        if limit.quantity == COLLAPSE and mine:
-            standing, mine = mine, [place for place in mine if _can_collapse(study, place)]
-            if not mine:
-                who = " and ".join(names[place] for place in standing)
-                hint = "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`"
-                problems.at(root, path, f"'{limit}': no storey of {who} can collapse", hint)
-        tall = [place for place in mine if study.building((0,) * len(study.axes), place).storeys >= limit.level]
-        if mine and not tall:
-            most = max(study.building((0,) * len(study.axes), place).storeys for place in mine)
-            problems.at(root, path, f"'{limit}': the highest is {most}", f"write a number from 1 to {most}")
-        if limit.quantity == SHEAR_DEMAND and tall:
-            tall = [place for place in tall if _can_be_struck(study, Target(limit, place))]
-            if not tall:
-                where = f"storey {limit.level} of " * bool(limit.level) + " and ".join(names[place] for place in mine)
-                what = f"'{limit}': no slab strikes columns of {where} whose strength is known"
-                hint = "write `columns:` in a building that yields; `pound check` lists where slabs strike columns"
-                problems.at(root, path, what, hint)
-        for place in tall:
-            target = Target(limit, place)
-            if target in found:
-                problems.at(root, path, f"the limit '{limit}' occurs twice", "remove one of the two")
-            found[target] = None
-    return tuple(found)
+# Limits
 
 
-def _can_collapse(study: Study, place: int) -> bool:
-    """Whether a building may collapse, at any of `_some_points`."""
-    return any(np.isfinite(study.building(point, place).collapse_drift).any() for point in _some_points(study))
+def _targets(study: Study, limit: Limit, path: tuple[str | int, ...], problems: Problems) -> list[Target]:
+    """The buildings, or pairs, that a limit concerns; what is wrong with it is noted."""
+    root, group, names = study.root, study.model.group, places(study.model.group)
+    if limit.quantity == CONTACT:
+        return [Target(limit, left) for left in range(len(names) - 1)]
+    wanted = limit.building
+    mine = [place for place, name in enumerate(names) if not wanted or wanted in (name, group[place])]
+    who, storeys = " and ".join(names[place] for place in mine), _storeys(study, mine)
+    if not mine:
+        what = f"'{limit}': no building '{wanted}' in the group"
+        problems.at(root, path, what, nearest(wanted, dict.fromkeys((*names, *group))))
+    elif limit.level > max(storeys):
+        hint = f"write a number from 1 to {max(storeys)}"
+        problems.at(root, path, f"'{limit}': the highest is {max(storeys)}", hint)
+    found = [Target(limit, place) for place, most in zip(mine, storeys, strict=True) if most >= limit.level]
+    if limit.quantity == COLLAPSE and found:
+        found = [target for target in found if _can_collapse(study, target)]
+        if not found:
+            hint = "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`"
+            problems.at(root, path, f"'{limit}': no storey of {who} can collapse", hint)
+    if limit.quantity == SHEAR_DEMAND and found:
+        found = [target for target in found if _can_be_struck(study, target)]
+        if not found:
+            where = f"storey {limit.level} of " * bool(limit.level) + who
+            hint = "write `columns:` in a building that yields; `pound check` lists where slabs strike columns"
+            what = f"'{limit}': no slab strikes columns of {where} whose strength is known"
+            problems.at(root, path, what, hint)
+    return found
+
+
+def _storeys(study: Study, mine: Sequence[int]) -> list[int]:
+    return [study.building((0,) * len(study.axes), place).storeys for place in mine]
+
+
+def _can_collapse(study: Study, target: Target) -> bool:
+    """Whether the building may collapse, at any point of the sweep."""
+    return any(np.isfinite(study.building(at, target.building).collapse_drift).any() for at in _points(study))
 
 
 def _can_be_struck(study: Study, target: Target) -> bool:
-    """Whether a slab strikes columns of the target in any case, at any of `_some_points`."""
-    return any(
-        takes_blow(target, link_places(links), study.building(point, target.building).yield_shear)
-        for point in _some_points(study)
-        for case in study.model.cases
-        if (links := study.links(point, case))
-    )
+    """Whether a slab strikes columns of the building in any case, at any point of the sweep."""
+    for at in _points(study):
+        yield_shear = study.building(at, target.building).yield_shear
+        for case in study.model.cases:
+            if takes_blow(target, link_places(study.links(at, case) or ()), yield_shear):
+                return True
+    return False
+
+
+def _points(study: Study) -> np.ndindex:
+    return np.ndindex(*(len(axis.values) for axis in study.axes))
 
 
 def takes_blow(target: Target, places: Sequence[LinkPlace], yield_shear: np.ndarray) -> list[int]:
@@ -145,47 +153,40 @@ def takes_blow(target: Target, places: Sequence[LinkPlace], yield_shear: np.ndar
     return found
 
 
-def _some_points(study: Study) -> Iterator[tuple[int, ...]]:
-    """The first point of the sweep, and those where one axis has another value."""
-    first = [0] * len(study.axes)
-    yield tuple(first)
-    for number, axis in enumerate(study.axes):
-        yield from ((*first[:number], value, *first[number + 1 :]) for value in range(1, len(axis.values)))
+# Intensities
 
 
-def _intensity(study: Study, spec: FragilitySpec, problems: Problems) -> tuple[int | None, Measure | None]:
-    """The axis that varies the intensity and the measure of the curves."""
+def _place(study: Study) -> tuple[str, ...]:
+    """Where the study says its intensity."""
+    is_said = get(study.root, "fragility", "intensity") is not None
+    return ("fragility", "intensity") if is_said else ("fragility",)
+
+
+def _axis(study: Study, spec: FragilitySpec, problems: Problems) -> int | None:
+    """The axis that varies the intensity; what is wrong with it is noted."""
     root = study.root
-    where = ("fragility", "intensity") if get(root, "fragility", "intensity") is not None else ("fragility",)
-    varied = [number for number, axis in enumerate(study.axes) if not INTENSITY_KEYS.keys().isdisjoint(axis.names)]
-    axis = varied[0] if varied else None
-    if axis is None and spec.method != "cloud":
+    for number, axis in enumerate(study.axes):
+        if INTENSITY_KEYS.keys().isdisjoint(axis.names):
+            continue
+        name, together = axis.names[0], " and ".join(axis.names)
+        if len(axis.names) > 1:
+            what = f"{together} move together: the intensity is an axis of its own"
+            problems.at(root, ("sweep",), what, _SWEEP, key=True)
+        elif any(isinstance(value, str) for (value,) in axis.values):
+            problems.at(root, ("sweep",), f"'{name}' takes values that are not numbers", _SWEEP, key=True)
+        elif len(axis.values) < 2 and spec.method != "cloud":
+            problems.at(root, ("sweep", name), "a fragility curve takes two intensities at least", _SWEEP)
+        return number
+    if spec.method != "cloud":
         what = f"the intensity{f' {spec.intensity}' if spec.intensity else ''} is not swept"
-        problems.at(
-            root, where, what, f"{_SWEEP}, or `method: cloud` for motions as they are", key=where[-1] == "fragility"
-        )
-        return None, None
-    if axis is not None:
-        _check_axis(study, axis, spec, problems)
-    own = INTENSITY_KEYS.get(study.axes[axis].names[0]) if axis is not None else None
-    wanted = spec.intensity or Measure(own or "pga")
-    if wanted == Measure("sa") and own != "sa":
-        problems.at(root, where, "sa is not swept and has no period", "write e.g. `intensity: sa(0.5 s)`")
-    return axis, wanted
+        hint = f"{_SWEEP}, or `method: cloud` for motions as they are"
+        problems.at(root, _place(study), what, hint, key=len(_place(study)) == 1)
+    return None
 
 
-def _check_axis(study: Study, number: int, spec: FragilitySpec, problems: Problems) -> None:
-    root, axis = study.root, study.axes[number]
-    name = axis.names[0]
-    if len(axis.names) > 1:
-        together = " and ".join(axis.names)
-        problems.at(
-            root, ("sweep",), f"{together} move together: the intensity is an axis of its own", _SWEEP, key=True
-        )
-    elif any(isinstance(value, str) for (value,) in axis.values):
-        problems.at(root, ("sweep",), f"'{name}' takes values that are not numbers", _SWEEP, key=True)
-    elif len(axis.values) < 2 and spec.method != "cloud":
-        problems.at(root, ("sweep", name), "a fragility curve takes two intensities at least", _SWEEP)
+def swept_measure(plan: Plan, question: Question) -> str:
+    """The measure that the sweep varies; "" without one."""
+    return "" if question.axis is None else INTENSITY_KEYS[plan.axes[question.axis].names[0]]
 
 
 def intensities(plan: Plan, question: Question) -> np.ndarray:
@@ -193,23 +194,20 @@ def intensities(plan: Plan, question: Question) -> np.ndarray:
 
     Every way to scale is in proportion to its value, so a motion is measured once.
     """
-    study, axes, axis = plan.study, plan.axes, question.axis
-    levels = np.ones(1) if axis is None else np.sort([float(value) for (value,) in axes[axis].values])
-    others = [1 if number == axis else len(each.values) for number, each in enumerate(axes)]
-    found = np.zeros((int(np.prod(others)), len(plan.records), len(levels)))
-    if axis is not None and question.measure == Measure(INTENSITY_KEYS[axes[axis].names[0]]):
-        return found + levels
-    touched = study.touching("records")
+    study, axis = plan.study, question.axis
+    values = [1.0] if axis is None else [float(value) for (value,) in plan.axes[axis].values]
+    levels = np.sort(values)
+    points = list(np.ndindex(*(1 if number == axis else len(each.values) for number, each in enumerate(plan.axes))))
+    if question.measure == Measure(swept_measure(plan, question)):
+        return np.broadcast_to(levels, (len(points), len(plan.records), len(levels)))
     known: dict[tuple[int, ...], np.ndarray] = {}
-    for number, point in enumerate(np.ndindex(*others)):
-        key = tuple(place for place, is_touched in zip(point, touched, strict=True) if is_touched)
+    for point in points:
+        key = study.key(point, ("records",))
         if key not in known:
-            used = study.motions(point)
-            measured = [_measured(used[name].motion, used[name].use.scale, question.measure) for name in plan.records]
-            first = 1.0 if axis is None else float(axes[axis].values[0][0])  # the level of `point`
-            known[key] = np.array(measured)[:, None] * levels / first
-        found[number] = known[key]
-    return found
+            used = [study.motions(point)[name] for name in plan.records]
+            measured = [_measured(each.motion, each.use.scale, question.measure) for each in used]
+            known[key] = np.array(measured)[:, None] * levels / values[0]  # the level of `point`
+    return np.array([known[study.key(point, ("records",))] for point in points])
 
 
 def _measured(motion: Motion, scale: float, measure: Measure) -> float:
@@ -224,8 +222,7 @@ def _measured(motion: Motion, scale: float, measure: Measure) -> float:
 
 def intensity_unit(plan: Plan, question: Question) -> Unit:
     """The unit that people read intensities in."""
-    if question.axis is not None and question.measure.name == INTENSITY_KEYS[plan.axes[question.axis].names[0]]:
+    name = question.measure.name
+    if question.axis is not None and name == swept_measure(plan, question):
         return plan.axes[question.axis].unit(0)
-    if question.measure.name == "factor":
-        return Unit()
-    return Unit("m/s", 1.0, "m/s") if question.measure.name == "pgv" else plan.study.unit("acceleration")
+    return {"factor": Unit(), "pgv": Unit("m/s", 1.0, "m/s")}.get(name) or plan.study.unit("acceleration")

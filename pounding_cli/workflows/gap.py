@@ -26,6 +26,7 @@ from pounding_cli.model.separation import (
     root_of_squares,
 )
 from pounding_cli.model.wall import Wall
+from pounding_cli.results.solved import most_storeys
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.file import Map
@@ -60,15 +61,16 @@ _BETWEEN = ("cases", "impact", "laws")
 _ASIDE = (*_BETWEEN, "sweep", "keep", "report", "claims", "uncertain")
 """Sections without a meaning where the buildings stand alone."""
 
+_WHERE = ("left", "right", "building", "side", "floor", "right_floor", "columns", "height")
+"""Columns that say where a row stands."""
+
 _COLUMNS: Columns = {
-    "analysis": ("", "elastic or inelastic storeys"),
     "left": ("", "building left of the gap"),
     "right": ("", "building right of the gap"),
     "floor": ("1", "floor, of the left building where two face each other"),
     "right_floor": ("1", "floor of the right building"),
     "columns": ("", "building whose columns, in the storey below its floor, a slab of the other faces: left or right; "
                 "empty where two slabs face each other"),
-    "building": ("", "building, left to right"),
     "side": ("", "of the building that faces the line"),
     "height": ("m", "of the slabs, or the floor, above the ground"),
     "rule": ("", "exact, or the rule"),
@@ -81,7 +83,6 @@ _COLUMNS: Columns = {
     "dispersion": ("1", "standard deviation of the logarithm (n - 1)"),
     "error": ("m", "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it"),
     "over_exact": ("1", "mean over the mean of the exact separations"),
-    "case": ("", "case of the study"),
     "gap": ("m", "of the case at these floors"),
     "required": ("m", "by the rule at these floors, which lack most or have least to spare; largest of the motions"),
     "enough": ("", "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes "
@@ -220,11 +221,8 @@ def _required(plan: Plan, name: str, places: pd.DataFrame, separations: pd.DataF
     for share in wanted.contact:
         said = "distance that the floor reaches" if name == LINE else "gap"
         said += f" with a probability{'' if name == LINE else ' of contact'} of {100 * share:g} % by the lognormal fit"
-        meant[f"contact_{100 * share:g}"] = (
-            "m",
-            f"{said}; with its interval ({CONFIDENCE:.0%}) from {FEWEST} motions on",
-        )
-    where = [column for column in places.columns if column in _COLUMNS]
+        meant[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST} motions on"
+    where = [column for column in places.columns if column in _WHERE]
     return _told(plan, name, rows.merge(places, on=["point", "place"], how="left"), rules,
                  ["analysis", *where, "rule", *numbers], meant)  # fmt: skip
 
@@ -274,13 +272,11 @@ def _by_floor(plan: Plan, of: Callable[[Point, int, str], np.ndarray | None]) ->
     of : (point, place of the building, name of its type) -> of its floors
     """
     points, names = list(np.ndindex(*plan.shape[:-3])), plan.study.model.group
-    each = [[of(point, place, name) for place, name in enumerate(names)] for point in points]
-    most = max(plan.study.building(point, place).storeys for point in points for place in range(len(names)))
-    found = np.full((len(points), len(names), most), np.nan)
-    for point, row in enumerate(each):
-        for place, values in enumerate(row):
-            if values is not None:
-                found[point, place, : len(values)] = values
+    found = np.full((len(points), len(names), most_storeys(plan)), np.nan)
+    for number, place in np.ndindex(found.shape[:2]):
+        values = of(points[number], place, names[place])
+        if values is not None:
+            found[number, place, : len(values)] = values
     return found
 
 
@@ -340,9 +336,8 @@ def _rules(plan: Plan, data: xr.Dataset, places: pd.DataFrame) -> list[Rule]:
         Rule("DDC", double_difference(one, other, of_pairs(_correlation)), reach),
     ]
     if (asked := study.model.gap.gb50011) is not None:
-        joint = of_pairs(
-            lambda a, b: gb50011_width(min(a.elevation[-1], b.elevation[-1]), asked.intensity, asked.structure)
-        )
+        lower = of_pairs(lambda a, b: min(a.elevation[-1], b.elevation[-1]))
+        joint = np.vectorize(lambda height: gb50011_width(height, asked.intensity, asked.structure))(lower)
         rules.append(_of_no_motion("GB 50011-2010", joint))
     for name, displacements in _codes(plan).items():
         one, other = moved(displacements[:, None, None])
@@ -432,17 +427,12 @@ def _of_cases(plan: Plan, places: pd.DataFrame, separations: pd.DataFrame, rules
     floors = rows.groupby([*pair, "place"], as_index=False).agg(gap=("gap", "first"), required=("value", "max"))
     spare = floors["gap"] - floors["required"]
     worst = floors.loc[spare.groupby([floors[key] for key in pair]).idxmin()] if len(floors) else floors
-    found = worst.merge(found.reset_index(), on=pair, how="left").merge(
-        gaps.drop(columns="gap"), on=["point", "given", "number", "place"]
-    )
+    found = worst.merge(found.reset_index(), on=pair, how="left")
+    found = found.merge(gaps.drop(columns="gap"), on=["point", "given", "number", "place"])
     counts = np.array([rule.needs_motions for rule in rules], int)[found["rule"].astype(int)]
-    found["enough_for"], found["motions"] = (
-        counts * found["enough_for"].astype(int),
-        counts * found["motions"].astype(int),
-    )
-    found["enough"] = np.select(
-        [~found["enough"].astype(bool), found["known"].astype(bool)], ["no", "yes"], "unknown"
-    ).astype(object)
+    for column in ("enough_for", "motions"):
+        found[column] = counts * found[column].astype(int)
+    found["enough"] = np.where(~found["enough"].astype(bool), "no", np.where(found["known"], "yes", "unknown"))
     columns = ["case", "analysis", "left", "right", "floor", "right_floor", "columns", "gap", "rule", "required",
                "enough", "enough_for", "motions"]  # fmt: skip
     return _told(plan, CASES, found, rules, columns)

@@ -17,7 +17,7 @@ from pounding_cli.study.expression import Expression, Quantity
 from pounding_cli.study.vary import Factor
 from pounding_cli.variables import VARIABLES
 from pounding_cli.workflows.expressions import error_of, getter, values_of
-from pounding_cli.workflows.optimise_question import Point, Question, check_corners, plan_of, question_of
+from pounding_cli.workflows.optimise_question import Point, Question, question_of
 from pounding_cli.workflows.search import Search
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, tabled
 
@@ -91,8 +91,8 @@ class Optimise(Workflow):
     def plan(self, study: Study) -> Plan:
         """The scenes of the first points: the study as it is written, or else the middle of all ranges."""
         question = question_of(study)
-        check_corners(study, question)
-        return plan_of(study, question, [question.written or question.middle])
+        question.check_corners()
+        return question.plan([question.written or question.middle])
 
     def goes_on(self, study: Study) -> bool:
         """Every point decides about the next."""
@@ -101,11 +101,11 @@ class Optimise(Workflow):
     def run(self, study: Study, solver: Solver) -> Found:
         """The optimum, what the buildings do there, and all points."""
         question = question_of(study)
-        check_corners(study, question)
+        question.check_corners()
         void: set[Point] = set()
 
         def function(points: list[Point], is_rough: bool) -> tuple[np.ndarray, np.ndarray]:
-            solved = _Solved(study, question, solver, points, is_rough)
+            solved = _Solved(question, solver, points, is_rough)
             void.update(point for point, is_void in zip(points, solved.void, strict=False) if is_void)
             values = np.where(solved.void, np.nan, question.sign * solved.values())
             return values[: len(points)], solved.errors()[: len(points)]
@@ -113,7 +113,7 @@ class Optimise(Workflow):
         search = Search(function, [factor.options for factor in question.factors], question.spec, question.written)
         search.run()
         # what only led to the valley keeps its rough numbers
-        whole = _Solved(study, question, solver, list(search.tried), is_rough=True)
+        whole = _Solved(question, solver, list(search.tried), is_rough=True)
         tables = [
             _optimum(search, question, whole, void),
             _design(search, question, whole),
@@ -129,18 +129,17 @@ class _Solved:
     """The scenes of some points; the last axis of their plan holds the points, and behind them the study as it is
     written where no point stands for it."""
 
-    def __init__(
-        self, study: Study, question: Question, solver: Solver, points: Sequence[Point], is_rough: bool
-    ) -> None:
-        self.question, self.plan = question, plan_of(study, question, points)
+    def __init__(self, question: Question, solver: Solver, points: Sequence[Point], is_rough: bool) -> None:
+        self.question, self.plan = question, question.plan(points)
         self.data: xr.Dataset = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
         self.get = getter(self.plan, self.data)
         self.count = len(self.plan.axes[-1].values)
 
     def here(self, values: np.ndarray) -> np.ndarray:
         """What belongs to the case and the analysis, shape (other points of the sweep, points, ...)."""
-        axes = len(self.plan.axes)
-        moved = np.moveaxis(values, (axes, axes + 1), (0, 1))[self.question.case, self.question.analysis]
+        axes, plan = len(self.plan.axes), self.plan
+        place = plan.cases.index(self.question.case), plan.analyses.index(self.question.analysis)
+        moved = np.moveaxis(values, (axes, axes + 1), (0, 1))[place]
         return moved.reshape(-1, self.count, *moved.shape[axes:])
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice, product
 from pathlib import Path
@@ -15,7 +15,7 @@ from pounding_cli.reading import shortened
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.expression import Expression
-from pounding_cli.study.file import Map, Problems, get, nearest, parse
+from pounding_cli.study.file import Problems, get, nearest, parse
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.workflows.expressions import expressions
@@ -34,20 +34,24 @@ MOST_CORNERS = 512
 class Question:
     """What `pound optimise` is asked of a study.
 
-    spec : its section
     expression : the number that is optimised least, or most
     factors : the keys that vary
-    case, analysis : that are looked at, by number from 0
+    case, analysis : that are looked at
     written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written:
         a plan then has one point more, its last, for the study as it is written
     """
 
-    spec: OptimiseSpec
+    study: Study
     expression: Expression
     factors: tuple[Factor, ...]
-    case: int
-    analysis: int
+    case: str
+    analysis: str
     written: Point | None
+
+    @property
+    def spec(self) -> OptimiseSpec:
+        """The section of the study."""
+        return self.study.model.optimise
 
     @property
     def sign(self) -> int:
@@ -59,21 +63,25 @@ class Question:
         """The middle of all ranges and choices."""
         return tuple((0.5 + factor.options // 2) / (factor.options or 1) for factor in self.factors)
 
+    def plan(self, points: Sequence[Point]) -> Plan:
+        """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
+        stands for it.  Raises InputError: the study is not sound at one of them."""
+        plan = expand(
+            at_points(self.study, self.factors, np.array(points), and_written=self.written is None),
+            asks=lambda _point, case, analysis, _record: (case, analysis) == (self.case, self.analysis),
+        )
+        return dataclasses.replace(plan, workflow="optimise", harder=True)
 
-def plan_of(study: Study, question: Question, points: Sequence[Point]) -> Plan:
-    """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
-    stands for it.  Raises InputError: the study is not sound at one of them."""
-    case, analysis = list(study.model.cases)[question.case], study.model.analyses[question.analysis]
-    plan = expand(
-        at_points(study, question.factors, np.array(points), and_written=question.written is None),
-        asks=lambda _point, name, kind, _record: (name, kind) == (case, analysis),
-    )
-    return dataclasses.replace(plan, workflow="optimise", harder=True)
+    def check_corners(self) -> None:
+        """Raises InputError: the study is not sound with both ends of every range and every option of every choice."""
+        ends = [[(n + 0.5) / each.options for n in range(each.options)] or [0.0, 1.0] for each in self.factors]
+        at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
 
-
-def check_corners(study: Study, question: Question) -> None:
-    """Raises InputError: the study is not sound at a corner of the ranges."""
-    at_points(study, question.factors, np.array(list(islice(_corners(question), MOST_CORNERS))))
+    def text(self, point: Point) -> str:
+        """The text of the study with the keys at a point; everything else stays as it is written.  Raises InputError: a
+        key stands where an anchor or alias of YAML makes it part of something else."""
+        values = {factor.key: factor.value(u) for factor, u in zip(self.factors, point, strict=True)}
+        return with_values(self.study.text, values, self.study.file)
 
 
 def question_of(study: Study) -> Question:
@@ -86,19 +94,19 @@ def question_of(study: Study) -> Question:
     """
     spec: OptimiseSpec = study.model.optimise
     problems, root = Problems(study.file), study.root
-    example = "largest V_ratio in stiff"
     if spec.least is not None and spec.most is not None:
         what = "'least' and 'most' both stand here: give one of them"
         problems.at(root, ("optimise", "most"), what, "remove one of the two", key=True)
     key = "most" if spec.least is None and spec.most is not None else "least"
     text = getattr(spec, key)
-    found = expressions(study, "optimise", key, () if text is None else (text,), problems, example)
+    texts = () if text is None else (text,)
+    found = expressions(study, "optimise", key, texts, problems, "largest V_ratio in stiff")
     factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
     if not factors and not problems.found:
         hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
         problems.at(root, ("optimise",), "no key is given to vary", hint, key=True)
-    case = _one(spec.case, list(study.model.cases), "case", root, problems)
-    analysis = _one(spec.analysis, [str(each) for each in study.model.analyses], "analysis", root, problems)
+    case = _one(study, "case", spec.case, study.model.cases, problems)
+    analysis = _one(study, "analysis", spec.analysis, study.model.analyses, problems)
     if study.model.keep is not None:
         what = "histories cannot be kept of the points of a search"
         problems.at(root, ("keep",), what, "remove `keep:`; `pound run` keeps those of chosen points", key=True)
@@ -107,19 +115,23 @@ def question_of(study: Study) -> Question:
         hint = f"keep it to {MOST_POINTS}: write fewer"
         problems.at(root, ("optimise", "generations"), f"generations and population make {points} points", hint)
     problems.check()
-    (expression,) = found
-    return Question(spec, expression, tuple(factors), case, analysis, _written(factors, root))
+    given = [(factor, get(root, *factor.key.split("."))) for factor in factors]
+    places = [None if value is None else factor.place(value) for factor, value in given]
+    written = tuple(place for place in places if place is not None)
+    (expression,), is_point = found, len(written) == len(places)
+    return Question(study, expression, tuple(factors), case, analysis, written if is_point else None)
 
 
-def text_at(study: Study, question: Question, point: Point) -> str:
-    """The text of the study with the keys at a point; everything else stays as it is written.
-
-    Raises
-    ------
-    InputError : a key stands where an anchor or alias of YAML makes it part of something else
-    """
-    values = {factor.key: factor.value(u) for factor, u in zip(question.factors, point, strict=True)}
-    return with_values(study.text, values, study.file)
+def _one(study: Study, what: str, wanted: str | None, names: Sequence[str], problems: Problems) -> str:
+    """The case or analysis that is looked at; what is wrong with the choice is noted."""
+    known = [str(name) for name in names]
+    if wanted is not None and wanted not in known:
+        problems.at(study.root, ("optimise", what), f"{what}: no {what} '{wanted}'", nearest(wanted, known))
+    elif wanted is None and len(known) > 1:
+        many = f"{len(known)} {'cases' if what == 'case' else 'analyses'}"
+        hint = f"select one: `optimise: {{{what}: {known[0]}}}`"
+        problems.at(study.root, ("optimise",), f"the study has {many}", hint, key=True)
+    return wanted or known[0]
 
 
 def check_written(study: Study, path: Path) -> None:
@@ -128,54 +140,16 @@ def check_written(study: Study, path: Path) -> None:
 
     Raises
     ------
-    InputError : as `question_of` and `text_at`; or the study would be another one there
+    InputError : as `question_of` and `Question.text`; or the study would be another one there
     """
     question = question_of(study)
-    text = text_at(study, question, question.middle)
+    text, first = question.text(question.middle), (0,) * len(study.axes)
     try:
         found, why = Study(path, text, parse(text, shortened(path))), "its motions would be others"
-        first = (0,) * len(study.axes)
-        is_same = _digests(found, first) == _digests(study, first)
+        digests = [{name: used.use.digest for name, used in each.motions(first).items()} for each in (found, study)]
+        is_same = digests[0] == digests[1]
     except InputError as error:
         is_same, why = False, error.problems[0].message
     if not is_same:
         hint = "write it beside the study: motions are sought there" if path.parent != study.path.parent else ""
         raise InputError(Problem(f"the study would not run from there: {why}", hint or "change the study", str(path)))
-
-
-def _digests(study: Study, point: tuple[int, ...]) -> dict[str, str]:
-    return {name: used.use.digest for name, used in study.motions(point).items()}
-
-
-def _one(name: str | None, names: Sequence[str], what: str, root: Map, problems: Problems) -> int:
-    """The number of the case or analysis that is looked at."""
-    if name in names:
-        return names.index(name)
-    if name is not None:
-        problems.at(root, ("optimise", what), f"{what}: no {what} '{name}'", nearest(name, names))
-    elif len(names) > 1:
-        many = f"{len(names)} {'cases' if what == 'case' else 'analyses'}"
-        hint = f"select one: `optimise: {{{what}: {names[0]}}}`"
-        problems.at(root, ("optimise",), f"the study has {many}", hint, key=True)
-    return 0
-
-
-def _written(factors: Sequence[Factor], root: Map) -> Point | None:
-    point = []
-    for factor in factors:
-        given = get(root, *factor.key.split("."))
-        u = None if given is None else factor.place(given)
-        if u is None:
-            return None
-        point.append(u)
-    return tuple(point)
-
-
-def _corners(question: Question) -> Iterator[tuple[float, ...]]:
-    """Both ends of every range with every option of every choice."""
-    yield from product(
-        *(
-            [(place + 0.5) / factor.options for place in range(factor.options)] if factor.options else [0.0, 1.0]
-            for factor in question.factors
-        )
-    )

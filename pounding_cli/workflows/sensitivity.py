@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.expression import LINK, Expression, Statement
+from pounding_cli.study.expression import Expression, Statement
 from pounding_cli.study.vary import MOTION, choice_of
 from pounding_cli.workflows.expressions import Get, getter, values_of
 from pounding_cli.workflows.sampled import at_points
@@ -105,12 +105,13 @@ class Sensitivity(Workflow):
     def plan(self, study: Study) -> Plan:
         """The scenes of all samples.  Raises InputError: a sample at which the study is not sound."""
         question = question_of(study)
-        sampled = at_points(study, question.keys, question.distinct[0])
-        if question.takes_one:
-            wanted = set(zip(question.place.tolist(), (question.motions[n] for n in question.motion_set), strict=True))
-            plan = expand(sampled, asks=lambda point, _case, _analysis, name: (point[-1], name) in wanted)
-        else:
+        points, place = question.distinct
+        sampled = at_points(study, question.keys, points)
+        if question.drawn is None:
             plan = expand(sampled)
+        else:
+            wanted = {(at, question.motions[n]) for at, n in np.broadcast(place[:, None], question.drawn)}
+            plan = expand(sampled, asks=lambda point, _case, _analysis, name: (point[-1], name) in wanted)
         return dataclasses.replace(plan, workflow="sensitivity", harder=True)
 
     def run(self, study: Study, solver: Solver) -> Found:
@@ -164,18 +165,16 @@ def _of_samples(output: Expression, get: Get, question: Question, others: int) -
 
     others : how many axes are swept beside that of the samples
     """
-    parts = []
-    for number in np.unique(question.motion_set):
-        places = question.place[question.motion_set == number]
-        motions = slice(None) if question.drawn is None else question.drawn[number]
 
-        def some(name: str, places: np.ndarray = places, motions: Any = motions) -> np.ndarray:
-            taken = get(name).take(places, axis=others)
-            return taken[..., motions, :] if name in LINK else taken[..., motions, :, :]
+    def some(name: str) -> np.ndarray:
+        values = get(name).take(question.distinct[1], axis=others)
+        if question.drawn is None:
+            return values
+        shape = [1] * values.ndim
+        shape[others], shape[others + 3] = question.drawn.shape  # samples and motions
+        return np.take_along_axis(values, question.drawn.reshape(shape), axis=others + 3)
 
-        parts.append(np.moveaxis(values_of(output, some, question.spec.over_motions), others, -1))
-    order = np.argsort(question.motion_set, kind="stable")
-    return np.concatenate(parts, axis=-1)[..., np.argsort(order)]
+    return np.moveaxis(values_of(output, some, question.spec.over_motions), others, -1)
 
 
 # Numbers of one output; y : of every sample, NaN where it gave none, shape (samples,)
@@ -315,10 +314,7 @@ def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Table:
     keys.loc[question.independent, "independent"] = 1
     for number, factor in enumerate(question.factors):
         if factor.key == MOTION:
-            keys[MOTION], meant[MOTION] = (
-                [question.motion_label(n) for n in question.motion_set],
-                ("", "ground motions"),
-            )
+            keys[MOTION], meant[MOTION] = question.motion_labels, ("", "ground motions")
             continue
         for member in factor.members:
             values, text = member.number(question.cube[:, number]), f"varies: {member.key}"

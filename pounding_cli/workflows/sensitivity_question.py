@@ -113,34 +113,24 @@ class Question:
         """The different points that the samples need, shape (points, keys), and of every sample its point."""
         return distinct(self.keys, np.delete(self.cube, [] if self.motion is None else self.motion, axis=1))
 
-    @property
-    def place(self) -> np.ndarray:
-        """Of every sample its point, shape (samples,)."""
-        return self.distinct[1]
-
     @cached_property
     def drawn(self) -> np.ndarray | None:
-        """The motions that every sample may rest on, one set a line, shape (sets, motions of a set); None: all."""
+        """The motions that every sample rests on, by number, shape (samples, motions of a sample); None: all."""
         if self.motion is None:
             return None
-        count = len(self.motions)
-        if self.takes_one:
-            return np.arange(count)[:, None]
-        random = np.random.default_rng(self.spec.seed)
-        return np.sort(random.integers(count, size=(self.options[self.motion], count)), axis=1)
+        options = self.options[self.motion]
+        sets = np.arange(options)[:, None]
+        if not self.takes_one:
+            random = np.random.default_rng(self.spec.seed)
+            sets = np.sort(random.integers(len(self.motions), size=(options, len(self.motions))), axis=1)
+        return sets[choice_of(self.cube[:, self.motion], options)]
 
     @property
-    def motion_set(self) -> np.ndarray:
-        """Of every sample its line of `drawn`, shape (samples,); 0 where there is no choice."""
-        if self.motion is None:
-            return np.zeros(len(self.cube), dtype=int)
-        return choice_of(self.cube[:, self.motion], self.options[self.motion])
-
-    def motion_label(self, number: int) -> str:
-        """A line of `drawn` in words: the motions, with a factor where one was drawn more than once."""
+    def motion_labels(self) -> list[str]:
+        """Of every sample its motions in words, with a factor where one was drawn more than once."""
         assert self.drawn is not None
-        counts = Counter(self.drawn[number].tolist())
-        return " + ".join(f"{count} {self.motions[n]}" if count > 1 else self.motions[n] for n, count in counts.items())
+        counts = [Counter(self.motions[number] for number in numbers) for numbers in self.drawn]
+        return [" + ".join(name if n == 1 else f"{n} {name}" for name, n in each.items()) for each in counts]
 
 
 def question_of(study: Study) -> Question:

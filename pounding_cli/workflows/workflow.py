@@ -11,6 +11,7 @@ import numpy as np
 
 from pounding_cli.numbers import Unit
 from pounding_cli.results.tables import Column, Table
+from pounding_cli.variables import COORDINATES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -103,7 +104,8 @@ def tabled(
 ) -> Table:
     """A table of an answer.
 
-    columns : unit and meaning of its columns but those of swept keys; ends of names as in `_ENDS` need not be told
+    columns : unit and meaning of its columns but those of swept keys and COORDINATES; ends of names as in `_ENDS` need
+        not be told
     axes : of the sweep
     units : units that people read some columns in, with those of swept keys
     """
@@ -120,8 +122,8 @@ def tabled(
 
 
 def _meant(column: str, columns: Columns) -> tuple[str, str]:
-    if column in columns:
-        return columns[column]
+    if column in columns or column in COORDINATES:
+        return columns[column] if column in columns else COORDINATES[column]
     end = next(end for end in _ENDS if column.endswith(end))
     unit, text = _meant(column.removesuffix(end), columns)
     return unit, _ENDS[end] + text

@@ -33,6 +33,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         study = written("run", folder)
+        _solve("serial", study, folder / "first.h5")  # compiles
         begin = time.perf_counter()
         wanted = _solve("serial", study, folder / "wanted.h5")
         span = time.perf_counter() - begin
