@@ -19,8 +19,7 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
-from pounding_cli.study.usual import RANGES, Plausible
+from pounding_cli.study.quantity import MASS, RANGES, STIFFNESS, TIME, Plausible, Quantity, Text, Whole
 
 FINEST = 4001
 """Grid on which peaks are searched at least."""

@@ -28,8 +28,7 @@ from pydantic import ValidationError
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.study.axes import SweepAxis, read_axes
-from pounding_cli.study.file import Problems, put, read_study
-from pounding_cli.study.kinds import refuse_other_kinds
+from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
 from pounding_cli.study.plausible import doubt_values, few
 from pounding_cli.study.words import value_at
 

@@ -15,7 +15,7 @@ from pounding_cli.report.references import method_sources
 from pounding_cli.study import laws, models, questions, schema
 from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import shown
-from pounding_cli.study.usual import RANGES
+from pounding_cli.study.quantity import RANGES
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"

@@ -261,7 +261,7 @@ def report(
     from pounding_cli.report import report as of
     from pounding_cli.report.claims import compare_claims, verdicts
     from pounding_cli.report.style import FORMATS, for_paper
-    from pounding_cli.report.sweep import Asked, Choice
+    from pounding_cli.report.sweep import Asked
 
     if figures_for_paper and no_figures:
         hint = "leave one of them out"
@@ -271,7 +271,7 @@ def report(
     opened, asked, wanted = {path: open_results(path) for path in files}, {}, _wanted(**rows)
     for path, results in opened.items():
         fixed, at = _fixed(results, wanted)
-        asked[path] = Asked(quantities, Choice("", **fixed), at)
+        asked[path] = Asked(quantities, fixed, at)
     folders = _folders(files, output)
     for path, results in opened.items():
         with for_paper() if figures_for_paper else nullcontext():

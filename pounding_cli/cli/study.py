@@ -82,7 +82,7 @@ def check(study: Path) -> None:
     from pounding_cli.points import QUESTIONS, load
     from pounding_cli.reading import shortened
     from pounding_cli.study import expand, load_study
-    from pounding_cli.study.kinds import kind_of_file
+    from pounding_cli.study.file import kind_of_file
     from pounding_cli.workflows import TITLES, workflow_of
 
     name, kind = shortened(study), kind_of_file(study)
@@ -135,7 +135,7 @@ def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
 def _lines(plan: Plan) -> list[str]:
     """What a run of a plan would solve and leave out."""
     from pounding_cli.batch.forecast import ALONE, START, forecast
-    from pounding_cli.study.facing import meetings_in_words
+    from pounding_cli.study.build import meetings_in_words
     from pounding_cli.workflows import workflow_of
 
     study, first = plan.study, (0,) * len(plan.axes)

@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
 
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
@@ -97,23 +96,6 @@ class Link:
         between = "" if self.left_at == self.right_at == 1.0 else f" {self.left_at!r} {self.right_at!r}"
         between += f" columns {self.columns!r}" if self.columns else ""
         return f"{self.left} {self.left_floor} {self.right_floor} {self.law.words}{between}"
-
-
-class SceneLinks(tuple[Link, ...]):
-    """The links of a scene. Their hash is kept, since all that scenes share is looked up by it."""
-
-    _hash: int
-
-    def __hash__(self) -> int:
-        try:
-            return self._hash
-        except AttributeError:
-            self._hash = super().__hash__()
-            return self._hash
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Without the hash, which another process has of its own."""
-        return SceneLinks, (tuple(self),)
 
 
 LinkPlace = tuple[int, int, int, str]

@@ -11,7 +11,7 @@ from enum import StrEnum
 from functools import cached_property
 
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import Link, SceneLinks
+from pounding_cli.model.links import Link
 from pounding_cli.numbers import counted
 from pounding_cli.records.motion import Motion
 
@@ -72,10 +72,8 @@ class Scene:
             raise ValueError("scene: no buildings; give at least one")
         if not (math.isfinite(self.tail) and self.tail >= 0):
             raise ValueError(f"scene: tail is {self.tail:g} s; it must be finite and not negative")
-        if type(self.buildings) is not tuple:
-            object.__setattr__(self, "buildings", tuple(self.buildings))
-        if type(self.links) is not SceneLinks:
-            object.__setattr__(self, "links", SceneLinks(self.links))
+        object.__setattr__(self, "buildings", tuple(self.buildings))
+        object.__setattr__(self, "links", tuple(self.links))
         _check_links(self.buildings, self.links)
 
     def __repr__(self) -> str:
@@ -101,16 +99,11 @@ class Scene:
 class Digests:
     """The digests of the scenes that share buildings and links, without the scenes.
 
-    Parameters
-    ----------
     buildings, links : as in `Scene`
-    words : of the links, where they are at hand
     """
 
-    def __init__(
-        self, buildings: Sequence[Building], links: Sequence[Link], words: Sequence[str] | None = None
-    ) -> None:
-        parts = [*(b.digest for b in buildings), *([link.words for link in links] if words is None else words)]
+    def __init__(self, buildings: Sequence[Building], links: Sequence[Link]) -> None:
+        parts = [*(b.digest for b in buildings), *(link.words for link in links)]
         self._begun = hashlib.sha256("\n".join(parts).encode())
 
     @staticmethod

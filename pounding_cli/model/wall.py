@@ -58,9 +58,8 @@ class Wall(Building):
         return super().periods if self.moves else np.full(1, np.nan)
 
     def known(self, name: str) -> np.ndarray:
-        """Its mass, height or stiffness, shape (1,); NaN of what says nothing."""
-        given = self.height[0] != ENDLESS if name == "height" else self.moves
-        return getattr(self, name) if given or name == "yield_shear" else np.full(1, np.nan)
+        """A property of its one storey, shape (1,); NaN of a mass or stiffness that says nothing."""
+        return getattr(self, name) if self.moves or name in ("height", "yield_shear") else np.full(1, np.nan)
 
     def has_floor(self, floor: int) -> bool:
         """Whatever floor of its neighbour."""

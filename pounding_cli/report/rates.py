@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence
+from pounding_cli.report.figures import plain_log
 from pounding_cli.report.style import entitle, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
@@ -92,6 +93,7 @@ def draw_contributions(results: Results, shown: Evidence) -> Figure:
             ax.plot(at, own["rate"] / width, color=look.color, ls=look.line, lw=1.8, label=f"with pounding: {case}")
         ax.set_title(f"{building}, {limit}", loc="left")
         ax.set_xscale("log")
+        plain_log(ax.xaxis)
         ax.set_ylim(bottom=0)
         ax.set_xlabel(f"intensity [{unit.name}]" if unit.name else "intensity")
     axes.flat[0].set_ylabel("annual rate per ln of the intensity")

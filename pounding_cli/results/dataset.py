@@ -220,7 +220,9 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
         return found
 
     def group(point: Any) -> dict[str, Any]:
-        row = [study.building(point, place) for place in range(len(plan.buildings))]
+        placed = study.group(point)
+        assert placed is not None  # the study was validated at every point
+        row = placed.buildings
         found: dict[str, Any] = {
             "period": np.array([building.periods[0] for building in row]),
             "base_shear_ratio": np.array([building.base_shear_ratio for building in row]),

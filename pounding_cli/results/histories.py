@@ -35,6 +35,7 @@ FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
     "shear": (("time", "building", "storey"), "N", "storey shear, without damping force"),
     "sway": (("time", "building"), "m", "translation of the foundation"),
     "rocking": (("time", "building"), "rad", "rotation of the foundation"),
+    "base_force": (("time", "building"), "N", "force of springs or isolators under the base, without damping force"),
     "link_force": (("time", "link"), "N", "link force, pulling negative"),
     "closing": (("time", "link"), "m", "closing of the two ends of a link, gap not subtracted"),
     "energy_input": (("time",), "J", "energy put in by the ground so far"),
@@ -106,7 +107,8 @@ class History:
         Parameters
         ----------
         quantity : displacement, total_acceleration (columns: building and floor); drift, shear (building and storey);
-            link_force, closing (link); sway, rocking (building); ground_acceleration, ground_displacement; energy
+            link_force, closing (link); sway, rocking, base_force (building); ground_acceleration, ground_displacement;
+            energy
 
         The index is the time [s]; the unit stands in `frame.attrs["units"]`.
 

@@ -259,7 +259,7 @@ class Results:
         frame = self._frame(names, dims)
         places = {name: place for place, name in enumerate(self.data["building"].values.tolist(), start=1)}
         frame.insert(list(frame.columns).index("storey"), "place", frame["building"].map(places))
-        return frame[frame["mass"].notna()].reset_index(drop=True)
+        return frame[frame["height"].notna()].reset_index(drop=True)
 
     # Scenes over time
 

@@ -33,6 +33,7 @@ class History:
     drift : (t, n, s) of storeys, without what sway and rocking of the foundation add [m]
     shear : (t, n, s) restoring force of storeys, without damping force [N]
     sway, rocking : (t, n) displacement [m] and rotation [rad] of the foundation, 0 on a fixed base
+    base_force : (t, n) force of what is under a base, isolators included, without damping force [N]; 0 on a fixed base
     link_force : (t, m) [N]; pulling is negative; NaN where the scene has no such link
     energy : by ENERGIES, (t,) [J]: put in by the ground so far; kinetic and stored in storeys and foundations now;
         lost in dashpots of the structure and in yielding so far; what the links took, stored or lost. The first is
@@ -51,6 +52,7 @@ class History:
     shear: np.ndarray
     sway: np.ndarray
     rocking: np.ndarray
+    base_force: np.ndarray
     link_force: np.ndarray
     energy: dict[str, np.ndarray]
     buildings: tuple[str, ...]
@@ -120,8 +122,8 @@ def _evaluated(run: Prepared) -> History:
             whole[:, b, : scene.buildings[b].storeys] = by_dof[:, span]
         return whole
 
-    def of_foundation(places: tuple[int, ...]) -> np.ndarray:
-        return np.stack([u[:, place] if place >= 0 else np.zeros(times.size) for place in places], axis=1)
+    def of_foundation(places: tuple[int, ...], values: np.ndarray = u) -> np.ndarray:
+        return np.stack([values[:, place] if place >= 0 else np.zeros(times.size) for place in places], axis=1)
 
     names = tuple(building.name for building in scene.buildings)
     return History(
@@ -134,6 +136,7 @@ def _evaluated(run: Prepared) -> History:
         shear=padded(force),
         sway=of_foundation(layout.bases),
         rocking=of_foundation(layout.feet),
+        base_force=of_foundation(layout.bases, force),
         link_force=of_links[..., 1],
         energy=dict(
             zip(

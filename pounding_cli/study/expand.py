@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import product
 from operator import add
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +17,10 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.study.build import places
 from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.plan import Axis, Links, Plan
-from pounding_cli.study.study import AROUND, BETWEEN, Point, Study
+from pounding_cli.study.study import AROUND, BETWEEN, Point, Study, keep
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
-
-MOST_KEPT = 1024
-"""Answers of a kind that are kept at a time: many points share one."""
 
 DIGEST = 32
 """Bytes of a SHA-256 digest."""
@@ -64,11 +62,11 @@ class _Expansion:
         """The plan.  Raises `InputError`."""
         study, model = self.study, self.study.model
         study.met.clear()
-        sets = [_LinkSets() for _ in self.cases]
+        links: list[list[Any]] = [[] for _ in self.cases]
         rows = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
         numbers = np.empty((*rows, 1 + len(model.group)), np.int32)
         for place, case in enumerate(self.cases):
-            numbers[..., place, :, :, 0] = self._case(case, sets[place])
+            numbers[..., place, :, :, 0] = self._case(case, links[place])
         self._refuse()
         for place in range(len(model.group)):
             numbers[..., 1 + place] = self._alone(place)[..., None, :, :]
@@ -87,7 +85,7 @@ class _Expansion:
             buildings=places(model.group),
             digests=digests,
             numbers=numbers,
-            links=_table(sets, self.sizes, [study.touches(*BETWEEN, ("cases", case)) for case in self.cases]),
+            links=_table(links, self.sizes, [study.touches(*BETWEEN, ("cases", case)) for case in self.cases]),
             build=self.scene,
             accuracy=model.accuracy,
             method=model.method,
@@ -108,12 +106,12 @@ class _Expansion:
             motions = [used[name].motion for name in self.records]
             links = self._links_at(at, self.cases[case])
             first = Scene(tuple(group.buildings), links, motions[0], self.analyses[0], study.section(at, "tail"))
-            _keep(self._begun, number, (first, motions))
+            keep(self._begun, number, (first, motions))
         first, motions = self._begun[number]
         return first.under(motions[record], self.analyses[analysis])
 
-    def _case(self, case: str, sets: _LinkSets) -> np.ndarray:
-        """The scenes of a case, see `_grid`."""
+    def _case(self, case: str, table: list[Any]) -> np.ndarray:
+        """The scenes of a case, see `_grid`; what tables say of its links is added to `table`."""
 
         def begin(point: Point) -> Digests | None:
             self.study.links(point, case)  # what is wrong with them, and with what they stand between
@@ -121,7 +119,8 @@ class _Expansion:
             if self._met() or group is None:
                 return None
             links = self._links_at(point, case)
-            return Digests(group.buildings, links, sets.words(links))
+            table.append(_in_columns(links))
+            return Digests(group.buildings, links)
 
         return self._grid(self.study.touches(*BETWEEN, ("cases", case)), begin)
 
@@ -170,9 +169,7 @@ class _Expansion:
         if key not in self._endings:
             motions, tail = self.study.motions(point), self.study.section(point, "tail")
             asked = product(self.analyses, self.records if motions else ())
-            _keep(
-                self._endings, key, [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
-            )
+            keep(self._endings, key, [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked])
         return self._endings[key]
 
     def _links_at(self, point: Point, case: str) -> tuple[Link, ...]:
@@ -181,7 +178,7 @@ class _Expansion:
         if key not in self._links:
             found = self.links_of(point, case)
             assert found is not None  # the study was validated there
-            _keep(self._links, key, found)
+            keep(self._links, key, found)
         return self._links[key]
 
     def _met(self) -> bool:
@@ -197,75 +194,35 @@ class _Expansion:
             raise InputError(sorted(self._problems, key=lambda p: (p.line, p.column, p.message)))
 
 
-@dataclass(frozen=True)
-class _Layout:
-    """Links but for their gaps: places, laws, heights of their ends."""
-
-    places: tuple
-    kinds: tuple[str, ...]
-    left_at: tuple[float, ...]
-    right_at: tuple[float, ...]
+@functools.lru_cache(maxsize=1024)  # the cases of a study and many of its points share links
+def _in_columns(links: tuple[Link, ...]) -> tuple[tuple[Any, ...], ...]:
+    """Of links in their order: places, kinds, gaps [m], heights of their left and right ends."""
+    gaps = tuple(np.nan if link.kind == APART else float(link.gap) for link in links)
+    ends = tuple(link.left_at for link in links), tuple(link.right_at for link in links)
+    return link_places(links), tuple(str(link.kind) for link in links), gaps, *ends
 
 
-class _LinkSets:
-    """The links of a case at the points where they may differ, in the order of these."""
-
-    def __init__(self) -> None:
-        self.layouts: dict[_Layout, int] = {}
-        self.layout: list[int] = []
-        self.gaps: list[tuple[float, ...]] = []
-        self._known: dict[tuple[Link, ...], tuple[int, tuple[float, ...], list[str]]] = {}
-
-    def words(self, links: tuple[Link, ...]) -> list[str]:
-        """Note the links of the next point; returns what digests say of them."""
-        if links not in self._known:
-            layout = _Layout(
-                tuple(link_places(links)),
-                tuple(str(link.kind) for link in links),
-                tuple(link.left_at for link in links),
-                tuple(link.right_at for link in links),
-            )
-            number = self.layouts.setdefault(layout, len(self.layouts))
-            gaps = tuple(np.nan if link.kind == APART else float(link.gap) for link in links)
-            _keep(self._known, links, (number, gaps, [link.words for link in links]))
-        number, gaps, words = self._known[links]
-        self.layout.append(number)
-        self.gaps.append(gaps)
-        return words
-
-
-def _table(cases: list[_LinkSets], sizes: tuple[int, ...], touched: list[tuple[bool, ...]]) -> Links:
+def _table(cases: list[list[Any]], sizes: tuple[int, ...], touched: list[tuple[bool, ...]]) -> Links:
     """What the tables say of the links of all cases.
 
+    cases : of every case its links `_in_columns`, at all points where they may differ
     touched : of every case, which axes its links depend on
     """
-    columns = tuple(sorted({place for case in cases for layout in case.layouts for place in layout.places}))
-    shape = (*sizes, len(cases), len(columns))
-    order, kind = np.full(shape, -1, np.int16), np.full(shape, "", object)
-    gap, left_at, right_at = (np.full(shape, np.nan) for _ in range(3))
-    for number, case in enumerate(cases):
-        small = tuple(size if mine else 1 for size, mine in zip(sizes, touched[number], strict=True))
-        own: dict[str, np.ndarray] = {
-            "order": np.full((len(case.layout), len(columns)), -1, np.int16),
-            "kind": np.full((len(case.layout), len(columns)), "", object),
-            **{name: np.full((len(case.layout), len(columns)), np.nan) for name in ("gap", "left_at", "right_at")},
-        }
-        of_point = np.array(case.layout)
-        for layout, which in case.layouts.items():
-            points = np.flatnonzero(of_point == which)
-            here = points[:, None], np.array([columns.index(place) for place in layout.places], int)
-            own["order"][here], own["kind"][here] = np.arange(len(layout.places)), np.array(layout.kinds, object)
-            own["left_at"][here], own["right_at"][here] = layout.left_at, layout.right_at
-            own["gap"][here] = np.array([case.gaps[point] for point in points.tolist()]).reshape(len(points), -1)
-        for name, whole in (
-            ("order", order),
-            ("kind", kind),
-            ("gap", gap),
-            ("left_at", left_at),
-            ("right_at", right_at),
-        ):
-            whole[..., number, :] = own[name].reshape(*small, -1)
-    return Links(columns, order, kind, gap, left_at, right_at)
+    columns = tuple(sorted({place for points in cases for places, *_ in points for place in places}))
+    number = {place: column for column, place in enumerate(columns)}
+    absent = np.int16(-1), "", np.nan, np.nan, np.nan
+    kinds = np.int16, object, float, float, float
+    whole = [np.full((*sizes, len(cases), len(columns)), each, kind) for each, kind in zip(absent, kinds, strict=True)]
+    for case, points in enumerate(cases):
+        small = tuple(size if mine else 1 for size, mine in zip(sizes, touched[case], strict=True))
+        rows = np.array([point for point, (places, *_) in enumerate(points) for _ in places], int)
+        at = rows, np.array([number[place] for places, *_ in points for place in places], int)
+        found = [(range(len(places)), *rest) for places, *rest in points]
+        for column, array in enumerate(whole):
+            own = np.full((len(points), len(columns)), absent[column], array.dtype)
+            own[at] = [value for point in found for value in point[column]]
+            array[..., case, :] = own.reshape(*small, -1)
+    return Links(columns, *whole)
 
 
 def _numbered(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -278,13 +235,6 @@ def _numbered(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.
     place = np.full(len(first) + 1, -1, np.int32)  # the last one stands for -1
     place[used] = np.arange(len(used))
     return digests[first[used]], place[numbers]
-
-
-def _keep(answers: dict, key: object, answer: object) -> None:
-    """Keep an answer, and the latest ones before it."""
-    if len(answers) >= MOST_KEPT:
-        del answers[next(iter(answers))]
-    answers[key] = answer
 
 
 def _at_point(problem: Problem, axes: tuple[Axis, ...], point: Point) -> Problem:

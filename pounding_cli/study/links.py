@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import keyword
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.model.links import BASE, Link, SceneLinks
+from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, column_flexibility
 from pounding_cli.numbers import counted
 from pounding_cli.study.build import Group
@@ -20,9 +21,6 @@ from pounding_cli.study.file import Problems, Quoted, Steps, get, locate, neares
 from pounding_cli.study.laws import FORMULA, LOSSES, keys_of, own, tag_of, typed
 from pounding_cli.study.models import Case
 from pounding_cli.study.quantity import LINK_STIFFNESS, Storey
-
-MOST_KEPT = 500
-"""Cases whose links are known again, about 4 kB each."""
 
 RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
@@ -92,48 +90,34 @@ Note = Callable[[Steps, str, str], None]
 """note(path, what is wrong, what to write)"""
 
 
-class Links:
-    """Builds the links of cases; those that agree in all that links depend on are built once."""
-
-    def __init__(self) -> None:
-        self._rules: dict[Case, tuple[Any, ...]] = {}
-        self._alike: dict[Any, SceneLinks] = {}
-
-    def of(
-        self, case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, note: Note
-    ) -> SceneLinks | None:
-        """All links of a case, by pair and then from the ground up; None where something is wrong, which is noted."""
-        key = self._key(case, group, impact, laws)
-        if key is not None and key in self._alike:
-            return self._alike[key]
-        builder = _Builder(group, impact, laws, note)
-        links = builder.links(case, path)
-        if builder.faults:
-            return None
-        if key is not None:
-            _keep(self._alike, key, links)
-        return links
-
-    def _key(self, case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
-        """What the links of a case follow from: it, floors that meet, and what stiffnesses come to; None where they
-        depend on more."""
-        if group.is_empty or any(group.strikes):  # links on columns depend on the building
-            return None
-        if case not in self._rules:
-            given = [value for link in case.links for value in vars(link).values() if isinstance(value, Storey)]
-            words = (law.stiffness_default for law in link_laws().values() if law.stiffness_default)
-            _keep(self._rules, case, tuple(dict.fromkeys([*given, *map(LINK_STIFFNESS.read, words)])))
-        try:
-            values = tuple(map(group.stiffness, (*self._rules[case], impact.stiffness)))
-        except KeyError:
-            return None
-        return case, tuple(laws.values()), impact.dashpot, impact.tension_cut, group.floors, values
+def links_of(
+    case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, note: Note
+) -> tuple[Link, ...] | None:
+    """All links of a case, by pair and then from the ground up; None where something is wrong, which is noted."""
+    builder = _Builder(group, impact, laws, note)
+    links = builder.links(case, path)
+    return None if builder.faults else links
 
 
-def _keep(kept: dict[Any, Any], key: Any, value: Any) -> None:
-    if len(kept) >= MOST_KEPT:
-        del kept[next(iter(kept))]
-    kept[key] = value
+def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
+    """What the links of a case follow from: it, floors that meet, and what stiffnesses come to; None where they depend
+    on more, as links on columns do."""
+    if group.is_empty or any(group.strikes):
+        return None
+    try:
+        values = tuple(map(group.stiffness, (*_multiples(case), impact.stiffness)))
+    except KeyError:
+        return None
+    floors = tuple(tuple(common.items()) for common in group.common)
+    return case, tuple(laws.values()), impact.dashpot, impact.tension_cut, floors, values
+
+
+@functools.lru_cache(maxsize=500)
+def _multiples(case: Case) -> tuple[Any, ...]:
+    """The stiffnesses of a case that are multiples of a storey's."""
+    given: list[Any] = [value for link in case.links for value in vars(link).values() if isinstance(value, Storey)]
+    words = (law.stiffness_default for law in link_laws().values() if law.stiffness_default)
+    return tuple(dict.fromkeys([*given, *map(LINK_STIFFNESS.read, words)]))
 
 
 @dataclass(eq=False)
@@ -150,13 +134,13 @@ class _Builder:
         self.faults += 1
         self._note(path, message, hint)
 
-    def links(self, case: Any, path: Steps) -> SceneLinks:
+    def links(self, case: Any, path: Steps) -> tuple[Link, ...]:
         """The links of all pairs of neighbours."""
         path = (*path, "links")
         if self.group.is_empty:  # so that what is wrong with the links is told beside what is wrong with the group
             for n, link in enumerate(case.links):
                 self.law(link, (*path, n))
-            return SceneLinks()
+            return ()
         pairs, found = len(self.group.common), list[Link]()
         for n, link in enumerate(case.links):
             if (link.pair or 0) > pairs:
@@ -175,7 +159,7 @@ class _Builder:
                     taken.add(law)
                     found.append(Link(place, floor, right, law))
             found += self._at_columns(mine, place, path)
-        return SceneLinks(found)
+        return tuple(found)
 
     def _by_floor(self, mine: list[Any], place: int, path: Steps) -> dict[int, list[tuple[int, LinkLaw]]]:
         """The laws on every floor of a pair of neighbours, each with the number of its link."""

@@ -21,8 +21,10 @@ from pounding_cli.study.quantity import (
     FORCE,
     LENGTH,
     MASS,
+    RANGES,
     STIFFNESS,
     TIME,
+    WEIGHTS,
     Measured,
     Quantity,
     Text,
@@ -31,7 +33,6 @@ from pounding_cli.study.quantity import (
     refuse,
     written_unit,
 )
-from pounding_cli.study.usual import RANGES, WEIGHTS
 from pounding_cli.units import factor as unit_factor
 
 # Records
@@ -173,9 +174,7 @@ class Records(Model):
     """The ground motions, the part of each that is used, and its scale."""
 
     use: Annotated[tuple[word_or(str, RecordFile), ...], Field(min_length=1, max_length=5000)] = key(  # type: ignore[valid-type]
-        ...,
-        "catalogue names, files, folders, patterns, {file: PATH, ...}",
-        ["elcentro", {"file": "motions/x.AT2"}],
+        ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
     )
     duration: Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))] = (
         key(

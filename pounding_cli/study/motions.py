@@ -2,16 +2,215 @@
 
 from __future__ import annotations
 
+import fnmatch
+import glob
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
 from typing import Any
 
 from pounding_cli import records
-from pounding_cli.errors import InputError
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import listed
+from pounding_cli.reading import LONGEST_PATH, shortened
 from pounding_cli.records import Motion
 from pounding_cli.study.file import Problems, Steps, nearest
-from pounding_cli.study.models import Arias, Pga, Pgv, Records, Sa, Spectrum
-from pounding_cli.study.motion_reader import MotionReader
+from pounding_cli.study.models import Arias, Pga, Pgv, RecordFile, Records, Sa, Spectrum
+
+_VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
+# How the databases end the names of vertical components: -UP.AT2, DWN.AT2, .UD, .UD1.
+_OTHER_FILES = re.compile(
+    r"(?:\.(?:vt2|dt2|md|rst|html?|pdf|png|jpe?g|svg|zip|gz|ya?ml|json|h5|hdf5|xlsx?|py|toml)|~)\Z|\A(?:readme|licen[cs]e|[._])",
+    re.IGNORECASE,
+)
+# What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
+
+MOST_FILES = 50_000
+"""Files and folders that are looked at for one pattern."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One motion of a study.
+
+    name : what tables call it; known : whether it is in the catalogue, with durations and scales of Table 1
+    read : reads it whole, and says how where it is a file of one's own
+    vertical : whether a file taken with others looks like a vertical component
+    """
+
+    name: str
+    known: bool
+    read: Callable[[], Motion | records.Reading]
+    vertical: bool = False
+
+
+class MotionReader:
+    """Finds and reads every motion once, however many scenes it drives."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._items: dict[str | RecordFile, list[Item] | InputError] = {}
+        self._read: dict[tuple[str | RecordFile, str], Motion | records.Reading | InputError] = {}
+
+    def items(self, record: str | RecordFile) -> list[Item]:
+        """The motions an entry of `use` stands for; raises `InputError` where there is none."""
+        if record not in self._items:
+            try:
+                self._items[record] = self._found(record)
+            except InputError as refused:
+                self._items[record] = refused
+        found = self._items[record]
+        if isinstance(found, InputError):
+            raise found
+        return found
+
+    def take(self, record: str | RecordFile, item: Item) -> Motion:
+        """The whole motion; raises `InputError` where it cannot be read."""
+        found = self.reading(record, item)
+        return found.motion if isinstance(found, records.Reading) else found
+
+    def reading(self, record: str | RecordFile, item: Item) -> Motion | records.Reading:
+        """The whole motion, with how it was read where it is a file of one's own; raises as `take`."""
+        key = (record, item.name)
+        if key not in self._read:
+            try:
+                self._read[key] = item.read()
+            except InputError as refused:
+                self._read[key] = refused
+        found = self._read[key]
+        if isinstance(found, InputError):
+            raise found
+        return found
+
+    @property
+    def digests(self) -> list[str]:
+        """Of all motions that were read so far."""
+        read = [found.motion if isinstance(found, records.Reading) else found for found in self._read.values()]
+        return [found.digest for found in read if isinstance(found, Motion)]
+
+    def named(self, name: str) -> Motion:
+        """The whole catalogue motion `name`."""
+        return self.take(name, self.items(name)[0])
+
+    def _found(self, record: str | RecordFile) -> list[Item]:
+        if isinstance(record, RecordFile):
+            return self._files(record)
+        if record in records.names():
+            return [Item(record, True, lambda: records.find(record))]
+        if self._is_path(record):
+            return self._files(RecordFile(file=record))
+        records.entry(record)  # refuses the name, with the nearest one
+        raise AssertionError(record)
+
+    def _is_path(self, word: str) -> bool:
+        return bool(re.search(r"[/\\*?]", word) or Path(word).suffix or _exists(self.folder / word))
+
+    def _files(self, record: RecordFile) -> list[Item]:
+        if len(record.file) > LONGEST_PATH:
+            raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
+        path = self.folder / _home(record.file)
+        if _exists(path) and not _is_folder(path):
+            return [_item(record, path, record.name or path.stem)]
+        if _is_folder(path):
+            found = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
+            nothing = f"no motion files in the folder {path}"
+        elif glob.has_magic(record.file):
+            found = _matching(path)
+            nothing = f"no file matches {path}"
+        else:
+            raise InputError(
+                Problem(f"the record file {shortened(path)} does not exist", "paths are relative to the study file")
+            )
+        if not found:
+            raise InputError(Problem(nothing, "paths are relative to the study file"))
+        if record.name is not None and len(found) > 1:
+            raise InputError(
+                Problem(f"'name:' is one for {len(found)} files", "leave it out: each is called by its file's stem")
+            )
+        stems = Counter(each.stem for each in found)
+        # K-NET's files of one record differ by their endings only.
+        names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in found]
+        return [
+            _item(record, each, record.name or name, bool(_VERTICAL.search(each.stem) or _VERTICAL.search(each.name)))
+            for each, name in zip(found, names, strict=True)
+        ]
+
+
+def _item(record: RecordFile, path: Path, name: str, vertical: bool = False) -> Item:
+    def read() -> records.Reading:
+        return records.read_file(
+            path,
+            name=name,
+            unit=record.unit,
+            dt=record.dt,
+            format=record.format,
+            channel=record.channel,
+            column=record.column,
+        )
+
+    return Item(name, False, read, vertical)
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # too long a name, a NUL in it
+        return False
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
+def _matching(pattern: Path) -> list[Path]:
+    """The files of a pattern such as `motions/**/*.AT2`, sorted; hidden names match where they are written.
+
+    Raises
+    ------
+    InputError : more than MOST_FILES files and folders had to be looked at
+    """
+    parts, seen = pattern.parts, count(1)
+    first = next(place for place, part in enumerate(parts) if glob.has_magic(part))
+
+    def below(folder: Path, steps: Sequence[str]) -> Iterator[Path]:
+        if not steps:
+            yield folder
+            return
+        step, *rest = steps
+        if step == "**":
+            yield from below(folder, rest or ["*"])
+        for each in _entries(folder):
+            if next(seen) > MOST_FILES:
+                hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
+                raise InputError(Problem(f"{shortened(pattern)}: more than {MOST_FILES} files and folders", hint))
+            hidden = each.name.startswith(".") and not step.startswith(".")
+            if step == "**" and not hidden and os.path.isdir(each) and not os.path.islink(each):
+                yield from below(each, steps)
+            elif step != "**" and not hidden and fnmatch.fnmatch(each.name, step):
+                yield from below(each, rest)
+
+    return sorted({found for found in below(Path(*parts[:first]), parts[first:]) if os.path.isfile(found)})
+
+
+def _entries(folder: Path) -> list[Path]:
+    try:
+        return list(folder.iterdir())
+    except (OSError, ValueError):  # no folder, or not ours to read
+        return []
+
+
+def _home(written: str) -> Path:
+    try:
+        return Path(written).expanduser()
+    except RuntimeError:  # ~nobody
+        return Path(written)
 
 
 @dataclass(frozen=True)

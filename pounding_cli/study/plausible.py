@@ -18,21 +18,35 @@ from pounding_cli.laws import link_laws
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import counted, listed
-from pounding_cli.study import facing, schema
+from pounding_cli.study import schema
 from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.build import tell_left_out
 from pounding_cli.study.file import Items, Map, Mark, Problems, Steps, get, locate
-from pounding_cli.study.held import tell_held
 from pounding_cli.study.laws import kind_of
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import StiffnessAt
 from pounding_cli.study.motions import Used
-from pounding_cli.study.quantity import ACCELERATION, NUMBER, Quantity, Text, lacks_unit
-from pounding_cli.study.usual import ACCELERATIONS, FORCES, LENGTHS, RANGES, STIFFNESSES, Plausible
+from pounding_cli.study.quantity import (
+    ACCELERATION,
+    ACCELERATIONS,
+    FORCES,
+    LENGTHS,
+    NUMBER,
+    RANGES,
+    STIFFNESSES,
+    Plausible,
+    Quantity,
+    Text,
+    lacks_unit,
+)
 from pounding_cli.study.words import fields_of, leaves, quantity_at
 from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
     from pounding_cli.study.study import Point, Study
+
+if TYPE_CHECKING:
+    from pounding_cli.study.study import Study
 
 MOST_CORNERS = 256
 """Combinations of swept values that are looked at for what is implausible together."""
@@ -107,7 +121,7 @@ def _doubt_point(study: Study, point: Point, notes: Problems) -> None:
         noted(("building", name), (("buildings", name),), work)
     group = study.group(point)
     if group is not None:
-        noted("group", ("buildings", "group"), partial(facing.tell, group.buildings, group.common, root, ("group",)))
+        noted("group", ("buildings", "group"), partial(tell_left_out, group.buildings, group.common, root, ("group",)))
         for case in study.root["cases"]:
             work = partial(doubt_links, study.links(point, case) or (), group.buildings, root, ("cases", case))
             noted(("case", case), ("buildings", "group", "impact", "laws", ("cases", case)), work)
@@ -412,3 +426,60 @@ def _leaf(root: Any, path: Steps, key: str) -> Steps:
 
 def _rounded(value: float) -> str:
     return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+
+
+_VARIED = (("sweep",), ("uncertain",), ("optimise", "over"))
+
+
+def tell_held(study: Study, notes: Problems) -> None:
+    """Note every mass that varies in a building with a `period`: its stiffness follows the mass, and its yield shears
+    follow the weight, which an uncertain mass is hardly meant to do."""
+    from pounding_cli.study.study import touched_by
+
+    model, specs = study.model, dict[str, Any]()
+    specs |= {name: study.building_spec(study.base, name) for name in dict.fromkeys(model.group)}
+    for key, mark, beside in _masses(study.root):
+        touched = touched_by([key], study.root)
+        names = [
+            name
+            for name, spec in specs.items()
+            if ("buildings", name) in touched and spec.stiffness is None and f"buildings.{name}.period" not in beside
+        ]
+        if names:
+            is_weight = "inelastic" in model.analyses and specs[names[0]].yield_shear is None
+            _tell(names, is_weight, mark, study, notes)
+
+
+def _masses(root: Map) -> Iterator[tuple[str, Mark, frozenset[str]]]:
+    """The keys of masses that vary, where each stands, and the keys that move with it."""
+    for section in _VARIED:
+        node = get(root, *section)
+        for holder in node if isinstance(node, list) else [node]:
+            for key in holder if isinstance(holder, Map) else ():
+                path = key.split(".")
+                if path[0] == "buildings" and path[2:3] == ["mass"]:
+                    yield key, holder.marks[key][0], frozenset(holder) if isinstance(node, list) else frozenset()
+
+
+def _tell(names: list[str], is_weight: bool, mark: Mark, study: Study, notes: Problems) -> None:
+    first = names[0]
+    buildings, building = study.tree(study.base)["buildings"], study.type(study.base, first)
+    assert building is not None  # the study was validated
+    period = _as_file_says(get(buildings, first, "period"), "")
+    mass = _as_file_says(get(buildings, first, "mass"), str(BuildingSpec.model_fields["mass"].default))
+    one = len(names) == 1
+    what = f"the period of {first} is held at {period}" if one else f"the periods of {listed(names)} are held"
+    strength = ", and so do the yield shears, which are a part of the weight" if is_weight else ""
+    hint = f"to hold the stiffness instead, write `stiffness: {{period: {period}, mass: {mass}}}` in place of `period`"
+    if is_weight:
+        shears = ", ".join(f"{shear / 1e3:.5g} kN" for shear in building.yield_shear.tolist())
+        hint += f"; to hold the yield shears too, `yield_shear: [{shears}]` in place of `yield`"
+    hint += "" if one else f" (of {first}; likewise in the others)"
+    notes.add(mark, f"where the mass varies, {what}: the stiffness changes in proportion to the mass{strength}", hint)
+
+
+def _as_file_says(value: Any, default: str) -> str:
+    """A value as the file says it."""
+    if value is None:
+        return default
+    return f"[{', '.join(map(str, value))}]" if isinstance(value, list) else str(value)

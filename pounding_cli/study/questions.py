@@ -193,8 +193,7 @@ class SensitivitySpec(Model):
     """What `pound sensitivity` is asked."""
 
     outputs: one_or_many(EXPRESSION, 0, 50, True) = key(  # type: ignore[valid-type]
-        (),
-        f"outputs, one or a list: {_COLUMN}",
+        (), f"outputs, one or a list: {_COLUMN}"
     )
     probabilities: one_or_many(STATEMENT, 0, 50, True) = key(  # type: ignore[valid-type]
         (),
@@ -251,10 +250,7 @@ _OVER_FORM = {
 class OptimiseSpec(Model):
     """What `pound optimise` is asked."""
 
-    least: EXPRESSION | None = key(
-        None,
-        f"number to minimise: {_COLUMN}",
-    )
+    least: EXPRESSION | None = key(None, f"number to minimise: {_COLUMN}")
     most: EXPRESSION | None = key(None, "number to maximise, instead of `least`")
     over: Annotated[Any, WithJsonSchema(_OVER_FORM)] = key(
         None,
@@ -265,8 +261,7 @@ class OptimiseSpec(Model):
     analysis: Literal["elastic", "inelastic"] | None = key(None, "analysis to optimise; required if the study has both")
     over_motions: Literal["mean", "largest"] = key("mean", "value over the motions, storey by storey")
     over_sweep: Literal["worst", "mean"] = key(
-        "worst",
-        "value over the points of a `sweep:`; `worst`: the largest for `least`, the smallest for `most`",
+        "worst", "value over the points of a `sweep:`; `worst`: the largest for `least`, the smallest for `most`"
     )
     generations: Annotated[int, Whole(1, 10_000)] = key(
         100, "largest number of generations; the search ends when all points of one are nearly as good"

@@ -20,15 +20,14 @@ from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
 from pounding_cli.study.axes import UNWRITTEN, SweepAxis, read_axes, with_middles
-from pounding_cli.study.file import Map, Problems, get, locate, nearest, put, read_study
+from pounding_cli.study.file import Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
 from pounding_cli.study.keep import check_keep
-from pounding_cli.study.kinds import refuse_other_kinds
 from pounding_cli.study.laws import link_models
-from pounding_cli.study.links import Links, OwnLaw, check_contact, own_laws
+from pounding_cli.study.links import OwnLaw, check_contact, content, own_laws
+from pounding_cli.study.links import links_of as scene_links
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
-from pounding_cli.study.motion_reader import MotionReader
-from pounding_cli.study.motions import Used, motions_of
+from pounding_cli.study.motions import MotionReader, Used, motions_of
 from pounding_cli.study.old_links import refuse_old
 from pounding_cli.study.plain import shown
 from pounding_cli.study.plan import Axis
@@ -89,7 +88,6 @@ class Study:
         root = Map({key: node for key, node in root.items() if key != "bracket"}, root.mark, root.marks)
         self.root, self.middles = with_middles(root, problems)
         self.reader = reader or MotionReader(path.resolve().parent)
-        self._links = Links()
         self._over((*read_axes(self.root, problems), *((sampled,) if sampled is not None else ())))
         self._check(problems)
         self.title = self.model.title or shortened(path.stem)
@@ -106,6 +104,7 @@ class Study:
         self._touched = [touched_by(axis.names, self.root) for axis in self.swept]
         self._masks: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
         self._kept: dict[Any, tuple[Any, tuple[Problem, ...]]] = {}
+        self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
         self._latest: tuple[Point, Map] | None = None  # the tree that was asked for last
         self._last: tuple[Point, build.Group] | None = None  # the group that was asked for last, if it is sound
 
@@ -152,9 +151,7 @@ class Study:
         if found is None:
             own = Problems(self.file)
             found = work(place, own), tuple(own.found)
-            if len(self._kept) >= MOST_KEPT:
-                del self._kept[next(iter(self._kept))]
-            self._kept[name, place] = found
+            keep(self._kept, (name, place), found)
         if found[1]:
             self.met |= dict.fromkeys(found[1], place)
         return found[0]
@@ -330,7 +327,11 @@ class Study:
             def note(path: tuple[str | int, ...], message: str, hint: str) -> None:
                 problems.at(self.at(at), path, message, hint)
 
-            return self._links.of(case, group, impact, laws, ("cases", name), note)
+            key = content(case, group, impact, laws)
+            found = self._alike.get(key) or scene_links(case, group, impact, laws, ("cases", name), note)
+            if key is not None and found is not None:
+                keep(self._alike, key, found)
+            return found
 
         return self.once(("links", name), point, subjects, work)
 
@@ -492,6 +493,13 @@ def load_study(path: str | Path) -> Study:
     """
     path = Path(path)
     return Study(path, *read_study(path))
+
+
+def keep(answers: dict[Any, Any], key: Any, answer: Any) -> None:
+    """Keep an answer, and the latest ones before it."""
+    if len(answers) >= MOST_KEPT:
+        del answers[next(iter(answers))]
+    answers[key] = answer
 
 
 def _is_valid(kind: Any, value: Any) -> bool:

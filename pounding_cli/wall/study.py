@@ -12,8 +12,19 @@ import numpy as np
 
 from pounding_cli.numbers import counted
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import LENGTH, MASS, TIME, Quantity, Text, Whole, refuse
-from pounding_cli.study.usual import LENGTHS, RANGES, TIMES, Plausible
+from pounding_cli.study.quantity import (
+    LENGTH,
+    LENGTHS,
+    MASS,
+    RANGES,
+    TIME,
+    TIMES,
+    Plausible,
+    Quantity,
+    Text,
+    Whole,
+    refuse,
+)
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 _HEIGHT = LENGTH.but(name="height", example="13.5 m", open_low=False)
