@@ -78,6 +78,11 @@ class Evidence:
         """The point in words and the units of the study: "cases.gap.gap = 5 cm"; empty where nothing is swept."""
         return ", ".join(f"{key} = {self.results.value_label(key, value)}" for key, value in self.point.items())
 
+    def of_study(self, place: str) -> dict[str, Any]:
+        """What the study says of the building at a place of the group."""
+        number = self.resolved["places"].index(place)
+        return dict(self.resolved["buildings"][self.resolved["group"][number]])
+
     def here(self, frame: pd.DataFrame) -> pd.DataFrame:
         """The rows of a table of the whole file at this point; swept keys that are no column of it do not matter."""
         for key, value in self.point.items():
@@ -105,6 +110,11 @@ class Evidence:
         return names(self.data["building"].values)
 
     @cached_property
+    def built(self) -> list[str]:
+        """The buildings of the group, without walls."""
+        return [name for name in self.group if not self.of_study(name).get("wall")]
+
+    @cached_property
     def periods(self) -> dict[str, float]:
         """Fundamental period of every building of the group [s]."""
         return dict(zip(self.group, self.data["period"].values.tolist(), strict=True))
@@ -113,7 +123,7 @@ class Evidence:
     def main(self) -> str:
         """The building that comes first: `report: {building: NAME}` of the study, else the one of shortest period."""
         chosen = (self.resolved.get("report") or {}).get("building")
-        return str(chosen) if chosen in self.group else min(self.periods, key=lambda name: self.periods[name])
+        return str(chosen) if chosen in self.group else min(self.built, key=lambda name: self.periods[name])
 
     @cached_property
     def plotted(self) -> list[str]:

@@ -35,7 +35,7 @@ def drawn_part(evidence: Evidence) -> Evidence:
 def profiles(evidence: Evidence) -> list[Picture]:
     """Every figure: response and accelerations of every building, forces of the links."""
     found = []
-    for building in sorted(evidence.group, key=lambda name: name != evidence.main):
+    for building in sorted(evidence.built, key=lambda name: name != evidence.main):
         said = f"Ratios to the building alone, storey by storey, one line per case. {largest_means(evidence, building)}"
         heading = f"{building}: storey shears and ductilities"
         found.append(Picture(f"{building}-response", heading, said, partial(response, evidence, building)))
@@ -232,7 +232,7 @@ def draw_group(
     ax: Axes, evidence: Evidence, black: Sequence[str], named: bool = False, unwritten: Collection[str] = ()
 ) -> None:
     """Buildings left to right as blocks of storeys to one scale with their periods, slabs as thick as they are; a point
-    marks every place where a slab strikes columns.
+    marks every place where a slab strikes columns. Walls are filled.
 
     black : buildings filled; named : whether their names stand below; unwritten : those whose period does not
     """
@@ -241,7 +241,8 @@ def draw_group(
     scale = STOREY / float(evidence.buildings["height"].mean())
     for place, name in enumerate(group):
         rows = evidence.buildings[evidence.buildings["building"] == name]
-        filled, left = name in black, place * (WIDTH + SPACE)
+        is_wall = name not in evidence.built
+        filled, left = name in black or is_wall, place * (WIDTH + SPACE)
         levels[name] = [0.0, *(scale * rows["height"].cumsum()).tolist()]
         slab = scale * float(rows["slab"].iloc[0])
         for below, height in zip(levels[name], scale * rows["height"], strict=False):
@@ -251,7 +252,7 @@ def draw_group(
                 top = (left, below + height - slab / 2)
                 ax.add_patch(Rectangle(top, WIDTH, slab, color="0.75" if filled else "0.4", linewidth=0))
         period = evidence.periods[name]
-        words = "" if name in unwritten else f"{period:.2f}" if many else f"T = {period:.2f} s"
+        words = "" if name in unwritten or is_wall else f"{period:.2f}" if many else f"T = {period:.2f} s"
         ax.annotate(
             f"{name}\n{words}" if named else words, (left + WIDTH / 2, 0), xytext=(0, -4), textcoords="offset points",
             ha="center", va="top", fontsize=8 if named else 6 if many else 7, rotation=90 if many else 0,

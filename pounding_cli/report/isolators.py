@@ -23,19 +23,13 @@ def loop_pictures(results: Results, shown: Evidence) -> list[Picture]:
     """The figure of the loops; nothing where no kept scene has isolators."""
     isolated = [
         name for name in results.resolved["places"]
-        if isinstance(base := _building(results, name).get("foundation"), dict) and base.get("isolation")
+        if isinstance(base := shown.of_study(name).get("foundation"), dict) and base.get("isolation")
     ]  # fmt: skip
     kept = [row for row in results.histories().to_dict("records") if all(row[k] == v for k, v in shown.point.items())]
     if not isolated or not kept:
         return []
     text = f"Force of the isolators of {', '.join(isolated)} over the displacement of the base, of kept scenes."
     return [Picture("isolators", "Isolators", text, partial(draw_loops, results, shown, isolated, kept[:MOST]))]
-
-
-def _building(results: Results, place: str) -> dict[str, Any]:
-    """What the study says of the building at a place of the group."""
-    places = results.resolved["places"]
-    return dict(results.resolved["buildings"][results.resolved["group"][places.index(place)]])
 
 
 @styled

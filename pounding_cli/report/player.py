@@ -51,7 +51,8 @@ def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> di
         floors = history.displacement[:, number, : len(rows)].T
         series += [each[::stride] for each in (*floors, *(foundation if moves else ()))]
         buildings.append({
-            "name": name, "period": float(rows["period"].iloc[0]), "slab": float(rows["slab"].iloc[0]),
+            "name": name, "period": rounded(float(rows["period"].iloc[0])), "slab": float(rows["slab"].iloc[0]),
+            "wall": bool(evidence.of_study(str(name)).get("wall")),
             "heights": [rounded(height) for height in rows["height"]],
             "yield": [rounded(drift) for drift in rows["yield_shear"] / rows["stiffness"]], "foundation": moves,
         })  # fmt: skip

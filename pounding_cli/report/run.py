@@ -182,7 +182,7 @@ def means(shown: Evidence) -> Table:
     """The largest mean ratio to the building alone of every case and building, with its storey."""
     rows = []
     for case in shown.cases:
-        for building in shown.group:
+        for building in shown.built:
             row: dict[str, Any] = {"case": shown.marked(case), "building": building}
             for analysis, ratio, _ in RESPONSES:
                 of, name = shown.means(case, analysis, building, ratio), f"{column_of(ratio).label} {analysis}"

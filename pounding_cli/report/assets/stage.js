@@ -85,7 +85,7 @@ function layout(scene, width, scale) {
   const wide = Math.max(8, Math.min(widest, (width - 28 - 2 * Math.min(scene.mostMoved * sideways, width * 0.2) - apart) / count));
   const starts = [(width - wide * count - apart) / 2];
   between.forEach((gap) => starts.push(starts.at(-1) + wide + gap));
-  return { width, height, ground, up, sideways, scale: chosen, heights, gaps, wide, starts };
+  return { width, height, ground, up, sideways, scale: chosen, heights, gaps, wide, starts, walls: scene.buildings.map(({ wall }) => wall) };
 }
 
 /** The colours of the page as the canvas needs them. */
@@ -139,7 +139,7 @@ function drawStage(canvas, scene, at, time, glow, ink) {
   pressing.forEach((each, number) => {
     if (!(each > 0.01)) return;
     const { left, right, y } = faces[number], link = scene.links[number], middle = (left + right) / 2; // a star as large and bright as the force
-    const size = Math.min(5 + 22 * Math.sqrt(each), Math.max(scene.buildings[link.left].heights[Math.max(link.floor - 1, 0)] * at.up * 0.45, 6));
+    const size = Math.min(5 + 22 * Math.sqrt(each), Math.max((scene.buildings[link.left].heights[Math.max(link.floor - 1, 0)] ?? 0) * at.up * 0.45, 6));
     pen.globalAlpha = Math.min(1, 0.3 + each);
     area(pen, ink.flash, Array.from({ length: 16 }, (_, ray) => [ray % 2 ? size * 0.42 : size, (ray * Math.PI) / 8]).map(([far, angle]) => [middle + far * Math.cos(angle), y + far * Math.sin(angle)]));
     pen.globalAlpha = 1;
@@ -195,16 +195,17 @@ function drawBuilding(pen, scene, at, number, time, x, thick, ink) {
   pen.font = '600 12.5px system-ui, sans-serif';
   if (pen.measureText(name).width >= at.wide * 1.15) return;
   write(pen, ink.ink, name, middle, at.ground + 25, 'center', '600 12.5px');
-  write(pen, ink.soft, `${period.toFixed(2)} s`, middle, at.ground + 40);
+  if (period) write(pen, ink.soft, `${period.toFixed(2)} s`, middle, at.ground + 40);
 }
 
 /** By how much a slab reaches further; columns do not, so that the slab that strikes them does by all of it. */
 const reach = (at, link) => ((at.gaps[link.left] - link.gap) / (link.left_at === link.right_at ? 2 : 1)) * at.sideways;
 
-/** The two faces of a link, and its height in the drawing; it ends at floors, or on columns, clamped in both floors. */
+/** The two faces of a link, and its height in the drawing; it ends at floors, or on columns, clamped in both floors, or at a wall, which moves as one. */
 function facesOf(at, link, x) {
-  const over = reach(at, link), end = (building, floor, part) => x(building, floor - 1) + (x(building, floor) - x(building, floor - 1)) * part * part * (3 - 2 * part);
-  const slab = link.left_at < 1 ? at.heights[link.right][link.right_floor] : at.heights[link.left][link.floor];
+  const between = (building, floor, part) => x(building, floor - 1) + (x(building, floor) - x(building, floor - 1)) * part * part * (3 - 2 * part);
+  const over = reach(at, link), end = (building, floor, part) => (at.walls[building] ? x(building, 1) : between(building, floor, part));
+  const slab = link.left_at < 1 || at.walls[link.left] ? at.heights[link.right][link.right_floor] : at.heights[link.left][link.floor];
   return {
     left: end(link.left, link.floor, link.left_at) + at.wide + (link.left_at === 1 ? over : 0),
     right: end(link.right, link.right_floor, link.right_at) - (link.right_at === 1 ? over : 0), y: at.ground - slab * at.up,
