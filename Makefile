@@ -63,10 +63,12 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "The site: site/index.html"
 
-# Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3).
+# Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3), and one that reads its exports.
 peers: setup
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements-peers.txt
-	$(BIN)/python -m pytest tests/peers
+	$(PYTHON) -m venv .venv/pelicun
+	.venv/pelicun/bin/python -m pip install --quiet --disable-pip-version-check pelicun==3.10.0
+	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
 
 # What it costs, by law and as scenes grow, into docs/performance.md (about two minutes on a quiet machine).
 bench: setup

@@ -348,12 +348,19 @@ def _folders(files: tuple[Path, ...], output: Path | None) -> dict[Path, Path]:
     type=click.Choice(("csv", "parquet", "excel", "netcdf")),
     help="Format, if PATH does not give it. Default: csv.",
 )
-def export(file: Path, tables: tuple[str, ...], output: Path | None, form: str | None) -> None:
+@click.option("--pelicun", is_flag=True, help="Write the demands of one building for Pelicun, as CSV.")
+@rows_options
+def export(
+    file: Path, tables: tuple[str, ...], output: Path | None, form: str | None, pelicun: bool, **rows: Any
+) -> None:
     """Write tables of a results file for other programs, in SI with all digits: all tables, or those named.
 
     CSV and Parquet have one file per table in a folder, with columns.csv, which describes every column, or a single
     file for one table. Excel has one sheet per table. netCDF has the whole file, for programs such as xarray and
     ncview. Tables: storey, floor, link, scene, flagged, accuracy, summary, records, buildings.
+
+    With --pelicun the file has interstorey drifts and floor accelerations of a building in one case and analysis, a row
+    for every motion and point of the sweep that --where and the like choose.
 
     \b
     Example:
@@ -361,12 +368,34 @@ def export(file: Path, tables: tuple[str, ...], output: Path | None, form: str |
       pound export results/fig6.h5 -o fig6.xlsx
       pound export results/fig6.h5 storey -o storey.parquet
       pound export results/fig6.h5 --format netcdf
+      pound export results/fig6.h5 --pelicun --case gap --building soft --analysis inelastic
     """
     from pounding_cli.api.studies import open_results
     from pounding_cli.results.export import export as written
 
+    wanted = _wanted(**rows)
+    if pelicun:
+        _export_demands(open_results(file), output, wanted)
+        return
+    if wanted:
+        raise InputError(Problem(f"{wanted[0][0]}: tables are exported whole", "leave it out, or write `--pelicun`"))
     for path in written(open_results(file), output, form, tables):
         click.echo(f"wrote {path}")
+
+
+def _export_demands(results: Results, output: Path | None, wanted: Sequence[tuple[str, str, str]]) -> None:
+    """Write the demands of the chosen rows, and say what is left out."""
+    from pounding_cli.outputs import check_output
+    from pounding_cli.results.pelicun import demands, left_out_in_words
+
+    chosen = _filtered(results, results.storey(), wanted, "storey")
+    table, left_out = demands(results, chosen)
+    path = output or results.path.with_name(f"{results.path.stem}-demands.csv")
+    check_output(path, [results.path], lambda _, head: b"PID-" in head)
+    table.to_csv(path)
+    click.echo(f"wrote {path}")
+    if left_out:
+        click.echo(left_out_in_words(left_out, left_out + len(table) - 1), err=True)
 
 
 @click.command()
