@@ -14,6 +14,7 @@ from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
 from pounding_cli.model.foundation import Foundation
+from pounding_cli.model.links import BASE
 from pounding_cli.model.meetings import Strike, meetings
 from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
@@ -97,6 +98,10 @@ def meetings_in_words(group: Sequence[Building]) -> list[str]:
     lines = []
     for left, right in pairwise(group):
         floors, strikes = meetings(left, right)
+        if isinstance(left, Wall) or isinstance(right, Wall):
+            named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors)
+            lines.append(f"{left.name}|{right.name}  the wall meets {named}")
+            continue
         found = [(float(left.elevation[i - 1]), "", (i, j)) for i, j in floors]
         for strike in strikes:
             columns, slab = (left, right)[strike.side], (right, left)[strike.side]

@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import pounding_cli as pound
+from pounding_cli.cli.main import cli
 from tests.adapter import Scene, difference, refused, solve
 from tests.physics.cases import shake
 
@@ -104,6 +106,18 @@ def test_a_base_strikes_the_wall_of_its_moat() -> None:
     assert difference(run, other) < 1e-7
     assert 0.04 < run.sway[1] == pytest.approx(run.max_closing.max(), rel=1e-12)
     assert abs(run.energy["residual"]) < 1e-9
+
+
+def test_a_check_tells_walls_and_isolators(tmp_path: Path) -> None:
+    (tmp_path / "moat.yaml").write_text(
+        "records: {use: [elcentro]}\nbuildings:\n  moat: {wall: {height: 4 m}}\n  rigid: {wall: fixed}\n"
+        "  house: {storeys: 3, period: 0.3 s, foundation: {mass: 200 t, isolation: {radius: 3.122 m, friction: 6.59 %,"
+        " capacity: 32.258 cm}}}\ngroup: [moat, house, rigid]\ncases: {near: {link: pounding, gap: 5 cm}}\n"
+    )
+    said = CliRunner().invoke(cli, ["check", str(tmp_path / "moat.yaml")]).output
+    assert "moat|house  the wall meets base, floor 1\n" in said
+    assert "house|rigid  the wall meets base, floor 1, floor 2, floor 3\n" in said
+    assert "period 2.77 s, damping 24.8 %" in said
 
 
 STUDY = """\
