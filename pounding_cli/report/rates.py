@@ -75,14 +75,17 @@ def _percent(value: float) -> str:
 
 @styled
 def draw_contributions(results: Results, shown: Evidence) -> Figure:
-    """The annual rate per ln of the intensity, alone and with pounding: a panel a limit and building."""
+    """The annual rate per ln of the intensity, alone and with pounding: a line of panels a limit, a panel a building."""
     answer = results.answer(CONTRIBUTIONS)
     rows, unit = shown.here(answer.frame), answer.columns["from"].unit
     rows = rows[rows["analysis"] == rows["analysis"].iloc[-1]]
     places = rows[["limit", "building"]].drop_duplicates().to_numpy().tolist()
     how = looks(list(dict.fromkeys(rows["case"])))
-    figure, axes = panels(1, len(places), 3.6, 2.8)
-    for ax, (limit, building) in zip(axes.flat, places, strict=True):
+    wide = max(sum(limit == each for each, _ in places) for limit, _ in places)
+    figure, axes = panels(-(-len(places) // wide), wide, 3.6, 2.8)
+    for ax in axes.flat[len(places) :]:
+        ax.set_visible(False)
+    for ax, (limit, building) in zip(axes.flat, places, strict=False):
         mine = rows[(rows["limit"] == limit) & (rows["building"] == building)]
         for number, (case, own) in enumerate(mine.groupby("case", sort=False)):
             at = np.sqrt(own["from"] * own["to"]) / unit.factor
@@ -96,7 +99,8 @@ def draw_contributions(results: Results, shown: Evidence) -> Figure:
         plain_log(ax.xaxis)
         ax.set_ylim(bottom=0)
         ax.set_xlabel(f"intensity [{unit.name}]" if unit.name else "intensity")
-    axes.flat[0].set_ylabel("annual rate per ln of the intensity")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("annual rate per ln of the intensity")
     shared_legend(figure, axes.flat)
     entitle(figure, shown.title)
     return figure
