@@ -75,7 +75,7 @@ def _percent(value: float) -> str:
 
 @styled
 def draw_contributions(results: Results, shown: Evidence) -> Figure:
-    """The annual rate per ln of the intensity, alone and with pounding: a line of panels a limit, a panel a building."""
+    """The annual rate per ln of the intensity, alone and with pounding: a line a limit, a panel a building."""
     answer = results.answer(CONTRIBUTIONS)
     rows, unit = shown.here(answer.frame), answer.columns["from"].unit
     rows = rows[rows["analysis"] == rows["analysis"].iloc[-1]]
