@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from pounding_cli.records.intensity import arias, cumulative_arias, oscillator, spectrum, velocity
-from pounding_cli.records.motion import GRAVITY, Motion
+from pounding_cli.records.motion import GRAVITY, Motion, arias, cumulative_arias, oscillator, spectrum, velocity
 
 CATALOGUE = Path(__file__).parents[1] / "records" / "catalogue.yaml"
 DIGITS = 6

@@ -45,7 +45,7 @@ class Solved:
 
     def written(self) -> pd.DataFrame:
         """The table that `pound connector` and `pound wall` write."""
-        return pd.read_csv(next(self.file.with_suffix("").glob("*.csv")))
+        return pd.read_csv(next(self.file.with_suffix("").glob("tables/*.csv")))
 
 
 def called(*words: object) -> str:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.cli.solve import study_argument
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
@@ -16,16 +18,41 @@ if TYPE_CHECKING:
     from pounding_cli.study import Study
 
 
-@click.command("accuracy", short_help="Measure error and time of every method on a study.")
-@click.argument("study", type=click.Path(path_type=Path))
-@click.option("--methods", metavar="NAME,...", default="", help="Methods to compare. Default: all.")
-@click.option("--cases", metavar="NAME,...", default="", help="Cases to run. Default: all.")
-@click.option("--records", metavar="NAME,...", default="", help="Motions to use. Default: all.")
-@click.option("--budget", default="60 s", show_default=True, metavar="TIME", help="Time for the runs, uncompiled.")
+class Seconds(click.ParamType):
+    """A time with its unit, in s."""
+
+    name = "time"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """As click's."""
+        from pydantic_core import PydanticCustomError
+
+        from pounding_cli.study.quantity import TIME
+
+        try:
+            return float(TIME.read(value))
+        except PydanticCustomError as refused:
+            said = refused.context or {}
+            self.fail(f"{said.get('message', refused)}: {said.get('hint', '')}", param, ctx)
+
+
+def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+@click.command()
+@study_argument
+@click.option("--methods", metavar="NAME,...", default="", callback=_names, help="Methods to compare. Default: all.")
+@click.option("--cases", metavar="NAME,...", default="", callback=_names, help="Cases to run. Default: all.")
+@click.option("--records", metavar="NAME,...", default="", callback=_names, help="Motions to use. Default: all.")
+@click.option("--budget", type=Seconds(), default="60 s", show_default=True, help="Time for the runs, uncompiled.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR",
               help="Folder. Default: results/STUDY-accuracy.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print the result only.")
-def command(study: Path, methods: str, cases: str, records: str, budget: str, output: Path | None, quiet: bool) -> None:
+def accuracy(
+    study: Path, methods: list[str], cases: list[str], records: list[str], budget: float, output: Path | None,
+    quiet: bool,
+) -> None:  # fmt: skip
     """Measure what accuracy costs on the scenes of STUDY.
 
     Every method runs every scene that it can solve, at several settings. Two methods give the reference; the command
@@ -42,16 +69,16 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
     from pounding_cli.report.accuracy import accuracy_report
     from pounding_cli.solver.work_precision import chosen, measure
 
-    allowed, names = seconds_of(budget), chosen(_listed(methods))
+    names = chosen(methods)
     folder = output or Path("results") / f"{study.stem}-accuracy"
     check_folder(folder)
     loaded = load_study(study)
-    subjects = _subjects(loaded, _listed(cases), _listed(records))
+    subjects = _subjects(loaded, cases, records)
     tell = (lambda text: None) if quiet else (lambda text: click.echo(f"  {text}", err=True))
-    words = ["pound", "accuracy", str(study)]
-    for option, value in (("--methods", methods), ("--cases", cases), ("--records", records), ("--budget", budget)):
-        words += [option, value] if value else []
-    report = accuracy_report(measure(subjects, names, allowed, tell), loaded.title, shlex.join(words))
+    words = ["pound", "accuracy", str(study), "--budget", f"{budget:g} s"]
+    for option, values in (("--methods", methods), ("--cases", cases), ("--records", records)):
+        words += [option, ",".join(values)] if values else []
+    report = accuracy_report(measure(subjects, names, budget, tell), loaded.title, shlex.join(words))
     files = report.save(folder, ("png", "svg"))
     if quiet:
         click.echo("\n".join(report.answer.sentences))
@@ -60,32 +87,8 @@ def command(study: Path, methods: str, cases: str, records: str, budget: str, ou
         click.echo(f"Wrote {files[-1]}: {counted(len(files), 'file')}")
 
 
-def seconds_of(text: str) -> float:
-    """A budget in seconds.
-
-    Raises
-    ------
-    InputError : no time, or not above zero
-    """
-    from pydantic_core import PydanticCustomError
-
-    from pounding_cli.errors import InputError, Problem
-    from pounding_cli.study.quantity import TIME
-
-    try:
-        return float(TIME.but(name="budget", example="60 s").read(text))
-    except PydanticCustomError as refused:
-        said = refused.context or {}
-        raise InputError(Problem(f"--budget: {said.get('message', refused)}", said.get("hint", ""))) from refused
-
-
-def _listed(text: str) -> list[str]:
-    return [name.strip() for name in text.split(",") if name.strip()]
-
-
 def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subject]:
-    """The linked scenes of the study's first point, each once."""
-    from pounding_cli.errors import InputError, Problem
+    """The linked scenes of the study's first point, each once.  Raises `InputError` for names that it does not have."""
     from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import expand
 

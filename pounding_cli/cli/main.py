@@ -4,78 +4,48 @@ from __future__ import annotations
 
 import errno
 import importlib
+import io
 import os
-import re
 import sys
-from typing import TYPE_CHECKING, Any, NoReturn
+from contextlib import suppress
+from typing import NoReturn
 
 import click
 
 from pounding_cli import __version__
-from pounding_cli.cli import streams
 from pounding_cli.errors import InputError
 from pounding_cli.workflows import TITLES
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-
-def _asking(*names: str) -> dict[str, tuple[str, str]]:
-    """The commands of workflows; without names all."""
-    places = {"run": "run", "optimise": "optimise"}
-    return {
-        name: (f"pounding_cli.cli.{places.get(name, f'answering:{name}')}", TITLES[name]) for name in names or TITLES
-    }
-
-
 COMMANDS = {
-    "init": ("pounding_cli.cli.init", "Write a commented study to start from."),
-    "check": ("pounding_cli.cli.check", "Validate a study; show what a run would solve and leave out."),
-    **_asking("run"),
-    "show": ("pounding_cli.cli.show", "Print a table of a results file."),
-    "report": ("pounding_cli.cli.report", "Write figures, tables, claims and a page of results files."),
-    **_asking(),
-    "export": ("pounding_cli.cli.export", "Write tables as CSV, Parquet, Excel or netCDF."),
-    "compare": ("pounding_cli.cli.compare", "Show what changed between two results files."),
-    "cite": ("pounding_cli.cli.cite", "List the references of what a study used."),
-    "schema": ("pounding_cli.cli.schema", "Print the JSON Schema of study files, for editors."),
-    "records": ("pounding_cli.cli.records", "List, show and import ground motions."),
-    "connector": (
-        "pounding_cli.cli.points:connector",
-        "Solve two connected oscillators in closed form (Figs 4 and 5).",
-    ),
-    "accuracy": ("pounding_cli.cli.accuracy", "Measure error and time of every method on a study."),
-    "wall": ("pounding_cli.cli.points:wall", "Solve an impact on a bumper wall (Fig. 8)."),
+    "init": ("study", "Write a commented study to start from."),
+    "check": ("study", "Validate a study; show what a run would solve and leave out."),
+    "run": ("solve", TITLES["run"]),
+    "show": ("results", "Print a table of a results file."),
+    "report": ("results", "Write figures, tables, claims and a page of results files."),
+    "gap": ("solve", TITLES["gap"]),
+    "fragility": ("solve", TITLES["fragility"]),
+    "sensitivity": ("solve", TITLES["sensitivity"]),
+    "optimise": ("solve", TITLES["optimise"]),
+    "export": ("results", "Write tables as CSV, Parquet, Excel or netCDF."),
+    "compare": ("results", "Show what changed between two results files."),
+    "cite": ("study", "List the references of what a study used."),
+    "schema": ("study", "Print the JSON Schema of study files, for editors."),
+    "records": ("records", "List, show and import ground motions."),
+    "connector": ("solve", "Solve two connected oscillators in closed form (Figs 4 and 5)."),
+    "accuracy": ("accuracy", "Measure error and time of every method on a study."),
+    "wall": ("solve", "Solve an impact on a bumper wall (Fig. 8)."),
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
-
-REFUSED, FAULT, STOPPED, NOBODY_READS = 2, 70, 130, 141
-"""Exit codes: refused input; an internal error (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
 
 FIRST = ("init", "check", "run", "show", "report")
 """What a newcomer needs, in the order of use."""
 
-
-class NobodyReads(Exception):
-    """The reader of standard output has gone, as `head` does; click would end that with exit code 1."""
+REFUSED, FAULT, STOPPED, NOBODY_READS = 2, 70, 130, 141
+"""Exit codes: refused input; an internal error (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
 
 
 class LazyGroup(click.Group):
     """A group whose subcommands live in modules of their own, imported on use: `pound --help` stays fast."""
-
-    def make_context(self, *arguments: Any, **more: Any) -> click.Context:
-        """As click's; this prints the help."""
-        try:
-            return super().make_context(*arguments, **more)
-        except BrokenPipeError as error:
-            raise NobodyReads from error
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """As click's."""
-        try:
-            return super().invoke(ctx)
-        except BrokenPipeError as error:
-            raise NobodyReads from error
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -83,8 +53,9 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        module, _, name = COMMANDS[cmd_name][0].partition(":")
-        return getattr(importlib.import_module(module), name or "command")
+        command = getattr(importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}"), cmd_name)
+        command.short_help = COMMANDS[cmd_name][1]
+        return command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -104,30 +75,15 @@ class LazyGroup(click.Group):
 
 def _meant(word: str) -> str:
     """What the user may have meant by an unknown command."""
+    import difflib  # here, as whatever is needed for an error only: `pound --help` stays fast
+
     for suffixes, name in (((".yaml", ".yml"), "run"), ((".h5", ".hdf5"), "show")):
         if word.lower().endswith(suffixes):
             return f" Did you mean `pound {name} {word}`?"
     if word == "plan":
         return " `pound check` shows what a study will solve, leave out and take."
-    near = _nearest(word, COMMANDS)
+    near = difflib.get_close_matches(word.lower(), COMMANDS, n=1, cutoff=0.5)
     return f" Did you mean `pound {near[0]}`?" if near else " `pound --help` lists them."
-
-
-def _meant_choice(error: click.ClickException) -> str:
-    """What the user may have meant by a word that is not among an argument's or option's choices; a line or ""."""
-    kind = getattr(getattr(error, "param", None), "type", None)
-    given = re.match(r"'(.+?)' is not one of", error.message)
-    if not isinstance(kind, click.Choice) or given is None:
-        return ""
-    near = _nearest(given[1], [str(choice) for choice in kind.choices])
-    return f"Did you mean '{near[0]}'?\n" if near else ""
-
-
-def _nearest(word: str, among: Iterable[str]) -> list[str]:
-    """The word among those that is most like the given one, in a list; an empty list where none is."""
-    import difflib  # here, as whatever is needed for an error only: `pound --help` stays fast
-
-    return difflib.get_close_matches(word.lower(), among, n=1, cutoff=0.5)
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
@@ -151,50 +107,64 @@ def cli(debug: bool) -> None:
 
 def main() -> None:
     """Run `pound`; whatever happens ends with a sentence and an exit code, a traceback is shown to who asks for it."""
-    streams.prepare()
+    for name in ("stdin", "stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed; a file opened next would take its number
+            setattr(sys, name, open(os.devnull, "r" if name == "stdin" else "w"))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding="utf-8", errors="replace")
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads a file of every package
+    code = 0
     try:
-        code = cli(standalone_mode=False)
+        found = cli(standalone_mode=False)
+        code = found if isinstance(found, int) else 0
         sys.stdout.flush()
     except InputError as refused:
+        code = REFUSED
         for problem in refused.problems:
             click.echo(f"error: {problem}", err=True)
-        _end(REFUSED)
     except click.ClickException as error:
+        code = REFUSED
         error.show()
-        click.echo(_meant_choice(error), err=True, nl=False)
-        _end(REFUSED)
     except (click.Abort, KeyboardInterrupt) as stop:
         if isinstance(stop.__cause__, EOFError):  # click takes one for Ctrl-D; nothing here asks a question
             _end(_unforeseen(stop.__cause__))
         click.echo("stopped; run the same command again to resume.", err=True)
-        _end(STOPPED)
-    except (NobodyReads, BrokenPipeError):
-        _end(NOBODY_READS)
+        code = STOPPED
+    except BrokenPipeError:
+        code = NOBODY_READS
+    except SystemExit as ended:  # click ends with 1 where nobody reads what it writes, and with 0 behind a completion
+        code = NOBODY_READS if ended.code else 0
     except Exception as error:
-        _end(_unforeseen(error))
-    _end(code if isinstance(code, int) else 0)
+        code = _unforeseen(error)
+    _end(code)
 
 
 def _end(code: int) -> NoReturn:
-    streams.silence()
+    """End with an exit code; what cannot be written any more, since nobody reads it, is dropped."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            with suppress(OSError, ValueError), open(os.devnull, "w") as nowhere:
+                os.dup2(nowhere.fileno(), stream.fileno())
     sys.exit(code)
 
 
 def _unforeseen(error: Exception) -> int:
     """Print an internal error: one line with the command to report it, or its traceback. Returns the exit code."""
+    import shlex
+    import traceback
+
     if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
         click.echo(f"error: there is no space left on the disk ({error.filename or 'while writing'})", err=True)
         return REFUSED
     first = (str(error).splitlines() or [""])[0]
-    what = f"internal error: {type(error).__name__}: {first[:300]}"
-    import shlex
-    import traceback
-
+    click.echo(f"internal error: {type(error).__name__}: {first[:300]}", err=True)
     if "--debug" in sys.argv[1:2]:
         traceback.print_exception(error)
-        click.echo(f"{what}\n    please report it with this traceback and the study file", err=True)
+        click.echo("    please report it with this traceback and the study file", err=True)
     else:
         command = shlex.join(["pound", "--debug", *sys.argv[1:]])
-        click.echo(f"{what}\n    please report it with the study file and what this command shows: {command}", err=True)
+        click.echo(f"    please report it with the study file and what this command shows: {command}", err=True)
     return FAULT

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-if TYPE_CHECKING:
-    from pounding_cli.records.motion import Motion
+import pounding_cli.records as motions
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.outputs import check_output
 
 SHOWN_PERIODS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0)
 """Periods [s] of the spectrum table; 0.36 and 0.60 s are the buildings of the paper."""
 
-FORMAT_NAMES = ("at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "column", "table")
-# Written out, so that help needs no numpy; a test holds them to the readers' own.
 
-
-@click.group(name="records")
-def command() -> None:
+@click.group()
+def records() -> None:
     """List, show and import ground motions.
 
     A catalogue name is searched in the folders of POUND_RECORDS, then in your own folder (see `import`), then among
@@ -28,20 +27,20 @@ def command() -> None:
     """
 
 
-def _reading(function):
+def _reading(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say how a file is to be read."""
     for option in (
-        click.option("--format", "format", type=click.Choice(FORMAT_NAMES), help="File format, if it is not detected."),
+        click.option("--format", type=click.Choice(motions.FORMATS), help="File format, if it is not detected."),
         click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
         click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
         click.option("--dt", type=float, metavar="S", help="Time step in s, for a file with one column."),
         click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file has none."),
     ):
-        function = option(function)
-    return function
+        command = option(command)
+    return command
 
 
-@command.command("list")
+@records.command("list")
 def list_() -> None:
     """List the catalogue: label, peak, Arias intensity, duration and source of each motion.
 
@@ -52,14 +51,16 @@ def list_() -> None:
       pound records list
       POUND_RECORDS=~/motions pound records list
     """
-    from pounding_cli.records import GRAVITY, arias, catalogue, find, locate
-
     rows = []
-    for name, known in catalogue().items():
-        whole = find(name)
+    for name, known in motions.catalogue().items():
+        whole = motions.find(name)
         used = whole.windowed(known.duration)
-        measures = f"{used.pga / GRAVITY:.3f}", f"{arias(used):.3f}", f"{known.duration:g} of {whole.duration:g}"
-        rows.append((name, known.title, whole.source, *measures, str(locate(name)[0])))
+        measures = (
+            f"{used.pga / motions.GRAVITY:.3f}",
+            f"{motions.arias(used):.3f}",
+            f"{known.duration:g} of {whole.duration:g}",
+        )
+        rows.append((name, known.title, whole.source, *measures, str(motions.locate(name)[0])))
     _table(("name", "motion", "label", "peak [g]", "Arias [m/s]", "window [s]", "from"), rows)
     if any(row[2] == "stand-in" for row in rows):
         click.echo(
@@ -68,7 +69,7 @@ def list_() -> None:
         )
 
 
-@command.command()
+@records.command()
 @click.argument("motion")
 @click.option("--window", type=float, metavar="S", help="Use only the first S seconds. Default for a name: Table 1.")
 @click.option("--whole", is_flag=True, help="Use the whole motion, also for a catalogue name.")
@@ -87,17 +88,13 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
       pound records show motions/kobe.txt --dt 0.01 --unit cm/s2 -o kobe.png
       pound records show CE47380.V2 --channel 3
     """
-    from pounding_cli.errors import InputError, Problem
-    from pounding_cli.outputs import check_output
-    from pounding_cli.records import entry, find, locate, names, read_file
-
     read_as = None
-    if motion in names() or (not os.path.exists(motion) and not Path(motion).suffix):
-        known = entry(motion)
-        found, title, place = find(motion), known.title, str(locate(motion)[0])
+    if motion in motions.names() or (not os.path.exists(motion) and not Path(motion).suffix):
+        known = motions.entry(motion)
+        found, title, place = motions.find(motion), known.title, str(motions.locate(motion)[0])
         window = None if whole else window or known.duration
     else:
-        reading = read_file(motion, **options)
+        reading = motions.read_file(motion, **options)
         found, title, place = reading.motion, Path(motion).name, motion
         read_as = f"{reading.format}, {reading.words}"
     if window is not None:
@@ -116,7 +113,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
         click.echo(f"\ndrawn: {output}")
 
 
-@command.command("import")
+@records.command("import")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("--as", "name", required=True, metavar="NAME", help="Name in the catalogue.")
 @click.option("--force", is_flag=True, help="Replace an imported motion of this name.")
@@ -132,19 +129,14 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
       pound records import taft111.AT2 --as taft
       pound records import parkfield.txt --as parkfield --dt 0.01
     """
-    from pounding_cli.errors import InputError, Problem
-    from pounding_cli.records import entry, locate, read_file
-    from pounding_cli.records.catalogue import keep, user_folder
-
-    known = entry(name)
-    reading = read_file(file, name=name, source="real", **options)
+    known = motions.entry(name)
+    reading = motions.read_file(file, name=name, source="real", **options)
     motion = reading.motion
-    target = user_folder() / f"{name}.txt"
+    target = motions.user_folder() / f"{name}.txt"
     if target.exists() and not force:
-        raise InputError(
-            Problem(f"'{name}' was imported before", "use --force to replace it, or delete that file", str(target))
-        )
-    keep(name, motion, file)
+        hint = "use --force to replace it, or delete that file"
+        raise InputError(Problem(f"'{name}' was imported before", hint, str(target)))
+    motions.keep(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, digest {motion.digest[:16]}")
     if reading.unit_from == "nobody" or reading.stated:
@@ -152,34 +144,31 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     told = [f"  - {line}" for line in known.differences(motion)]
     agrees = "It agrees with the catalogue in peak, Arias intensity and time step."
     click.echo("\n".join(["Differences from the catalogue:", *told]) if told else agrees)
-    used, *_ = locate(name)
+    used, *_ = motions.locate(name)
     if used != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
 
 
-def _print_measures(motion: Motion, title: str, place: str, read_as: str | None) -> None:
-    from pounding_cli.records import GRAVITY, arias, pgv, significant_duration, spectrum
-    from pounding_cli.records.intensity import displacement
-
-    first, last = significant_duration(motion)
+def _print_measures(motion: motions.Motion, title: str, place: str, read_as: str | None) -> None:
+    first, last = motions.significant_duration(motion)
     for label, value in (
         ("motion", f"{title} ({motion.source})"),
         ("from", place),
         ("read as", read_as),
         ("digest", motion.digest[:16]),
         ("samples", f"{motion.acceleration.size} at {motion.dt:g} s: {motion.duration:g} s"),
-        ("peak", f"{motion.pga / GRAVITY:.4f} g = {motion.pga:.4f} m/s2"),
-        ("peak velocity", f"{pgv(motion):.4f} m/s"),
-        ("peak displacement", f"{abs(displacement(motion)).max():.4f} m (no baseline correction)"),
-        ("Arias intensity", f"{arias(motion):.4f} m/s"),
+        ("peak", f"{motion.pga / motions.GRAVITY:.4f} g = {motion.pga:.4f} m/s2"),
+        ("peak velocity", f"{motions.pgv(motion):.4f} m/s"),
+        ("peak displacement", f"{abs(motions.displacement(motion)).max():.4f} m (no baseline correction)"),
+        ("Arias intensity", f"{motions.arias(motion):.4f} m/s"),
         ("D5-95", f"{last - first:.3f} s, from {first:.3f} to {last:.3f} s"),
     ):
         if value is not None:
             click.echo(f"{label:<18}{value}")
     click.echo("\n5 % damped pseudo-acceleration and displacement")
-    values = spectrum(motion, SHOWN_PERIODS)
+    values = motions.spectrum(motion, SHOWN_PERIODS)
     rows = [
-        (f"{period:.2f}", f"{value / GRAVITY:.4f}", f"{value * (period / 6.283185307179586) ** 2 * 100:.3f}")
+        (f"{period:.2f}", f"{value / motions.GRAVITY:.4f}", f"{value * (period / (2 * math.pi)) ** 2 * 100:.3f}")
         for period, value in zip(SHOWN_PERIODS, values, strict=True)
     ]
     _table(("T [s]", "Sa [g]", "Sd [cm]"), rows)

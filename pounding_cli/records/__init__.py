@@ -3,9 +3,8 @@
 Importing this package is cheap: scipy and yaml are imported by the functions that need them.
 """
 
-from pounding_cli.records.catalogue import Entry, catalogue, entry, find, locate, names
-from pounding_cli.records.intensity import arias, pgv, significant_duration, spectrum
-from pounding_cli.records.motion import GRAVITY, Motion
+from pounding_cli.records.catalogue import Entry, catalogue, entry, find, keep, locate, names, user_folder
+from pounding_cli.records.motion import GRAVITY, Motion, arias, displacement, pgv, significant_duration, spectrum
 from pounding_cli.records.reading import FORMATS, Reading, read_file, read_motion
 from pounding_cli.records.scaling import (
     SpectrumMatch,

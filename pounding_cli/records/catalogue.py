@@ -19,8 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.intensity import arias
-from pounding_cli.records.motion import GRAVITY, Motion
+from pounding_cli.records.motion import GRAVITY, Motion, arias
 from pounding_cli.records.reading import read_motion
 
 

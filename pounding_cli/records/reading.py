@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.records import columns, formats
+from pounding_cli.records import formats
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.text import Asked, Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
@@ -21,7 +21,7 @@ _NETWORKS = {
     "knet": formats.knet,
     "esm": formats.esm,
 }
-_PLAIN = {"two-column": columns.read_two_columns, "column": columns.read_column, "table": columns.read_table}
+_PLAIN = {"two-column": formats.read_two_columns, "column": formats.read_column, "table": formats.read_table}
 
 FORMATS = (*_NETWORKS, *_PLAIN)
 """The formats, as users name them; the plain ones need not state a unit: g is taken."""
@@ -111,7 +111,7 @@ def _samples(text: Text, asked: Asked, format: str | None) -> tuple[str, Samples
     kind, found = next(((name, found) for name, found in tried if found), (format, None))
     if kind in _NETWORKS and found is None:
         raise text.refuse(f"its first lines are not those of a file of format '{format}'", "leave 'format' out", 1)
-    kind = kind or columns.kind_of(text, asked)
+    kind = kind or formats.kind_of(text, asked)
     if asked.channel is not None and kind not in ("cosmos", "csmip"):
         raise text.refuse(f"a file of format '{kind}' has no channels", "leave 'channel' out")
     if asked.column is not None and kind != "table":

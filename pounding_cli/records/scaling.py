@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.intensity import SPECTRUM_DAMPING, arias, pgv, spectrum
-from pounding_cli.records.motion import Motion
+from pounding_cli.records.motion import SPECTRUM_DAMPING, Motion, arias, pgv, spectrum
 
 POINTS = 50
 """Periods a target spectrum is met at: so many, evenly in ln T over the range."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -24,7 +23,6 @@ SHORTEST, LONGEST = 1e-6, 10.0
 """Time steps [s] outside are no ground motion's."""
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z", re.ASCII)
-_PLAIN = re.compile(r"[-+.0-9Ee \t]+")
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
 _HEADER = re.compile(r"([A-Za-z0-9 ]+)[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
@@ -186,13 +184,7 @@ class Text:
 
     def _row(self, index: int) -> list[float]:
         """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""
-        line = self.lines[index]
-        if _PLAIN.fullmatch(line):
-            with suppress(ValueError):
-                values = [float(word) + 0.0 for word in line.split()]
-                if all(map(math.isfinite, values)):
-                    return values
-        values = []
+        line, values = self.lines[index], list[float]()
         for token in tokens(line):
             for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
                 if (value := number(part)) is None:

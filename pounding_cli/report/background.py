@@ -14,7 +14,7 @@ from pounding_cli.model.effects import EXPECTED, others
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import PAGE, Picture, Section
-from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, split
+from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
 from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
@@ -153,10 +153,10 @@ def _floors(links: pd.DataFrame) -> str:
 def _effects(scene: pd.DataFrame) -> Table:
     """The effects: in how many runs each was simulated, in how many left out, and why; those that no run has and nobody
     expects in one row."""
-    kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in split(cell))
+    kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
     dropped: dict[str, Counter[str]] = {}
     for cell in scene["dropped"]:
-        for line in split(cell):
+        for line in cell.splitlines():
             effect, _, reason = line.partition(": ")
             dropped.setdefault(effect, Counter())[reason] += 1
     every = dict.fromkeys((*kept, *dropped))

@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_folder
 from pounding_cli.report.table import TERMINAL_ROWS, to_csv, to_text
@@ -120,19 +121,19 @@ class Report:
         InputError : the folder cannot be written to
         """
         from pounding_cli.report.page import write_page
-        from pounding_cli.report.style import save, unwritable
+        from pounding_cli.report.style import save
 
-        self.sections  # noqa: B018 - what is asked for may be refused, before anything is written
-        check_folder(folder)
+        tables = [table for section in self.sections for table in section.tables if table.name]
+        check_folder(folder)  # what is asked for was refused before anything is written
         drawn = {picture.name: picture.draw() for picture in self.pictures} if formats else {}
-        files = save(drawn, folder, formats)
         try:
-            (folder / "tables").mkdir(exist_ok=True)
-            named = [table for section in self.sections for table in section.tables if table.name]
-            files += [to_csv(table, folder / "tables") for table in named]
+            (folder / "tables").mkdir(parents=True, exist_ok=True)
+            files = [*save(drawn, folder, formats), *(to_csv(table, folder / "tables") for table in tables)]
             return [*files, write_page(self, folder / PAGE, drawn)] if page else files
         except OSError as error:
-            raise unwritable(folder, error) from error
+            hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"
+            problem = Problem(f"cannot write the report to {folder}: {error.strerror or error}", hint)
+            raise InputError(problem) from error
 
     def _repr_html_(self) -> str:
         from pounding_cli.report.page import in_notebook

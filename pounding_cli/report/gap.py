@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -33,6 +33,8 @@ TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
 """The tables of scenes that the report has."""
 FEW_GAPS = 4
 """Gaps of the cases in sentences; the table has all."""
+PLACE = ["floor", "right_floor", "columns"]
+"""Which floors of two neighbours face each other."""
 
 _LOOKS = {
     EXACT: ("#000000", "-", "o"),
@@ -57,32 +59,31 @@ _RESTS_ON = {
 
 def gap_report(results: Results) -> Report:
     """What the required separations say."""
-    answer, shown = results.answer("gap"), nominal(results)
-    cases, line = results.answer(CASES), results.answer(LINE)
+    answer, line, cases, shown = results.answer("gap"), results.answer(LINE), results.answer(CASES), nominal(results)
     frame, keys = shown.here(answer.frame), [key for key in results.axes if key in answer.frame]
-    pairs = _widest(answer.frame, [*keys, "left", "right"], ["floor", "right_floor", "columns"])
-    lines = _widest(line.frame, [*keys, "building", "side"], ["floor"])
-    tables = [_widths(results, "Required gap at the floors that require the widest", pairs, "gap", "contact")]
+    pairs = _widest(answer.frame, [*keys, "left", "right"], PLACE)
+    pairs = pairs.assign(between=pairs["left"] + " | " + pairs["right"], floors=pairs.apply(_floors, axis=1))
+    tables = [_widths("Required gap at the floors that require the widest", pairs, answer, [*keys, "between", "floors"],
+                      "contact")]  # fmt: skip
     if len(cases.frame):
-        tables.append(_of_cases(results, cases.frame))
+        tables.append(_of_cases(keys, cases))
+    lines = _widest(line.frame, [*keys, "building", "side"], ["floor"])
     heading = "Distance to a property line, at the floors that move most"
-    tables.append(_widths(results, heading, lines, LINE, "reached"))
+    tables.append(_widths(heading, lines, line, [*keys, "building", "side", "floor"], "reached"))
     of_rate, rate_notes = gap_for_rate(results)
     tables[:0] = of_rate
-    said = _sentences(answer, _widest(frame, ["left", "right"], ["floor", "right_floor", "columns"]))
-    said += _case_sentences(cases, shown.here(cases.frame))
+    said = [*_sentences(answer, shown.here(pairs)), *_case_sentences(cases, shown.here(cases.frame))]
     pictures = []
     if len(frame):
         draw = partial(draw_profiles, answer, frame, shown)
         pictures.append(Picture("required-gap", "Required gap over the height", " ".join(said), draw))
         if keys and len(results.axes[keys[0]]) > 1:
             text = "Mean over the motions at the floors that require the widest gap."
-            draw = partial(draw_sweep, results, answer, shown, keys[0])
+            draw = partial(draw_sweep, answer, pairs, shown, keys[0])
             pictures.append(Picture("required-gap-sweep", "Required gap over the sweep", text, draw))
-    notes = [*_notes(answer), *rate_notes, *_case_notes(results, cases.frame), *_code_notes(results)]
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section("", said, tables, pictures, notes),
+        answer=Section("", said, tables, pictures, rate_notes + _notes(results, answer, cases.frame)),
         more=partial(background, results, shown, results.scene(), TABLES),
     )
 
@@ -93,38 +94,10 @@ def _widest(frame: pd.DataFrame, among: Sequence[str], place: Sequence[str]) -> 
 
     among : columns that tell them apart; place : columns that say which floor
     """
-    exact = frame[(frame["rule"] == EXACT) & frame["mean"].notna()]
-    told = [*among, "analysis"]
+    exact, told = frame[(frame["rule"] == EXACT) & frame["mean"].notna()], [*among, "analysis"]
     most = exact.loc[exact.groupby(told, sort=False)["mean"].idxmax(), [*told, *place]]
-    rows = frame.merge(most, on=[*told, *place])
-    order = {name: {value: n for n, value in enumerate(dict.fromkeys(rows[name]))} for name in among}
-    return rows.sort_values(list(among), key=lambda of: of.map(order[str(of.name)]), kind="stable")
-
-
-def _widths(results: Results, heading: str, rows: pd.DataFrame, name: str, reached: str) -> Table:
-    """Widths in the unit of the study; those for a probability of contact with their confidence interval."""
-    answer = results.answer(name)
-    columns = answer.columns
-    shown: dict[str, Any] = {key: rows[key] for key in results.axes if key in rows}
-    if name == LINE:
-        shown |= {each: rows[each] for each in ("building", "side", "floor")}
-    else:
-        shown |= {"between": rows["left"] + " | " + rows["right"], "floors": [_floors(row) for row in _dicts(rows)]}
-    shown |= {each: rows[each] for each in ("analysis", "rule", "mean", "mean_plus_std", "largest")}
-    shown |= {str(each): rows[each] for each in rows if str(each).startswith("percentile_")}
-    heads = {"mean_plus_std": "mean + σ", "over_exact": "mean over exact"}
-    heads |= {each: f"{each.removeprefix('percentile_')} %" for each in shown if each.startswith("percentile_")}
-    how = {each: replace(columns[each], label=heads.get(each, each)) for each in shown if each in columns}
-    for each in _contacts(answer):
-        shown[each] = [_between(answer, row, each) for row in _dicts(rows)]
-        how[each] = Column(label=f"{reached} {each.removeprefix('contact_')} % [{_unit(answer).name}]")
-    shown["over_exact"] = rows["over_exact"]
-    how["over_exact"] = Column(label="mean over exact")
-    return Table("", pd.DataFrame(shown), how, heading)
-
-
-def _dicts(rows: pd.DataFrame) -> list[dict[Any, Any]]:
-    return rows.to_dict("records")
+    order = most.drop(columns="analysis").drop_duplicates(list(among))[list(among)]
+    return order.merge(frame.merge(most, on=[*told, *place]), on=list(among))
 
 
 def _floors(row: Mapping[Any, Any]) -> str:
@@ -134,6 +107,20 @@ def _floors(row: Mapping[Any, Any]) -> str:
         return f"floor {one}" if one == other > 0 else BASE if one == other else f"floors {one} and {other}"
     slab, storey = (other, one) if side == "left" else (one, other)
     return f"floor {slab} beside columns of {row[side]} in storey {storey}"
+
+
+def _widths(heading: str, rows: pd.DataFrame, answer: Table, where: Sequence[str], reached: str) -> Table:
+    """Widths in the unit of the study; those for a probability of contact with their confidence interval."""
+    parts = [str(name) for name in rows if str(name).startswith("percentile_")]
+    labels = {"mean_plus_std": "mean + σ", "over_exact": "mean over exact"}
+    labels |= {name: f"{name.removeprefix('percentile_')} %" for name in parts}
+    shown = rows[[*where, "analysis", "rule", "mean", "mean_plus_std", "largest", *parts]].copy()
+    how = {n: replace(column, label=labels.get(n, n)) for n, column in answer.columns.items() if n in shown}
+    for name in _contacts(answer):
+        shown[name] = [_between(answer, row, name) for row in rows.to_dict("records")]
+        how[name] = Column(label=f"{reached} {name.removeprefix('contact_')} % [{_unit(answer).name}]")
+    how["over_exact"] = Column(label="mean over exact")
+    return Table("", shown.assign(over_exact=rows["over_exact"]), how, heading)
 
 
 def _unit(answer: Table) -> Unit:
@@ -148,20 +135,27 @@ def _contacts(answer: Table) -> list[str]:
 
 def _between(answer: Table, row: Mapping[Any, Any], name: str) -> str:
     """A width with its confidence interval in brackets."""
-    if row[name] != row[name]:
-        return NOTHING
-    low, high = (row[name + end] for end in ("_low", "_high"))
-    of = [digits(_unit(answer).number(value), 3) for value in (low, high)]
-    interval = f" ({of[0]} to {of[1]})" if row["rule"] == EXACT and low == low else ""
-    return digits(_unit(answer).number(row[name])) + interval
+    value, low, high = (_unit(answer).number(row[f"{name}{end}"]) for end in ("", "_low", "_high"))
+    interval = f" ({digits(low, 3)} to {digits(high, 3)})" if row["rule"] == EXACT and low == low else ""
+    return digits(value) + interval if value == value else NOTHING
+
+
+def _of_cases(keys: Sequence[str], cases: Table) -> Table:
+    """Whether the gaps of the cases are enough."""
+    rows = cases.frame
+    shown = rows[[*keys, "case"]].assign(between=rows["left"] + " | " + rows["right"])
+    shown = shown.join(rows[["analysis", "rule", "gap", "required", "enough"]])
+    motions = rows["enough_for"].astype(str) + " of " + rows["motions"].astype(str)
+    shown["for motions"] = motions.where(rows["motions"] > 0, NOTHING)
+    return Table("", shown, cases.columns, "Gaps of the cases")
 
 
 def _sentences(answer: Table, rows: pd.DataFrame) -> list[str]:
     """What every pair of buildings needs, analysis by analysis."""
     unit, contact, said = _unit(answer), _contacts(answer)[0], []
-    for (left, right), part in rows.groupby(["left", "right"], sort=False):
+    for pair, part in rows.groupby("between", sort=False):
         parts = []
-        for row in _dicts(part[part["rule"] == EXACT]):
+        for row in part[part["rule"] == EXACT].to_dict("records"):
             words = f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}"
             words += f", largest {unit.text(row['largest'], 4)}"
             if row[contact] == row[contact]:
@@ -169,26 +163,15 @@ def _sentences(answer: Table, rows: pd.DataFrame) -> list[str]:
                 words += f"; {_between(answer, row, contact)} {unit.name} for {share} % probability of contact"
             parts.append(words)
         motions = counted(int(part["motions"].max()), "motion")
-        floors = " or ".join(dict.fromkeys(map(_floors, _dicts(part))))
-        said.append(f"{left} | {right}: required gap at {floors}, {motions}. {'. '.join(parts)}.")
+        said.append(f"{pair}: required gap at {' or '.join(part['floors'].unique())}, {motions}. {'. '.join(parts)}.")
     return said
-
-
-def _of_cases(results: Results, frame: pd.DataFrame) -> Table:
-    """Whether the gaps of the cases are enough."""
-    columns = results.answer(CASES).columns
-    shown: dict[str, Any] = {key: frame[key] for key in results.axes if key in frame}
-    shown |= {"case": frame["case"], "between": frame["left"] + " | " + frame["right"]}
-    shown |= {name: frame[name] for name in ("analysis", "rule", "gap", "required", "enough")}
-    shown["for motions"] = [f"{r['enough_for']} of {r['motions']}" if r["motions"] else NOTHING for r in _dicts(frame)]
-    return Table("", pd.DataFrame(shown), columns, "Gaps of the cases")
 
 
 def _case_sentences(cases: Table, frame: pd.DataFrame) -> list[str]:
     """Whether each gap is enough, by what the motions require; at one point of the sweep."""
     said: dict[str, list[str]] = {}
     head = ""
-    for row in _dicts(frame[frame["rule"] == EXACT]):
+    for row in frame[frame["rule"] == EXACT].to_dict("records"):
         if row["analysis"] == frame["analysis"].iloc[0]:
             gap = cases.columns["gap"].unit.text(row["gap"], 4)
             head = f"Case {row['case']}, {row['left']} | {row['right']}: gap {gap}"
@@ -198,8 +181,8 @@ def _case_sentences(cases: Table, frame: pd.DataFrame) -> list[str]:
     return [f"{head}: {', '.join(words)}." for head, words in list(said.items())[:FEW_GAPS]]
 
 
-def _notes(answer: Table) -> list[str]:
-    """What a reader should know of the widths."""
+def _notes(results: Results, answer: Table, cases: pd.DataFrame) -> list[str]:
+    """What a reader should know of the widths, of the cases and of the rules of codes."""
     frame, rules = answer.frame, set(answer.frame["rule"])
     error = float(frame["error"].max())
     worth = "The numerical error was not estimated (estimate: none)."
@@ -225,13 +208,7 @@ def _notes(answer: Table) -> list[str]:
         notes.append("GB 50011-2010, 6.1.4: a least width that depends on height, intensity and system alone.")
     if any(rule.startswith("UBC") for rule in rules):
         notes.append("UBC: sum of the displacements that the code which set the yield shears allows both buildings.")
-    return notes
-
-
-def _case_notes(results: Results, frame: pd.DataFrame) -> list[str]:
-    """What "enough" means, and which cases are not compared."""
-    notes = []
-    if len(frame):
+    if len(cases):
         notes.append(
             "Enough: at every floor with a link in the case the gap is no narrower than what the rule requires, under "
             "every motion. Each building moves alone."
@@ -242,17 +219,17 @@ def _case_notes(results: Results, frame: pd.DataFrame) -> list[str]:
                 "side is not enough, the answer for the other side does not hold."
             )
     written = parse(results.study_text, str(results.path)).get("cases")
-    if others := [case for case in written or () if case not in set(frame["case"])]:
+    if others := [case for case in written or () if case not in set(cases["case"])]:
         notes.append(
             f"Not compared: {', '.join(others)}. There is no link, or one that acts before the gap has closed, so that "
             "the buildings do not move alone; `pound run` simulates them."
         )
-    return notes
+    return [*notes, *_code_notes(results.resolved)]
 
 
-def _code_notes(results: Results) -> list[str]:
+def _code_notes(resolved: Mapping[str, Any]) -> Iterator[str]:
     """What the rules of codes with a displacement of every building rest on, and which keys they lack."""
-    resolved, notes, said = results.resolved, list[str](), list[str]()
+    said = []
     for rule, keys in {ASCE7: ("Cd", "Ie"), EN1998: ("qd",)}.items():
         wanted: dict[str, list[str]] = {}
         for name in dict.fromkeys(resolved["group"]):
@@ -264,38 +241,57 @@ def _code_notes(results: Results) -> list[str]:
         if words:
             said.append(f"{rule} (lacks {words})")
         else:
-            notes.append(_RESTS_ON[rule])
+            yield _RESTS_ON[rule]
     if said:
-        notes.append(
+        yield (
             f"Not evaluated: {', '.join(said)}. Write these keys under `yield` of the building, e.g. "
             "`yield: {base_shear: 0.10 W, distribution: asce7, Cd: 5.5, Ie: 1, qd: 3.9}`."
         )
-    notes.append("UBC 1997 and NZS 1170.5 have other rules. They are left out because no source was available.")
-    return notes
+    yield "UBC 1997 and NZS 1170.5 have other rules. They are left out because no source was available."
+
+
+def _panels(frame: pd.DataFrame, height: float) -> tuple[Figure, Any, Iterator[tuple[Axes, pd.DataFrame]]]:
+    """A figure with its axes: a line of panels for each pair of neighbours, a panel for each analysis; and the rows of
+    each panel."""
+    pairs, analyses = frame[["left", "right"]].drop_duplicates(), frame["analysis"].unique()
+    figure, axes = panels(len(pairs), len(analyses), 3.9, height, sharey="row", sharex=True)
+
+    def each() -> Iterator[tuple[Axes, pd.DataFrame]]:
+        for line, (left, right) in zip(axes, pairs.itertuples(index=False), strict=True):
+            for ax, analysis in zip(line, analyses, strict=True):
+                ax.set_title(f"{left} | {right}, {analysis}", loc="left")
+                yield ax, frame[(frame["left"] == left) & (frame["right"] == right) & (frame["analysis"] == analysis)]
+
+    return figure, axes, each()
+
+
+def _line(ax: Axes, rule: str, x: Any, y: Any) -> None:
+    """The line of one rule."""
+    color, style, marker = _LOOKS.get(rule, _CODE)
+    size, width, above = (4.5, 2.2, 4) if rule == EXACT else (3.5, 1.3, 3)
+    label = "exact, mean" if rule == EXACT else rule
+    ax.plot(x, y, color=color, ls=style, marker=marker, ms=size, lw=width, zorder=above, label=label)
 
 
 @styled
 def draw_profiles(answer: Table, frame: pd.DataFrame, shown: Evidence) -> Figure:
     """Widths across, height upwards: a panel for each pair of neighbours and analysis."""
     unit, contact = _unit(answer), _contacts(answer)[0]
-    pairs = list(dict.fromkeys(zip(frame["left"], frame["right"], strict=True)))
-    analyses = list(dict.fromkeys(frame["analysis"]))
-    figure, axes = panels(len(pairs), len(analyses), 3.9, 3.6, sharey="row", sharex=True)
-    for line, (left, right) in zip(axes, pairs, strict=True):
-        for ax, analysis in zip(line, analyses, strict=True):
-            here = frame[(frame["left"] == left) & (frame["right"] == right) & (frame["analysis"] == analysis)]
-            _motions(ax, shown, here, unit)
-            for rule, rows in here.groupby("rule", sort=False):
-                rows = rows.sort_values("height")
-                _line(ax, str(rule), rows["mean"] / unit.factor, rows["height"])
-                if rule == EXACT and rows[contact].notna().any():
-                    low, wanted, high = (rows[contact + end] / unit.factor for end in ("_low", "", "_high"))
-                    ax.fill_betweenx(rows["height"], low, high, color="#56B4E9", alpha=0.2, lw=0, zorder=1)
-                    label = f"exact, contact {contact.removeprefix('contact_')} %"
-                    ax.plot(wanted, rows["height"], color="#56B4E9", lw=1.8, zorder=3.5, label=label)
-            ax.set_title(f"{left} | {right}, {analysis}", loc="left")
-            ax.set_ylim(0, None)
-        line[0].set_ylabel("height of the floors [m]")
+    figure, axes, each = _panels(frame, 3.6)
+    for ax, here in each:
+        for _, motion in _closings(shown, here).groupby("record", sort=False):
+            ax.plot(motion["max_closing"] / unit.factor, motion["height"], color="0.75", lw=0.7, zorder=2)
+        for rule, rows in here.groupby("rule", sort=False):
+            rows = rows.sort_values("height")
+            _line(ax, str(rule), rows["mean"] / unit.factor, rows["height"])
+            if rule == EXACT and rows[contact].notna().any():
+                low, wanted, high = (rows[contact + end] / unit.factor for end in ("_low", "", "_high"))
+                ax.fill_betweenx(rows["height"], low, high, color="#56B4E9", alpha=0.2, lw=0, zorder=1)
+                label = f"exact, contact {contact.removeprefix('contact_')} %"
+                ax.plot(wanted, rows["height"], color="#56B4E9", lw=1.8, zorder=3.5, label=label)
+        ax.set_ylim(0, None)
+    for ax in axes[:, 0]:
+        ax.set_ylabel("height of the floors [m]")
     for ax in axes[-1]:
         ax.set_xlabel(f"gap [{unit.name}]")
     reach = frame[["largest", contact]].max().max() / unit.factor
@@ -310,48 +306,29 @@ def draw_profiles(answer: Table, frame: pd.DataFrame, shown: Evidence) -> Figure
     return figure
 
 
-def _line(ax: Axes, rule: str, x: Any, y: Any) -> None:
-    """The line of one rule."""
-    color, style, marker = _LOOKS.get(rule, _CODE)
-    size, width, above = (4.5, 2.2, 4) if rule == EXACT else (3.5, 1.3, 3)
-    label = "exact, mean" if rule == EXACT else rule
-    ax.plot(x, y, color=color, ls=style, marker=marker, ms=size, lw=width, zorder=above, label=label)
-
-
-def _motions(ax: Axes, shown: Evidence, here: pd.DataFrame, unit: Unit) -> None:
-    """Every motion as a thin line."""
-    left, right, analysis = (here[name].iloc[0] for name in ("left", "right", "analysis"))
+def _closings(shown: Evidence, here: pd.DataFrame) -> pd.DataFrame:
+    """Of every motion the largest closing at every height of one pair and analysis."""
     link = shown.link if "left_at" in shown.link else shown.link.assign(left_at=1.0, right_at=1.0)
-    mine = link[(link["left"] == left) & (link["right"] == right) & (link["analysis"] == analysis)]
-    facing = here[["floor", "right_floor", "columns", "height"]]
-    heights = {tuple(place): height for *place, height in facing.itertuples(index=False)}
-    for _, rows in mine.groupby("record", sort=False):
-        sides = np.where(rows["left_at"] < 1, "left", np.where(rows["right_at"] < 1, "right", ""))
-        at = np.array([heights[place] for place in zip(rows["floor"], rows["right_floor"], sides, strict=True)])
-        order = np.argsort(at)
-        ax.plot(rows["max_closing"].to_numpy()[order] / unit.factor, at[order], color="0.75", lw=0.7, zorder=2)
+    link = link.assign(columns=np.select([link["left_at"] < 1, link["right_at"] < 1], ["left", "right"], ""))
+    facing = here[["left", "right", "analysis", *PLACE, "height"]].drop_duplicates()
+    return link.merge(facing, on=["left", "right", "analysis", *PLACE]).sort_values("height")
 
 
 @styled
-def draw_sweep(results: Results, answer: Table, shown: Evidence, key: str) -> Figure:
+def draw_sweep(answer: Table, pairs: pd.DataFrame, shown: Evidence, key: str) -> Figure:
     """Mean widths at the floors that need most against the first swept key, the others as at the point shown."""
-    unit, frame = _unit(answer), answer.frame
+    unit, across, rows = _unit(answer), shown.results.units[key], pairs
     for other, value in shown.point.items():
-        frame = frame[frame[other] == value] if other != key and other in frame else frame
-    rows = _widest(frame, [key, "left", "right"], ["floor", "right_floor", "columns"])
-    pairs = list(dict.fromkeys(zip(rows["left"], rows["right"], strict=True)))
-    analyses = list(dict.fromkeys(rows["analysis"]))
-    figure, axes = panels(len(pairs), len(analyses), 3.9, 3.0, sharey="row", sharex=True)
-    for line, (left, right) in zip(axes, pairs, strict=True):
-        for ax, analysis in zip(line, analyses, strict=True):
-            mine = rows[(rows["left"] == left) & (rows["right"] == right) & (rows["analysis"] == analysis)]
-            for rule, here in mine.groupby("rule", sort=False):
-                across = here[key] / results.units[key].factor if here[key].dtype.kind == "f" else here[key]
-                _line(ax, str(rule), across, here["mean"] / unit.factor)
-            ax.set_title(f"{left} | {right}, {analysis}", loc="left")
-            ax.set_ylim(0, None)
-            name_axis(ax, "x", [key], [results.units[key]], results.resolved)
-        line[0].set_ylabel(f"gap, mean over the motions [{unit.name}]")
+        rows = rows[rows[other] == value] if other != key and other in rows else rows
+    figure, axes, each = _panels(rows, 3.0)
+    for ax, mine in each:
+        for rule, here in mine.groupby("rule", sort=False):
+            x = here[key] / across.factor if here[key].dtype.kind == "f" else here[key]
+            _line(ax, str(rule), x, here["mean"] / unit.factor)
+        ax.set_ylim(0, None)
+        name_axis(ax, "x", [key], [across], shown.resolved)
+    for ax in axes[:, 0]:
+        ax.set_ylabel(f"gap, mean over the motions [{unit.name}]")
     shared_legend(figure, axes.flat)
     entitle(figure, shown.title)
     return figure

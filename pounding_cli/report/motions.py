@@ -12,8 +12,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
-from pounding_cli.records.intensity import displacement, husid, significant_duration, spectrum, velocity
-from pounding_cli.records.motion import GRAVITY, Motion
+from pounding_cli.records.motion import GRAVITY, Motion, displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
 from pounding_cli.report.style import caption, entitle, is_for_paper, new_figure, styled
 

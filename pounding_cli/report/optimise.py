@@ -32,16 +32,85 @@ MOST_KEYS = 8
 """Keys that are drawn."""
 _AT_END = 1e-6
 """Of a range: nearer to its end than that, the optimum lies at it [-]."""
-
 _LINE, _BEST, _WRITTEN, _FLAT = "#0072B2", "#AA2211", "#E69F00", "0.9"
+
+Key = dict[Any, Any]
+"""A row of the table of keys."""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The answer as it was read back.
+
+    keys : a row of the table for each
+    tried : every point; units : of its columns
+    design : what the buildings do at the optimum and with the study as written, a row for each quantity
+    resolved : the study with every default filled in
+    """
+
+    keys: list[Key]
+    tried: pd.DataFrame
+    units: Mapping[str, Unit]
+    design: list[Key]
+    resolved: Mapping[str, Any]
+
+    @property
+    def first(self) -> Key:
+        """What is the same for all keys."""
+        return self.keys[0]
+
+    @property
+    def direction(self) -> str:
+        """least or most."""
+        return str(self.first["sought"]).partition(" ")[0]
+
+    @property
+    def sought(self) -> str:
+        """What is sought least or most."""
+        return str(self.first["sought"]).partition(" ")[2]
+
+    @property
+    def unit(self) -> str:
+        """The unit of the number sought behind a blank; "" of a pure number."""
+        return f" {self.units['value'].name}".rstrip()
+
+    def text(self, key: Key, name: str) -> str:
+        """A value of a key in the unit of the study, without it; NOTHING where there is none."""
+        option = {"value": "option", "written": "written_option"}.get(name)
+        if option and key[option]:
+            return str(key[option])
+        factor = self.units[key["key"]].factor
+        return Unit("", factor).text(float(key[name]), digits=4) if key[name] == key[name] else NOTHING
+
+    def span(self, key: Key, name: str) -> str:
+        """A range of a key, without its unit."""
+        ends = [self.text(key, f"{name}_{end}") for end in ("from", "to")]
+        return NOTHING if NOTHING in ends else " to ".join(ends)
+
+    def scaled(self, key: Key, values: Any) -> np.ndarray:
+        """Values of a key in the unit of the study."""
+        return np.asarray(values, float) / self.units[key["key"]].factor
+
+    def through(self, *free: Key) -> pd.DataFrame:
+        """The points with a number that differ from the optimum in some keys alone."""
+        here = self.tried["value"].notna()
+        for key in self.keys:
+            if key not in free:
+                here &= self.tried[key["key"]] == (key["option"] or key["value"])
+        return self.tried[here]
 
 
 def optimise_report(results: Results) -> Report:
     """What the search for an optimum says."""
     whole, results = results, results.first_sample()
-    found, shown = optimum_of(results), nominal(results)
-    said, tables, pictures = sentences(found), list[Table](), list[Picture]()
-    if found.is_found:
+    tried = results.answer(POINTS)
+    found = Optimum(
+        results.answer(OPTIMUM).frame.to_dict("records"), tried.frame,
+        {name: column.unit for name, column in tried.columns.items()},
+        results.answer(DESIGN).frame.to_dict("records"), results.resolved,
+    )  # fmt: skip
+    shown, said, tables, pictures = nominal(results), sentences(found), list[Table](), list[Picture]()
+    if found.first["outcome"] != NO_OPTIMUM:
         tables = [_optimum(found), _design(found)]
         text = f"{said[0]} Along each key through the optimum, and every point that was tried."
         draw = partial(draw_optimum, found, shown)
@@ -57,24 +126,25 @@ def optimise_report(results: Results) -> Report:
 @styled
 def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
     """A panel for each key, and the map."""
-    keys = found.keys[:MOST_KEYS]
-    mapped = [key for key in found.keys if key["mapped"]]
-    panels = len(keys) + (1 if mapped else 0)
-    columns = 2 if panels == 4 else min(panels, 3)
-    lines = -(-panels // columns)
+    keys, mapped = found.keys[:MOST_KEYS], [key for key in found.keys if key["mapped"]]
+    count = len(keys) + bool(mapped)
+    columns = 2 if count == 4 else min(count, 3)
+    lines = -(-count // columns)
     figure = new_figure(3.3 * columns + 0.6, 2.7 * lines + 0.9)
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
-    window = _window(found)
-    for ax, key in zip(axes, keys, strict=False):
-        _along(ax, found, key, window)
-    for number, ax in enumerate(axes[: len(keys)]):
+    near = found.tried[found.tried["stage"].isin(["slices", "map", "as written"])]["value"].dropna()
+    values = [*(near if len(near) else found.tried["value"].dropna()), found.first["optimum"]]
+    room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values[-1]) or 1.0
+    for number, (ax, key) in enumerate(zip(axes, keys, strict=False)):
+        _along(ax, found, key)
+        ax.set_ylim(min(values) - room, max(values) + room)
         if number % columns == 0:
-            ax.set_ylabel(found.label_of_value, fontsize=7.5)
+            ax.set_ylabel(f"{found.sought}{f' [{found.unit.strip()}]' if found.unit else ''}", fontsize=7.5)
     if mapped:
         _map(figure, axes[len(keys)], found, mapped)
-    for ax in axes[panels:]:
+    for ax in axes[count:]:
         ax.axis("off")
-    handles = {h.get_label(): h for ax in axes[:panels] for h in ax.get_legend_handles_labels()[0]}
+    handles = {h.get_label(): h for ax in axes[:count] for h in ax.get_legend_handles_labels()[0]}
     below_title = (0.005, 1.0 - 0.27 / figure.get_figheight())
     figure.legend(handles.values(), handles.keys(), loc="upper left", bbox_to_anchor=below_title, ncols=5, fontsize=8)
     entitle(figure, f"{shown.title}\n")  # the second line is the legend's
@@ -82,296 +152,157 @@ def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
     return figure
 
 
-def _window(found: Optimum) -> tuple[float, float]:
-    """The values that are drawn: those of the slices and the map, and of the file as written."""
-    frame = found.tried.frame
-    here = frame.loc[frame["stage"].isin(["slices", "map", "as written"]), "value"].to_numpy(float)
-    here = here if np.isfinite(here).any() else frame["value"].to_numpy(float)
-    here = np.append(here[np.isfinite(here)], found.first["optimum"])
-    low, high = float(here.min()), float(here.max())
-    room = 0.05 * (high - low) or 0.01 * abs(high) or 1.0
-    return low - room, high + room
-
-
-def _slice(found: Optimum, key: dict[Any, Any]) -> pd.DataFrame:
-    """The points that differ from the optimum in one key alone."""
-    frame = found.tried.frame
-    here = np.ones(len(frame), bool)
-    for other in found.keys:
-        if other["key"] != key["key"]:
-            column = frame[other["key"]]
-            here &= (column == (other["option"] or other["value"])).to_numpy()
-    return frame[here & frame["value"].notna().to_numpy()].sort_values(key["key"])
-
-
-def _shown(found: Optimum, name: str, values: Any) -> np.ndarray:
-    """Values of a key in the unit of the study."""
-    return np.asarray(values, float) / found.tried.columns[name].unit.factor
-
-
-def _name(ax: Axes, which: str, found: Optimum, key: dict[Any, Any]) -> None:
-    unit = found.tried.columns[key["key"]].unit
-    name_axis(ax, which, [key["key"]], [unit], found.resolved, 7.5, 32)
-
-
-def _along(ax: Axes, found: Optimum, key: dict[Any, Any], window: tuple[float, float]) -> None:
-    """The number sought along one key through the optimum, every point behind it."""
-    name, frame, line = key["key"], found.tried.frame, _slice(found, key)
-    ax.set_ylim(window)
-    _name(ax, "x", found, key)
+def _name(ax: Axes, which: str, found: Optimum, key: Key) -> None:
+    name_axis(ax, which, [key["key"]], [found.units[key["key"]]], found.resolved, 7.5, 32)
     ax.tick_params(labelsize=7.5)
-    first = found.first
+
+
+def _along(ax: Axes, found: Optimum, key: Key) -> None:
+    """The number sought along one key through the optimum, every point behind it."""
+    name, frame, line = key["key"], found.tried, found.through(key)
+    dots: dict[str, Any] = {"ls": "", "marker": ".", "ms": 2.5, "color": "0.65", "label": "point tried"}
+    through: dict[str, Any] = {"color": _LINE, "label": "through the optimum"}
     if key["option"]:
-        options = list(dict.fromkeys(frame[name]))
-        number = {option: place for place, option in enumerate(options)}
-        x = frame[name].map(number).to_numpy(float)
-        shift = np.random.default_rng(1).uniform(-0.25, 0.25, x.size)
-        ax.plot(x + shift, frame["value"], ls="", marker=".", ms=2.5, color="0.65", label="point tried")
+        numbers, options = pd.factorize(frame[name].to_numpy())
+        shift = np.random.default_rng(1).uniform(-0.25, 0.25, len(numbers))
+        ax.plot(numbers + shift, frame["value"], **dots)
         best = line.groupby(name)["value"].agg("min" if found.direction == "least" else "max")
-        ax.plot(
-            [number[option] for option in best.index], best, ls="", marker="_", ms=16, mew=2, color=_LINE,
-            label="through the optimum",
-        )  # fmt: skip
+        number = {option: place for place, option in enumerate(options)}
+        ax.plot([number[each] for each in best.index], best, ls="", marker="_", ms=16, mew=2, **through)
         ax.set_xticks(range(len(options)), options)
         at, written = float(number[key["option"]]), float(number.get(key["written_option"], np.nan))
     else:
         if key["flat_from"] == key["flat_from"]:
-            ax.axvspan(
-                *_shown(found, name, [key["flat_from"], key["flat_to"]]), color=_FLAT, lw=0, label="as good by itself"
-            )
-        ax.plot(
-            _shown(found, name, frame[name]), frame["value"], ls="", marker=".", ms=2.5, color="0.65",
-            label="point tried",
-        )  # fmt: skip
-        ax.plot(_shown(found, name, line[name]), line["value"], color=_LINE, lw=1.6, label="through the optimum")
-        if key["spacing"] == "log":
-            ax.set_xscale("log")
-        at, written = (float(_shown(found, name, key[which])) for which in ("value", "written"))
-    if first["as_written"] == first["as_written"]:
-        ax.plot([written], [first["as_written"]], ls="", marker="D", ms=6, color=_WRITTEN, mec="k", label="as written")
-    ax.plot([at], [first["optimum"]], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6, label="optimum")
+            flat = found.scaled(key, [key["flat_from"], key["flat_to"]])
+            ax.axvspan(*flat, color=_FLAT, lw=0, label="as good by itself")
+        ax.plot(found.scaled(key, frame[name]), frame["value"], **dots)
+        line = line.sort_values(name)
+        ax.plot(found.scaled(key, line[name]), line["value"], lw=1.6, **through)
+        ax.set_xscale(key["spacing"])
+        at, written = (float(found.scaled(key, key[which])) for which in ("value", "written"))
+    if found.first["as_written"] == found.first["as_written"]:
+        mark: dict[str, Any] = {"marker": "D", "ms": 6, "color": _WRITTEN, "mec": "k", "label": "as written"}
+        ax.plot([written], [found.first["as_written"]], ls="", **mark)
+    ax.plot([at], [found.first["optimum"]], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6, label="optimum")
+    _name(ax, "x", found, key)
 
 
-def _map(figure: Figure, ax: Axes, found: Optimum, mapped: list[dict[Any, Any]]) -> None:
+def _map(figure: Figure, ax: Axes, found: Optimum, keys: list[Key]) -> None:
     """Contours of the number over two keys, the others at the optimum; every point that lies there."""
-    x_key, y_key = mapped
-    frame = found.tried.frame
-    here = np.array(frame["stage"].isin(["map", "slices"]) & frame["value"].notna())
-    for other in found.keys:
-        if other["key"] not in (x_key["key"], y_key["key"]):
-            here &= (frame[other["key"]] == (other["option"] or other["value"])).to_numpy()
-    frame = frame[here]
-    x, y = (_shown(found, key["key"], frame[key["key"]]) for key in mapped)
-    for key, apply in ((x_key, ax.set_xscale), (y_key, ax.set_yscale)):
-        apply(key["spacing"])
-    on_paper = [np.log(v) if key["spacing"] == "log" else v for v, key in zip((x, y), mapped, strict=True)]
-    flat = [(v - v.min()) / np.ptp(v) for v in on_paper]
-    corners = Triangulation(x, y, Triangulation(*flat).triangles)
+    frame = found.through(*keys)
+    frame = frame[frame["stage"].isin(["map", "slices"])]
+    x, y = (found.scaled(key, frame[key["key"]]) for key in keys)
+    on_paper = [np.log(v) if key["spacing"] == "log" else v for v, key in zip((x, y), keys, strict=True)]
+    corners = Triangulation(x, y, Triangulation(*((v - v.min()) / np.ptp(v) for v in on_paper)).triangles)
     drawn = ax.tricontourf(corners, frame["value"].to_numpy(float), levels=14, cmap=COLOURS)
     bar = figure.colorbar(drawn, ax=ax, pad=0.02, aspect=22)
     bar.ax.tick_params(labelsize=7.5)
-    bar.set_label(found.label_of_value, fontsize=7.5)
+    bar.set_label(found.sought, fontsize=7.5)
     ax.plot(x, y, ls="", marker=".", ms=1.5, color="0.85")
-    ax.plot(
-        *(_shown(found, key["key"], [key["value"]]) for key in mapped), ls="", marker="*", ms=11, color=_BEST, mec="k",
-        mew=0.6,
-    )  # fmt: skip
+    at = [found.scaled(key, [key["value"]]) for key in keys]
+    ax.plot(*at, ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6)
+    ax.set(xscale=keys[0]["spacing"], yscale=keys[1]["spacing"])
     ax.grid(False)
-    ax.tick_params(labelsize=7.5)
-    _name(ax, "x", found, x_key)
-    _name(ax, "y", found, y_key)
-
-
-def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:
-    """The references of a search."""
-    used("storn1997", "differential evolution, as in SciPy")
-    used("nelder1965", "the simplex method, as in SciPy")
-
-
-@dataclass(frozen=True)
-class Optimum:
-    """The answer as it was read back.
-
-    keys : a row of the table for each
-    tried : every point
-    design : what the buildings do at the optimum and with the study as written, a row of the table for each quantity
-    generations : of the search, at most
-    over_motions : what is taken of the values over the motions
-    resolved : the study with every default filled in
-    """
-
-    keys: list[dict[Any, Any]]
-    tried: Table
-    generations: int
-    design: list[dict[Any, Any]]
-    over_motions: str
-    resolved: Mapping[str, Any]
-
-    @property
-    def is_found(self) -> bool:
-        return self.first["outcome"] != NO_OPTIMUM
-
-    @property
-    def first(self) -> dict[Any, Any]:
-        """What is the same for all keys."""
-        return self.keys[0]
-
-    @property
-    def points(self) -> int:
-        return int(self.first["points"])
-
-    @property
-    def unit(self) -> str:
-        """SI unit of the number sought; "" of a pure number."""
-        return self.tried.columns["value"].unit.name
-
-    @property
-    def sought(self) -> str:
-        """What is sought least or most."""
-        return str(self.first["sought"]).partition(" ")[2]
-
-    @property
-    def direction(self) -> str:
-        """least or most."""
-        return str(self.first["sought"]).partition(" ")[0]
-
-    def number(self, value: float) -> str:
-        """A value of the number sought."""
-        return f"{value:.5g}{f' {self.unit}' if self.unit else ''}"
-
-    @property
-    def label_of_value(self) -> str:
-        """The number sought with its unit."""
-        return f"{self.sought} [{self.unit}]" if self.unit else self.sought
-
-    def label(self, key: dict[Any, Any]) -> str:
-        """A key with its unit."""
-        return self._unit(key).label(str(key["key"]))
-
-    def text(self, key: dict[Any, Any], name: str, with_unit: bool = True) -> str:
-        """A value of a key in the unit of the study; NOTHING where there is none."""
-        option = {"value": "option", "written": "written_option"}.get(name)
-        if option and key[option]:
-            return str(key[option])
-        if key[name] != key[name]:
-            return NOTHING
-        unit = self._unit(key)
-        return (unit if with_unit else Unit("", unit.factor)).text(float(key[name]), digits=4)
-
-    def span(self, key: dict[Any, Any], name: str) -> str:
-        """A range of a key, without its unit."""
-        ends = [self.text(key, f"{name}_{end}", with_unit=False) for end in ("from", "to")]
-        return NOTHING if "-" in ends else " to ".join(ends)
-
-    def _unit(self, key: dict[Any, Any]) -> Unit:
-        return self.tried.columns[key["key"]].unit
-
-
-def optimum_of(results: Results) -> Optimum:
-    """The answer of a results file."""
-    keys = results.answer(OPTIMUM).frame.to_dict("records")
-    asked = results.resolved.get("optimise") or {}
-    design = results.answer(DESIGN).frame.to_dict("records")
-    generations, over_motions = int(asked.get("generations", 0)), str(asked.get("over_motions", "mean"))
-    return Optimum(keys, results.answer(POINTS), generations, design, over_motions, results.resolved)
-
-
-def sentences(found: Optimum) -> list[str]:
-    """The answer."""
-    first = found.first
-    what = f"{found.direction.capitalize()} of {found.sought}"
-    if not found.is_found:
-        return [f"{what}: no point gave a number that means something, so there is no answer."]
-    error = first["error"]
-    worth = f" ± {error:.1g}" if error == error and error > 0 else ""
-    said = f"{what}: {first['optimum']:.5g}{worth}{f' {found.unit}' if found.unit else ''}"
-    if first["as_written"] == first["as_written"]:
-        said += f"; with the study as written: {found.number(first['as_written'])}"
-    return [f"{said}.", design_note(found)]
+    for which, key in zip("xy", keys, strict=True):
+        _name(ax, which, found, key)
 
 
 def _optimum(found: Optimum) -> Table:
     """A row for each key."""
     is_written = any(found.text(key, "written") != NOTHING for key in found.keys)
-    heads = ["key", "best", *["as written"] * is_written, "as good by itself", "as good with others", "searched"]
     rows = []
     for key in found.keys:
-        spans = [found.span(key, name) for name in ("flat", "together", "range")]
-        if key["option"]:
-            spans[-1] = ", ".join(dict.fromkeys(map(str, found.tried.frame[key["key"]])))
-        values = [found.text(key, name, with_unit=False) for name in ("value", "written")[: 1 + is_written]]
-        rows.append([found.label(key), *values, *spans])
-    return from_rows("The optimum", heads, rows)
+        row = {"key": found.units[key["key"]].label(key["key"]), "best": found.text(key, "value")}
+        if is_written:
+            row["as written"] = found.text(key, "written")
+        row |= {"as good by itself": found.span(key, "flat"), "as good with others": found.span(key, "together")}
+        options = ", ".join(dict.fromkeys(map(str, found.tried[key["key"]]))) if key["option"] else ""
+        rows.append(row | {"searched": options or found.span(key, "range")})
+    return from_rows("The optimum", list(rows[0]), [list(row.values()) for row in rows])
 
 
 def _design(found: Optimum) -> Table:
     """What the buildings do at the optimum, and beside it with the study as written."""
 
-    def text(row: dict[Any, Any], value: float) -> str:
+    def text(row: Key, value: float) -> str:
         if value != value:
             return NOTHING
         if row["of"]:
             return f"{value:.0f} of {row['of']}"
         return f"{value:.5g} {row['unit'] if row['unit'] != '1' else ''}".rstrip()
 
-    told = [row for row in found.design
-            if row["quantity"] != "scenes that failed" or row["optimum"] or row["as_written"]]  # fmt: skip
-    rows = [[str(row["quantity"]), *(text(row, row[name]) for name in ("optimum", "as_written"))] for row in told]
+    rows = [
+        [row["quantity"], text(row, row["optimum"]), text(row, row["as_written"])]
+        for row in found.design
+        if row["quantity"] != "scenes that failed" or row["optimum"] or row["as_written"]
+    ]
     return from_rows("What the buildings do", ("quantity", "at the optimum", "as written"), rows)
 
 
-def design_note(found: Optimum) -> str:
-    """What is left of contacts and flags at the optimum."""
+def sentences(found: Optimum) -> list[str]:
+    """The answer, and what is left of contacts and flags at the optimum."""
+    first = found.first
+    what = f"{found.direction.capitalize()} of {found.sought}"
+    if first["outcome"] == NO_OPTIMUM:
+        return [f"{what}: no point gave a number that means something, so there is no answer."]
+    worth = f" ± {first['error']:.1g}" if first["error"] > 0 else ""
+    said = f"{what}: {first['optimum']:.5g}{worth}{found.unit}"
+    if first["as_written"] == first["as_written"]:
+        said += f"; with the study as written: {first['as_written']:.5g}{found.unit}"
     left = {row["quantity"]: row["optimum"] for row in found.design}
     flags = [name.partition(": ")[2] for name, count in left.items() if name.startswith("scenes flagged: ") and count]
-    count, of = (
-        left["scenes with contact"],
-        next(r["of"] for r in found.design if r["quantity"] == "scenes with contact"),
-    )
+    count, of = next((r["optimum"], r["of"]) for r in found.design if r["quantity"] == "scenes with contact")
     contact = "no contact is left" if count == 0 else f"contact is left in {count:.0f} of {counted(of, 'scene')}"
     if count != count:
         contact = "contacts are not known, since a scene failed"
-    return f"At the optimum {contact}; {'flagged: ' + ', '.join(flags) if flags else 'nothing is flagged'}."
+    flagged = f"flagged: {', '.join(flags)}" if flags else "nothing is flagged"
+    return [f"{said}.", f"At the optimum {contact}; {flagged}."]
 
 
 def notes(found: Optimum) -> list[str]:
     """What a reader should know of the numbers."""
-    first, said = found.first, []
-    if found.is_found:
+    first, said, asked = found.first, list[str](), found.resolved.get("optimise") or {}
+    if first["outcome"] != NO_OPTIMUM:
         said.append(
-            f"As good: the number stays within {first['tolerance']:.2g}{f' {found.unit}' if found.unit else ''} of the "
-            "optimum (1 % of it, or its error); by itself: of the other keys at their best; with others: among all "
-            "points that were tried."
+            f"As good: the number stays within {first['tolerance']:.2g}{found.unit} of the optimum (1 % of it, or its "
+            "error); by itself: of the other keys at their best; with others: among all points that were tried."
         )
         if first["error"] != first["error"]:
             said.append("The numerical error is not known: no scene near the optimum was assessed (`estimate:`).")
-    for key in found.keys if found.is_found else ():
-        ends = np.array([key["range_from"], key["range_to"]], float)
-        near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
-        if near.any():
-            end = "range_from" if near[0] else "range_to"
-            said.append(
-                f"{key['key']} is best at the end of its range, {found.text(key, end)}: a better value may lie beyond."
-            )
-    if found.is_found:
+        for key in found.keys:
+            ends = np.array([key["range_from"], key["range_to"]], float)
+            near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
+            if near.any():
+                end = f"{found.text(key, 'range_from' if near[0] else 'range_to')} {found.units[key['key']].name}"
+                said.append(
+                    f"{key['key']} is best at the end of its range, {end.rstrip()}: a better value may lie beyond."
+                )
+        over = asked.get("over_motions", "mean")
         said.append(
-            f"What the buildings do: of every storey, floor or link the {found.over_motions} over the motions, and of "
-            "these the largest."
+            f"What the buildings do: of every storey, floor or link the {over} over the motions, and of these the "
+            "largest."
         )
     if first["outcome"] == UNSETTLED:
         said.append(
-            f"The search ended after {counted(found.generations, 'generation')}, before the points of one were nearly "
-            "as good: write more `generations:`."
+            f"The search ended after {counted(int(asked.get('generations', 0)), 'generation')}, before the points of "
+            "one were nearly as good: write more `generations:`."
         )
+    of = int(first["points"])
     if first["failed"]:
         said.append(
-            f"{counted(int(first['failed']), 'point')} of {found.points} gave no number: a scene failed, "
-            "also in a second solution with a hundred times finer accuracy, or has no such number."
+            f"{counted(int(first['failed']), 'point')} of {of} gave no number: a scene failed, also in a second "
+            "solution with a hundred times finer accuracy, or has no such number."
         )
     if first["meaningless"]:
         said.append(
-            f"{counted(int(first['meaningless']), 'point')} of {found.points} were excluded: a link left the range "
-            "in which its law has a meaning (floors that would have struck, an infill beyond its thickness): "
-            "`pound show FILE.h5 flagged`."
+            f"{counted(int(first['meaningless']), 'point')} of {of} were excluded: a link left the range in which its "
+            "law has a meaning (floors that would have struck, an infill beyond its thickness): `pound show FILE.h5 "
+            "flagged`."
         )
     return said
+
+
+def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:
+    """The references of a search."""
+    used("storn1997", "differential evolution, as in SciPy")
+    used("nelder1965", "the simplex method, as in SciPy")

@@ -55,7 +55,7 @@ def sensitivity_report(results: Results) -> Report:
         draw = partial(draw_probabilities, _at(results, held, shown), shown)
         text = "The part of the samples in which each statement holds, with its interval."
         pictures.append(Picture("sensitivity-probabilities", "How likely statements hold", text, draw))
-    if len(frame):
+    if (frame["outcome"] == FOUND).any():
         tables.append(_indices(results, frame))
     drawn = []
     for title, rows in parts(results, _at(results, frame, shown)):
@@ -92,9 +92,8 @@ def _at(results: Results, frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
 
 def _where(results: Results, row: Mapping[Any, Any]) -> str:
     """Point of the other axes, case and analysis in words."""
-    keys = [key for key in results.axes if key in row]
-    return ", ".join(filter(None, (*(f"{key} = {results.value_label(key, row[key])}" for key in keys),
-                                   str(row["case"]), str(row["analysis"]))))  # fmt: skip
+    said = [f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row]
+    return ", ".join([*said, f"case {row['case']}", str(row["analysis"])] if row["case"] else [*said, "all cases"])
 
 
 def parts(results: Results, frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
@@ -127,7 +126,7 @@ def _index(row: Mapping[Any, Any], name: str) -> str:
 def _probabilities(results: Results, frame: pd.DataFrame) -> Table:
     """How likely every statement holds, with its interval, and the key that decides it most."""
     rows = [
-        [row["statement"], _where(results, row) or "all cases", interval(row, "probability"),
+        [row["statement"], _where(results, row), interval(row, "probability"),
          row["decided_by"] or NOTHING]
         for row in frame.to_dict("records")
     ]  # fmt: skip

@@ -13,16 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
-from matplotlib.textpath import text_to_path
 
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.texts import file_name, write_markdown
 
 FORMATS = ("png", "svg", "pdf")
@@ -163,38 +159,21 @@ def caption(figure: Figure, text: str) -> None:
     if (captions := _captions.get()) is not None:
         captions[figure] = text
         return
-    left, font = 0.015, FontProperties(size=7.5)
-    room, characters = (1 - 2 * left) * 72 * figure.get_figwidth(), int(figure.get_figwidth() * 18.5)
-    while True:
-        lines = textwrap.wrap(text, characters, break_on_hyphens=False)
-        widths = [text_to_path.get_text_width_height_descent(line, font, ismath=False)[0] for line in lines]
-        if max(widths, default=0.0) <= room or characters < 20:
-            break
-        characters -= 1
-    figure.supxlabel("\n".join(lines), x=left, ha="left", fontsize=7.5, color="0.25")
+    lines = textwrap.wrap(text, int(17 * figure.get_figwidth()), break_on_hyphens=False)
+    figure.supxlabel("\n".join(lines), x=0.015, ha="left", fontsize=7.5, color="0.25")
 
 
 def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
-    """Write every figure in every format, of figures for a paper their captions too; returns the files.
-
-    Raises
-    ------
-    InputError : the folder refuses
-    """
+    """Write every figure in every format, of figures for a paper their captions too; returns the files."""
     files = []
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, figure in figures.items():
-            _settle(figure)
-            for suffix in formats:
-                path = folder / f"{file_name(name)}.{suffix}"
-                _write(figure, path, suffix)
-                files.append(path)
-        if figures and (captions := _captions.get()) is not None:
-            said = [f"**{name}**: {captions[figure]}\n" for name, figure in figures.items() if figure in captions]
-            files.append(write_markdown(folder / "captions.md", said))
-    except OSError as error:
-        raise unwritable(folder, error) from error
+    for name, figure in figures.items():
+        _settle(figure)
+        for suffix in formats:
+            files.append(folder / f"{file_name(name)}.{suffix}")
+            _write(figure, files[-1], suffix)
+    if figures and (captions := _captions.get()) is not None:
+        said = [f"**{name}**: {captions[figure]}\n" for name, figure in figures.items() if figure in captions]
+        files.append(write_markdown(folder / "captions.md", said))
     return files
 
 
@@ -227,12 +206,6 @@ def _settle(figure: Figure) -> None:
 
 
 _FORMULAS = MathTextParser("path")
-
-
-def unwritable(folder: Path, error: OSError) -> InputError:
-    """The refusal of a folder that cannot be written to."""
-    hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"
-    return InputError(Problem(f"cannot write the report to {folder}: {error.strerror or error}", hint))
 
 
 # what keys of a study are called
@@ -279,21 +252,13 @@ def name_axis(
     size : of the words [pt]; room : characters in a line, 0: any number
     """  # fmt: skip
     words = ", ".join(unit.label(key_words(key, resolved)) for key, unit in zip(keys, units, strict=True))
-    words = textwrap.fill(words, room) if room else words
-    small: dict[str, Any] = {"textcoords": "offset points", "fontsize": max(size - 3, 5.5), "color": "0.35"}
-    text = ", ".join(keys)
-    if is_for_paper() or all(key_words(key, resolved) == key for key in keys):
-        ax.set(**{f"{which}label": words})
-    elif which == "x":
-        label = ax.set_xlabel(words, fontsize=size)
-        ax.annotate(text, (0.5, 0), (0, -1), label, ha="center", va="top", **small)
-    else:
-        label = ax.set_ylabel(words, fontsize=size)
-        ax.annotate(text, (0, 0.5), (-1, 0), label, ha="right", va="center", rotation=90, **small)
-
-
-def span(values: Any) -> tuple[float, float]:
-    """The smallest and the largest of the finite values; zeros where there are none."""
-    values = np.asarray(values, float).ravel()
-    values = values[np.isfinite(values)]
-    return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    label = ax.set_xlabel if which == "x" else ax.set_ylabel
+    drawn = label(textwrap.fill(words, room) if room else words, fontsize=size)
+    if not is_for_paper() and any(key_words(key, resolved) != key for key in keys):
+        at, away, turn, sides = (
+            ((0.5, 0), (0, -1), 0, ("center", "top")) if which == "x" else ((0, 0.5), (-1, 0), 90, ("right", "center"))
+        )
+        ax.annotate(
+            ", ".join(keys), at, away, drawn, "offset points", ha=sides[0], va=sides[1], rotation=turn,
+            fontsize=max(size - 3, 5.5), color="0.35",
+        )  # fmt: skip

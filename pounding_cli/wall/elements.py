@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,7 +21,7 @@ from skfem import (
 )
 from skfem.models.elasticity import linear_elasticity
 
-from pounding_cli.wall.study import Section, WallStudy
+from pounding_cli.wall.study import Section, Study
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,7 @@ class System:
     corners: sp.csr_matrix
 
 
-def build(study: WallStudy) -> System:
+def build(study: Study) -> System:
     """Couple the plane-stress wall and the frame at the floors; the base is fixed."""
     (low, high), floors = study.patch, study.frame.floors
     breaks = sorted({0.0, *floors, low, high})
@@ -95,7 +96,7 @@ def build(study: WallStudy) -> System:
     )
 
 
-def _grid_lines(breaks: list[float], study: WallStudy, centre: tuple[float, float]) -> np.ndarray:
+def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) -> np.ndarray:
     """Positions of mesh lines [m]: every break is one; between two, intervals of at most the wished size.
 
     The wished size at a distance r from the interval `centre` is size + growth * r [m].
@@ -112,15 +113,13 @@ def _grid_lines(breaks: list[float], study: WallStudy, centre: tuple[float, floa
     return np.array(lines)
 
 
-def _on_line(basis: Basis, y: float) -> np.ndarray:
-    """Shares of the mesh line at `y` [m] that the horizontal displacements of its nodes stand for [-], sum 1."""
-    middle = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
-    facets = np.flatnonzero(np.abs(middle[1] - y) < 1e-9)
-    shares = LinearForm(lambda v, _: v[0]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
-    return shares / shares.sum()
+def _spread(basis: Basis, where: Callable[[np.ndarray], np.ndarray], part: int = 0) -> np.ndarray:
+    """Integrals of the displacements in x (`part` 0) or y (1) over the edges whose middles are at `where` [m]."""
+    facets = basis.mesh.facets_satisfying(where)
+    return LinearForm(lambda v, _: v[part]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
-def _contact(study: WallStudy, basis: Basis) -> np.ndarray:
+def _contact(study: Study, basis: Basis) -> np.ndarray:
     """Shares of the contact force over the wall's displacements [-]: one node, or a uniform pressure; sum 1."""
     low, high = study.patch
     if study.contact.over == "node":
@@ -128,10 +127,7 @@ def _contact(study: WallStudy, basis: Basis) -> np.ndarray:
         shares = np.zeros(basis.N)
         shares[nodes[np.argmin(np.abs(basis.doflocs[1, nodes] - study.height))]] = 1.0
         return shares
-    middle = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
-    struck = np.flatnonzero((np.abs(middle[0]) < 1e-9) & (middle[1] > low) & (middle[1] < high))
-    shares = LinearForm(lambda v, _: v[0]).assemble(FacetBasis(basis.mesh, basis.elem, facets=struck))
-    return shares / (high - low)
+    return _spread(basis, lambda at: (np.abs(at[0]) < 1e-9) & (at[1] > low) & (at[1] < high)) / (high - low)
 
 
 def _hand_mass_on(mass: np.ndarray, basis: Basis, push: np.ndarray) -> None:
@@ -148,7 +144,7 @@ def _hand_mass_on(mass: np.ndarray, basis: Basis, push: np.ndarray) -> None:
     mass[struck] = 0.0
 
 
-def _frame(study: WallStudy, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
+def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
     """Stiffness of the frame, edge stresses of its members, and the masses of the floors, over all displacements.
 
     The wall's come first, then (u, v, theta) of every column at every floor. A beam's end at the wall follows the
@@ -161,29 +157,21 @@ def _frame(study: WallStudy, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix
     # Every point of a floor belongs to the nearer end of its beam; the wall's own length to the wall.
     tributary = np.convolve(np.diff(x), [0.5, 0.5])
     tributary[0] += length
-    share, mass = tributary / x[-1], np.zeros(total)
-    vertical = np.zeros(basis.N, int)
-    corner = np.lexsort((basis.doflocs[0], basis.doflocs[1]))
-    vertical[corner[::2]], vertical[corner[1::2]] = corner[1::2], corner[::2]
+    floor_mass, mass = frame.floor_mass * tributary / x[-1], np.zeros(total)
     stiffness, stresses = sp.csr_matrix((total, total)), []
 
-    def column(line: int, floor: int) -> sp.csr_matrix:
+    def at_column(line: int, floor: int) -> sp.csr_matrix:
+        """Motion of a joint, which is fixed below the first floor, from all displacements; shape (3, total)."""
         start = basis.N + 3 * (line + lines * (floor - 1))
-        return sp.csr_matrix((np.ones(3), (np.arange(3), start + np.arange(3))), shape=(3, total))
+        return sp.eye_array(3, total, k=start, format="csr") if floor > 0 else sp.csr_matrix((3, total))
 
     def at_wall(y: float) -> sp.csr_matrix:
-        weights = _on_line(basis, y)
-        nodes = np.flatnonzero(weights)
-        weight, at = weights[nodes], basis.doflocs[0, nodes]
-        mean = weight @ at
-        tilt = weight * (at - mean) / (weight @ (at - mean) ** 2)
-        rows = np.zeros((3, total))
-        rows[0, nodes] = weight
-        rows[1, vertical[nodes]] = weight + tilt * (length - mean)
-        rows[2, vertical[nodes]] = tilt
-        mass[nodes] += frame.floor_mass * share[0] * weight
-        mass[vertical[nodes]] += frame.floor_mass * share[0] * weight
-        return sp.csr_matrix(rows)
+        across, up = (_spread(basis, lambda at: np.abs(at[1] - y) < 1e-9, part) for part in (0, 1))
+        across, up, at = across / across.sum(), up / up.sum(), basis.doflocs[0]
+        mass[: basis.N] += floor_mass[0] * (across + up)
+        tilt = up * (at - up @ at) / (up @ (at - up @ at) ** 2)
+        motion = np.array([across, up + tilt * (length - up @ at), tilt])
+        return sp.csr_matrix(np.pad(motion, ((0, 0), (0, total - basis.N))))
 
     def member(motions: list[sp.csr_matrix], section: Section, along: np.ndarray) -> None:
         nonlocal stiffness
@@ -195,15 +183,14 @@ def _frame(study: WallStudy, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix
         stresses.append(sp.csr_matrix(np.array([axial + s * m for m in moments for s in (1, -1)]) @ turn) @ motion)
 
     for floor, y in enumerate(frame.floors, 1):
-        ends = [at_wall(y), *(column(line, floor) for line in range(lines))]
+        ends = [at_wall(y), *(at_column(line, floor) for line in range(lines))]
         for line in range(lines):
             member(ends[line : line + 2], frame.beam, np.array([x[line + 1] - x[line], 0.0]))
             start = basis.N + 3 * (line + lines * (floor - 1))
-            mass[start : start + 2] += frame.floor_mass * share[line + 1]
-    for floor in range(1, frame.storeys + 1):
-        for line in range(lines):
-            below = column(line, floor - 1) if floor > 1 else sp.csr_matrix((3, total))
-            member([below, column(line, floor)], frame.column, np.array([0.0, frame.storey_height]))
+            mass[start : start + 2] += floor_mass[line + 1]
+    for floor, line in product(range(1, frame.storeys + 1), range(lines)):
+        ends = [at_column(line, floor - 1), at_column(line, floor)]
+        member(ends, frame.column, np.array([0.0, frame.storey_height]))
     return stiffness, sp.vstack(stresses, format="csr"), mass
 
 
@@ -222,7 +209,7 @@ def _beam(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray
     return turn, local
 
 
-def _stresses(study: WallStudy, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
+def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
     """Mean stresses of elements, resultants of the rows of elements, areas of elements: as in `System`.
 
     The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress
@@ -254,7 +241,7 @@ def _stresses(study: WallStudy, basis: Basis, y_lines: np.ndarray) -> tuple[sp.c
     return elements, grouped([gather @ sy, gather @ txy, gather @ bending]), area
 
 
-def _cells(study: WallStudy, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
+def _cells(study: Study, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
     """Square cells every quarter side up the face, one of them centred on the contact where there is room: heights of
     their centres [m], and the share of each cell's area that lies in each element [-], sparse (cells, elements)."""
     side, top = study.averaging_length, study.frame.height

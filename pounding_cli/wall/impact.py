@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
+import xarray as xr
 from scipy.sparse import csc_matrix, diags_array
 from scipy.sparse.linalg import SuperLU, splu
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.points import value
 from pounding_cli.wall.elements import System, build
-from pounding_cli.wall.study import WallStudy
+from pounding_cli.wall.study import MOST_STEPS, Study
 
-MOST_STEPS = 200_000
+HISTORIES = {
+    "time": ("s", "time"),
+    "force": ("N", "contact force"),
+    "position": ("m", "displacement of the striker"),
+    "velocity": ("m/s", "velocity of the striker"),
+    "indentation": ("m", "displacement of the wall under the striker"),
+    "striker_energy": ("J", "kinetic energy of the striker"),
+    "kinetic_energy": ("J", "kinetic energy of wall and frame"),
+    "strain_energy": ("J", "strain energy of wall and frame"),
+}
+"""What is known at every instant: unit and meaning."""
 
 
-def strike(study: WallStudy) -> dict[str, Any]:
-    """Solve one impact; the values of every name in `report.VARIABLES`, in SI, and `flags`, `fields` for figures.
+def solve(study: Study) -> xr.Dataset:
+    """Solve one impact: numbers, histories, profiles along the wall, and stresses on its mesh.
 
     Raises InputError where it would take too many steps or gave a number that is not finite, with what to change.
     """
@@ -27,86 +38,92 @@ def strike(study: WallStudy) -> dict[str, Any]:
     if study.time.end / wished > MOST_STEPS:
         hint = f"give an earlier `time.end`, e.g. {MOST_STEPS / 10 * wished:.1g} s, or a heavier striker"
         raise InputError(Problem(f"an impact this short needs {study.time.end / wished:.0f} time steps", hint))
-    step = study.time.end / max(10, math.ceil(study.time.end / wished - 1e-9))
-    largest = {
-        "elements": np.zeros(system.area.size),
-        "cells": np.zeros(system.cell_height.size),
-        "rows": np.zeros((system.row_height.size, 3)),
-        "members": np.zeros(system.members.shape[0]),
-    }
-    then: dict[str, Any] = {"peak": -1.0}
-
-    def each(time: float, u: np.ndarray) -> None:
-        stress = von_mises(system.elements @ u)
-        found = {
-            "elements": stress,
+    steps = max(10, math.ceil(study.time.end / wished - 1e-9))
+    history, largest, then = list[tuple[float, ...]](), dict[str, np.ndarray](), dict[str, np.ndarray]()
+    peak_time = 0.0
+    for instant, u in integrate(system, study, steps):
+        now = {
+            "elements": von_mises(system.elements @ u),
             "cells": von_mises(system.cells @ u),
             "rows": np.abs(system.resultants @ u).reshape(-1, 3),
             "members": np.abs(system.members @ u),
         }
-        for name, values in found.items():
-            np.maximum(largest[name], values, out=largest[name])
-        if stress.max() > then["peak"]:
-            then.update(found, peak=stress.max(), time=time, corners=system.corners @ u)
-
-    run = integrate(system, study, step, each)
-    if not (np.isfinite(run["force"]).all() and np.isfinite(run["strain_energy"]).all()):
+        if not history or now["elements"].max() > then["elements"].max():
+            then, peak_time = {**now, "corners": (system.corners @ u).reshape(-1, 2)}, instant[0]
+        largest = {name: np.maximum(values, largest.get(name, values)) for name, values in now.items()}
+        history.append(instant)
+    run = dict(zip(HISTORIES, np.array(history).T, strict=True))
+    time, force = run["time"], run["force"]
+    energy = run["striker_energy"] + run["kinetic_energy"] + run["strain_energy"]
+    if not (np.isfinite(force).all() and np.isfinite(energy).all()):
         hint = "masses and stiffnesses differ by too many powers of ten"
         raise InputError(Problem("the response is not finite", hint))
-    time, force = run["time"], run["force"]
-    impulse = float(np.trapezoid(force, time))
-    energy = run["striker_energy"] + run["kinetic_energy"] + run["strain_energy"]
+    impulse, striker, (low, high) = float(np.trapezoid(force, time)), study.striker, study.patch
+    lost = 1 - run["velocity"][-1] / striker.speed
     off = float(np.abs(energy / energy[0] - 1).max())
-    averaged, (beams, columns) = float(largest["cells"].max()), np.split(largest["members"], [system.beams])
-    normal, shear, moment = largest["rows"].T
-    low, high = study.patch
-    flags = []
+    notes = []
     if study.contact.over == "patch" and high - low < study.contact.patch * (1 - 1e-9):
-        flags.append(f"the patch ends with the wall: {high - low:.3g} m of {study.contact.patch:.3g} m touch")
+        notes.append(f"the patch ends with the wall: {high - low:.3g} m of {study.contact.patch:.3g} m touch")
     if force[-1] > 0 and study.contact.bond == "unilateral":
-        flags.append(f"still in contact at {time[-1]:.3g} s: give a later `time.end`")
+        notes.append(f"still in contact at {time[-1]:.3g} s: give a later `time.end`")
     if off > 5e-3:
-        flags.append("the energy balance is open by more than 0.5 %: give a smaller `time.step`")
-    return {
-        **run,
-        "step": step,
-        "freedoms": float(system.M.size),
-        "peak_force": float(force.max()),
-        "peak_time": float(time[np.argmax(force)]),
-        "separation": separation(time, force),
-        "last_contact": float(time[np.flatnonzero(force > 0)[-1]]),
-        "impulse": impulse,
-        "momentum_residual": impulse / (study.striker.mass * study.striker.speed)
-        - (1 - float(run["velocity"][-1]) / study.striker.speed),
-        "energy_residual": off,
-        "wall_stress": float(largest["elements"].max()),
-        "averaged_stress": averaged,
-        "beam_stress": float(beams.max()),
-        "column_stress": float(columns.max()),
-        "beam_stress_then": float(then["members"][: system.beams].max()),
-        "column_stress_then": float(then["members"][system.beams :].max()),
-        "wall_shear": float(shear.max()),
-        "wall_moment": float(moment.max()),
-        "reach": reach(np.abs(system.cell_height - 0.5 * (low + high)), largest["cells"]),
-        "stressed_share": float(system.area[largest["elements"] > 0.1 * averaged].sum() / system.area.sum()),
-        "averaged_over": study.averaging_length,
-        "wall_length": study.wall.length,
-        "time_of_peak": then["time"],
-        "cell_height": system.cell_height,
-        "cell_stress": largest["cells"],
-        "row_height": system.row_height,
-        "normal": normal,
-        "shear": shear,
-        "moment": moment,
-        "flags": flags,
-        "fields": {
-            "points": system.mesh.p.T,
-            "quads": system.mesh.t.T,
-            "displacement": then["corners"].reshape(-1, 2),
-            "stress_peak": then["elements"],
-            "stress_envelope": largest["elements"],
-        },
-    }
+        notes.append("the energy balance is open by more than 0.5 %: give a smaller `time.step`")
+    averaged, (beams, columns) = largest["cells"].max(), np.split(largest["members"], [system.beams])
+    beams_then, columns_then = np.split(then["members"], [system.beams])
+    normal, shear, moment = largest["rows"].T
+    distance = np.abs(system.cell_height - 0.5 * (low + high))
+    stressed = system.area[largest["elements"] > 0.1 * averaged].sum() / system.area.sum()
+    found = {
+        "peak_force": value("N", "largest contact force", force.max()),
+        "peak_time": value("s", "time of the largest contact force", time[np.argmax(force)]),
+        "separation": value("s", "first time the striker leaves the wall", separation(time, force)),
+        "last_contact": value("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
+        "impulse": value("N s", "impulse of the contact force", impulse),
+        "momentum_residual": value(
+            "1", "impulse less the striker's change of momentum, over its first momentum",
+            impulse / (striker.mass * striker.speed) - lost,
+        ),
+        "energy_residual": value("1", "largest open part of the energy balance, over the first energy", off),
+        "wall_stress": value("N/m2", "largest von Mises stress of an element", largest["elements"].max()),
+        "averaged_stress": value("N/m2", "largest von Mises stress averaged over the stated length", averaged),
+        "beam_stress": value("N/m2", "largest edge stress of the beams", beams.max()),
+        "column_stress": value("N/m2", "largest edge stress of the columns", columns.max()),
+        "beam_stress_then": value(
+            "N/m2", "largest edge stress of the beams at the instant of the wall's peak", beams_then.max()
+        ),
+        "column_stress_then": value(
+            "N/m2", "largest edge stress of the columns at the instant of the wall's peak", columns_then.max()
+        ),
+        "wall_shear": value("N", "largest shear force in a cross-section of the wall", shear.max()),
+        "wall_moment": value("N m", "largest bending moment in a cross-section of the wall", moment.max()),
+        "reach": value(
+            "m", "farthest from the contact that the averaged stress exceeds half its largest",
+            reach(distance, largest["cells"]),
+        ),
+        "stressed_share": value(
+            "1", "share of the wall's area stressed above a tenth of the averaged stress", stressed
+        ),
+        "step": value("s", "time step", study.time.end / steps),
+        "freedoms": value("1", "degrees of freedom", float(system.M.size)),
+        "averaged_over": value("m", "length over which stress is averaged", study.averaging_length),
+        "wall_length": value("m", "length of the wall", study.wall.length),
+        "time_of_peak": value("s", "instant of the largest stress of an element", peak_time),
+        "cell_height": value(
+            "m", "height of a cell over which stress is averaged, at the struck face", system.cell_height, "cell"
+        ),
+        "cell_stress": value("N/m2", "largest von Mises stress of the mean stress in a cell", largest["cells"], "cell"),
+        "row_height": value("m", "height of a cross-section of the wall", system.row_height, "row"),
+        "normal": value("N", "largest normal force in a cross-section", normal, "row"),
+        "shear": value("N", "largest shear force in a cross-section", shear, "row"),
+        "moment": value("N m", "largest bending moment in a cross-section", moment, "row"),
+        "corners": value("m", "corners of the mesh", system.mesh.p.T, "corner", "axis"),
+        "quads": value("1", "corners of every element", system.mesh.t.T, "element", "side"),
+        "displacement": value("m", "displacement of the corners at the peak", then["corners"], "corner", "axis"),
+        "stress_peak": value("N/m2", "von Mises stress of every element at the peak", then["elements"], "element"),
+        "stress_envelope": value("N/m2", "largest von Mises stress of every element", largest["elements"], "element"),
+    }  # fmt: skip
+    found |= {name: value(*HISTORIES[name], values, "instant") for name, values in run.items()}
+    return xr.Dataset(found, attrs={"notes": notes})
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
@@ -144,7 +161,7 @@ def factorise(matrix: csc_matrix) -> SuperLU:
     return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
 
-def natural_step(system: System, study: WallStudy) -> float:
+def natural_step(system: System, study: Study) -> float:
     """A time step that leaves force and energy with errors below 1e-3 [s].
 
     A 100th of the striker's half period on the wall, pi / s, at most 0.1 ms; s^2 = 1 / (m C(s)) with the
@@ -163,11 +180,10 @@ def natural_step(system: System, study: WallStudy) -> float:
     return step
 
 
-def integrate(
-    system: System, study: WallStudy, step: float, each: Callable[[float, np.ndarray], None]
-) -> dict[str, np.ndarray]:
-    """Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step.
+def integrate(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
+    """Values of HISTORIES and displacements at the beginning and after every step.
 
+    Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step:
     alpha_m = (rho - 1) / (rho + 1), gamma = 1/2 - alpha_m, beta = (1 - alpha_m)^2 / 4; rho = 1 is Newmark's
     average acceleration. Second order; freedoms without mass are in static equilibrium at every step.
     The contact force enters as p F, so a step is that without contact plus F times one fixed vector, and
@@ -176,36 +192,27 @@ def integrate(
 
     is one scalar equation: no state to switch, no second factorisation. The struck freedoms carry no mass,
     so the force begins at zero and nothing is lost when the contact closes.
-
-    each : called after every step with time [s] and displacements, to take what it wants from them
     """
-    striker, steps = study.striker, round(study.time.end / step)
-    h, am = study.time.end / steps, (study.time.rho - 1) / (study.time.rho + 1)
+    striker, h, am = study.striker, study.time.end / steps, (study.time.rho - 1) / (study.time.rho + 1)
     gamma, beta = 0.5 - am, 0.25 * (1 - am) ** 2
     inertia = (1 - am) / (beta * h**2)
     stiffness, mass, push = system.K, system.M, system.p
     factor = factorise(stiffness + diags_array(inertia * mass))
     answer = factor.solve(push)
     compliance = float(push @ answer) + 1 / (inertia * striker.mass)
-
     u, v, a = (np.zeros(mass.size) for _ in range(3))
-    x, xv, xa = 0.0, striker.speed, 0.0
-    out = np.zeros((8, steps + 1))
-    out[:, 0] = (0, 0, x, xv, 0, 0.5 * striker.mass * xv**2, 0, 0)
-    for n in range(1, steps + 1):
-        guess, x_guess = u + h * v + (0.5 - beta) * h**2 * a, x + h * xv + (0.5 - beta) * h**2 * xa
-        u1, x1 = factor.solve(mass * (inertia * guess - am * a)), x_guess - am / inertia * xa
-        force = (x1 - float(push @ u1)) / compliance
-        if study.contact.bond == "unilateral":
-            force = max(force, 0.0)
-        u1 += force * answer
-        x1 -= force / (inertia * striker.mass)
-        a1, xa1 = (u1 - guess) / (beta * h**2), (x1 - x_guess) / (beta * h**2)
-        v = v + h * ((1 - gamma) * a + gamma * a1)
-        xv = xv + h * ((1 - gamma) * xa + gamma * xa1)
-        u, a, x, xa = u1, a1, x1, xa1
+    x, xv, xa, force = 0.0, striker.speed, 0.0, 0.0
+    for n in range(steps + 1):
+        if n > 0:
+            guess, x_guess = u + h * v + (0.5 - beta) * h**2 * a, x + h * xv + (0.5 - beta) * h**2 * xa
+            u, x = factor.solve(mass * (inertia * guess - am * a)), x_guess - am / inertia * xa
+            force = (x - float(push @ u)) / compliance
+            if study.contact.bond == "unilateral":
+                force = max(force, 0.0)
+            u += force * answer
+            x -= force / (inertia * striker.mass)
+            before, x_before, a, xa = a, xa, (u - guess) / (beta * h**2), (x - x_guess) / (beta * h**2)
+            v = v + h * ((1 - gamma) * before + gamma * a)
+            xv = xv + h * ((1 - gamma) * x_before + gamma * xa)
         energies = 0.5 * striker.mass * xv**2, 0.5 * float(mass @ v**2), 0.5 * float(u @ (stiffness @ u))
-        out[:, n] = (n * h, force, x, xv, float(push @ u), *energies)
-        each(n * h, u)
-    names = "time", "force", "position", "velocity", "indentation", "striker_energy", "kinetic_energy", "strain_energy"
-    return dict(zip(names, out, strict=True))
+        yield (n * h, force, x, xv, float(push @ u), *energies), u

@@ -1,111 +1,56 @@
-"""Fig. 8: the numbers of an impact, what the paper says of them, stress on the deformed mesh, histories, sweeps."""
+"""Fig. 8: what the paper says of an impact; stress on the deformed mesh, histories, peaks over a sweep."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from pounding_cli.points import Point
+from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.study.axes import SweepAxis
-from pounding_cli.variables import Variable
-from pounding_cli.wall.study import WallStudy
-
-_HISTORY, _CELL, _ROW = ("instant",), ("cell",), ("row",)
-VARIABLES = (
-    Variable("peak_force", (), "N", "largest contact force"),
-    Variable("peak_time", (), "s", "time of the largest contact force"),
-    Variable("separation", (), "s", "first time the striker leaves the wall"),
-    Variable("last_contact", (), "s", "last time the striker pushes"),
-    Variable("impulse", (), "N s", "impulse of the contact force"),
-    Variable("momentum_residual", (), "1", "impulse less the striker's change of momentum, over its first momentum"),
-    Variable("energy_residual", (), "1", "largest open part of the energy balance, over the first energy"),
-    Variable("wall_stress", (), "N/m2", "largest von Mises stress of an element"),
-    Variable("averaged_stress", (), "N/m2", "largest von Mises stress averaged over the stated length"),
-    Variable("beam_stress", (), "N/m2", "largest edge stress of the beams"),
-    Variable("column_stress", (), "N/m2", "largest edge stress of the columns"),
-    Variable("beam_stress_then", (), "N/m2", "largest edge stress of the beams at the instant of the wall's peak"),
-    Variable("column_stress_then", (), "N/m2", "largest edge stress of the columns at the instant of the wall's peak"),
-    Variable("wall_shear", (), "N", "largest shear force in a cross-section of the wall"),
-    Variable("wall_moment", (), "N m", "largest bending moment in a cross-section of the wall"),
-    Variable("reach", (), "m", "farthest from the contact that the averaged stress exceeds half its largest"),
-    Variable("stressed_share", (), "1", "share of the wall's area stressed above a tenth of the averaged stress"),
-    Variable("step", (), "s", "time step"),
-    Variable("freedoms", (), "1", "degrees of freedom"),
-    Variable("averaged_over", (), "m", "length over which stress is averaged"),
-    Variable("wall_length", (), "m", "length of the wall"),
-    Variable("time_of_peak", (), "s", "instant of the largest stress of an element"),
-    Variable("time", _HISTORY, "s", "time"),
-    Variable("force", _HISTORY, "N", "contact force"),
-    Variable("velocity", _HISTORY, "m/s", "velocity of the striker"),
-    Variable("position", _HISTORY, "m", "displacement of the striker"),
-    Variable("indentation", _HISTORY, "m", "displacement of the wall under the striker"),
-    Variable("striker_energy", _HISTORY, "J", "kinetic energy of the striker"),
-    Variable("kinetic_energy", _HISTORY, "J", "kinetic energy of wall and frame"),
-    Variable("strain_energy", _HISTORY, "J", "strain energy of wall and frame"),
-    Variable("cell_height", _CELL, "m", "height of a cell over which stress is averaged, at the struck face"),
-    Variable("cell_stress", _CELL, "N/m2", "largest von Mises stress of the mean stress in a cell"),
-    Variable("row_height", _ROW, "m", "height of a cross-section of the wall"),
-    Variable("normal", _ROW, "N", "largest normal force in a cross-section"),
-    Variable("shear", _ROW, "N", "largest shear force in a cross-section"),
-    Variable("moment", _ROW, "N m", "largest bending moment in a cross-section"),
-)
-"""What the results file holds; those without dimensions are numbers of the table."""
+from pounding_cli.wall.study import Study
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
-_FIELDS_DRAWN = 8
+_DRAWN = 8
 """Points whose stresses are drawn and written for ParaView."""
 
-
-def lines(point: Mapping[str, Any]) -> list[str]:
-    """What is printed of a point."""
-    mega = {name: value / 1e6 for name, value in point.items() if isinstance(value, float)}
-    left = f"{1e3 * point['separation']:.1f} ms" if math.isfinite(point["separation"]) else "not reached"
-    return [
-        f"peak force {mega['peak_force']:.2f} MN at {1e3 * point['peak_time']:.1f} ms, separation {left}, "
-        f"impulse {point['impulse'] / 1e3:.1f} kN s",
-        f"peak stress {mega['wall_stress']:.1f} N/mm2 in an element, {mega['averaged_stress']:.1f} N/mm2 over "
-        f"{point['averaged_over']:g} m; beams {mega['beam_stress']:.1f}, columns {mega['column_stress']:.1f} N/mm2",
-        f"in the wall's cross-sections: shear up to {mega['wall_shear']:.2f} MN, "
-        f"moment up to {mega['wall_moment']:.2f} MN m",
-        f"energy balance open by {point['energy_residual']:.1e}; {point['freedoms']:.0f} freedoms, "
-        f"step {1e3 * point['step']:.3g} ms, {point['seconds']:.2f} s",
-    ]
+SHOWN = ("peak_force", "peak_time", "separation", "wall_stress", "averaged_stress", "beam_stress", "column_stress",
+         "wall_shear", "wall_moment")  # fmt: skip
 
 
-def _strength(point: Mapping[str, Any]) -> tuple[bool, str]:
-    averaged = point["averaged_stress"] / 1e6
-    words = f"{averaged:.1f} N/mm2 averaged, {point['wall_stress'] / 1e6:.1f} N/mm2 in the worst element"
-    return 0.8 * 33 <= averaged <= 1.2 * 33, words
+def _strength(data: xr.Dataset) -> tuple[bool, str]:
+    averaged, worst = (float(data[name]) / 1e6 for name in ("averaged_stress", "wall_stress"))
+    return 0.8 * 33 <= averaged <= 1.2 * 33, f"{averaged:.1f} N/mm2 averaged, {worst:.1f} N/mm2 in the worst element"
 
 
-def _frame(point: Mapping[str, Any]) -> tuple[bool, str]:
+def _frame(data: xr.Dataset) -> tuple[bool, str]:
     names = "beam_stress", "column_stress", "beam_stress_then", "column_stress_then"
-    beam, column, beam_then, column_then = (point[name] / 1e6 for name in names)
+    beam, column, beam_then, column_then = (float(data[name]) / 1e6 for name in names)
     words = f"at the instant of the wall's peak {beam_then:.1f} and {column_then:.1f} N/mm2, "
     words += f"later up to {beam:.1f} and {column:.1f} N/mm2"
-    return max(beam, column) < 0.5 * point["averaged_stress"] / 1e6, words
+    return max(beam, column) < 0.5 * float(data["averaged_stress"]) / 1e6, words
 
 
-def _local(point: Mapping[str, Any]) -> tuple[bool, str]:
-    return point["reach"] < 1.0, f"{point['reach']:.2f} m from the contact half of the averaged stress is left"
+def _local(data: xr.Dataset) -> tuple[bool, str]:
+    reach = float(data["reach"])
+    return reach < 1.0, f"{reach:.2f} m from the contact half of the averaged stress is left"
 
 
-STATEMENTS = (
-    ("Maximum stresses are about 33 N/mm2, of the order of the compressive strength.", _strength),
-    ("The stresses in the beams and columns are quite low.", _frame),
-    ("The phenomenon is a rather local one.", _local),
-)
-"""What the paper says of Fig. 8."""
+STATEMENTS = {
+    "Maximum stresses are about 33 N/mm2, of the order of the compressive strength.": _strength,
+    "The stresses in the beams and columns are quite low.": _frame,
+    "The phenomenon is a rather local one.": _local,
+}
 
 
-def cites(study: WallStudy) -> dict[str, str]:
+def cites(study: Study) -> dict[str, str]:
     """The references of a study."""
     return {
         "spiliopoulos1996": "the bumper wall, Fig. 8",
@@ -115,44 +60,46 @@ def cites(study: WallStudy) -> dict[str, str]:
     }
 
 
-def figures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> dict[str, tuple[str, Figure]]:
+def pictures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> list[Picture]:
     """The stresses at the last point first, then histories, the peaks against every swept key, the other points."""
-    drawn = list(points[:_FIELDS_DRAWN])
-    found = {_name(drawn[-1]): (_heading(drawn[-1]), draw_stress(title, drawn[-1]))}
+
+    def stress(point: Point) -> Picture:
+        heading = f"Von Mises stress on the deformed mesh{f', {point.label}' if point.label else ''}"
+        return Picture(_name(point), heading, heading, partial(draw_stress, title, point), has_scale=True)
+
+    *others, last = points[:_DRAWN]
     heading = "Contact force, speed of the striker, energy, and stress at the struck face"
-    found["history"] = (heading, draw_histories(title, drawn))
+    found = [stress(last), Picture("history", heading, heading, partial(draw_histories, title, points[:_DRAWN]), True)]
     for axis in (axis for axis in axes if len(axis) > 1):
-        found[axis.names[0].replace(".", "-")] = (f"Peaks against {axis.names[0]}", draw_sweep(title, points, axis))
-    return found | {_name(point): (_heading(point), draw_stress(title, point)) for point in drawn[:-1]}
+        heading, draw = f"Peaks against {axis.names[0]}", partial(draw_sweep, title, points, axis)
+        found.append(Picture(axis.names[0].replace(".", "-"), heading, heading, draw, has_scale=True))
+    return [*found, *map(stress, others)]
 
 
 def _name(point: Point) -> str:
     return "-".join(["stress", *map(str, point.place)])
 
 
-def _heading(point: Point) -> str:
-    return f"Von Mises stress on the deformed mesh{f', {point.label}' if point.label else ''}"
-
-
 @styled
 def draw_stress(title: str, point: Point) -> Figure:
     """Von Mises stress on the deformed mesh: at its peak, its envelope, and both around the contact."""
-    fields, study, length = point.found["fields"], point.study, point.study.wall.length
-    scale = 0.1 * length / (np.abs(fields["displacement"]).max() or 1.0)
-    shown = (fields["points"] + scale * fields["displacement"])[fields["quads"]]
+    data, study, length = point.data, point.study, point.study.wall.length
+    moved = data["displacement"].to_numpy()
+    scale = 0.1 * length / (np.abs(moved).max() or 1.0)
+    shown = (data["corners"].to_numpy() + scale * moved)[data["quads"].to_numpy()]
     figure = new_figure(8.4, 6.6)
     panels = figure.subplots(1, 3, width_ratios=(1, 1, 1.9))
-    instant = f"{1e3 * point.found['time_of_peak']:.1f} ms"
+    instant = f"{1e3 * float(data['time_of_peak']):.1f} ms"
     for ax, name, heading in (
         (panels[0], "stress_peak", f"At {instant}"),
         (panels[1], "stress_envelope", "Largest over time"),
         (panels[2], "stress_peak", f"Around the contact, {instant}"),
     ):
         patches = PolyCollection(
-            shown, array=fields[name] / 1e6, cmap="magma_r", edgecolors="0.4",
+            shown, array=data[name].to_numpy() / 1e6, cmap="magma_r", edgecolors="0.4",
             linewidths=0.15 if len(shown) < 5000 else 0.0, rasterized=len(shown) > 400,
         )  # fmt: skip
-        patches.set_clim(0, float(fields["stress_envelope"].max()) / 1e6)
+        patches.set_clim(0, float(data["stress_envelope"].max()) / 1e6)
         ax.add_collection(patches)
         ax.set_aspect("equal")
         ax.grid(False)
@@ -177,17 +124,16 @@ def draw_histories(title: str, points: Sequence[Point]) -> Figure:
     figure = new_figure(9.2, 6.4)
     grid = figure.subplots(2, 2)
     for color, point in zip(_COLORS, points, strict=False):
-        values, ms = point.found, 1e3 * point.found["time"]
-        grid[0, 0].plot(ms, values["force"] / 1e6, color=color, lw=1.4, label=point.label)
-        grid[0, 1].plot(ms, values["velocity"], color=color, lw=1.4)
-        away = values["cell_height"] - 0.5 * sum(point.study.patch)
-        grid[1, 1].plot(values["cell_stress"] / 1e6, away, color=color, lw=1.4)
-    parts = [values[name] / 1e3 for name in ("striker_energy", "kinetic_energy", "strain_energy")]
+        data, ms = point.data, 1e3 * point.data["time"]
+        grid[0, 0].plot(ms, data["force"] / 1e6, color=color, lw=1.4, label=point.label)
+        grid[0, 1].plot(ms, data["velocity"], color=color, lw=1.4)
+        grid[1, 1].plot(data["cell_stress"] / 1e6, data["cell_height"] - 0.5 * sum(point.study.patch), color=color)
+    parts = [data[name] / 1e3 for name in ("striker_energy", "kinetic_energy", "strain_energy")]
     grid[1, 0].stackplot(ms, *parts, labels=("striker", "moving building", "strain"), colors=("0.35", "0.6", "0.85"))
     grid[0, 0].set(xlabel="time [ms]", ylabel="contact force [MN]", title="Contact force")
     grid[0, 1].set(xlabel="time [ms]", ylabel="velocity [m/s]", title="Striker")
     grid[1, 0].set(xlabel="time [ms]", ylabel="energy [kJ]", title=f"Energy: {point.label or 'balance'}")
-    of_face = f"largest stress, mean over {values['averaged_over']:g} m [N/mm²]"
+    of_face = f"largest stress, mean over {float(data['averaged_over']):g} m [N/mm²]"
     grid[1, 1].set(xlabel=of_face, ylabel="distance up from the contact [m]", title="Stress at the struck face")
     grid[0, 1].axhline(0, color="0.35", lw=1)
     grid[1, 0].legend(loc="lower right", frameon=True)
@@ -216,7 +162,7 @@ def draw_sweep(title: str, points: Sequence[Point], axis: SweepAxis) -> Figure:
     for ax, (name, (size, label)) in zip(panels.ravel(), quantities.items(), strict=True):
         for color, (alike, part) in zip(_COLORS, curves.items(), strict=False):
             x = [v if isinstance(v := point.swept[key], str) else unit.number(v) for point in part]
-            ax.plot(x, [point.found[name] / size for point in part], color=color, marker="o", ms=4, label=alike)
+            ax.plot(x, [float(point.data[name]) / size for point in part], color=color, marker="o", ms=4, label=alike)
         ax.set(xlabel=unit.label(key), ylabel=label, ylim=(0, None))
     if len(curves) > 1:
         panels[0, 0].legend(fontsize=7)
@@ -224,19 +170,16 @@ def draw_sweep(title: str, points: Sequence[Point], axis: SweepAxis) -> Figure:
     return figure
 
 
-def write_fields(points: Sequence[Point], folder: Path) -> None:
+def beside(points: Sequence[Point], folder: Path) -> list[Path]:
     """Write the fields of points for ParaView, lengths in m, stresses in N/m2."""
     import meshio
 
-    def in_space(array: np.ndarray) -> np.ndarray:
-        return np.column_stack([array, np.zeros(len(array))])
-
     (folder / "fields").mkdir(exist_ok=True)
-    for point in points[:_FIELDS_DRAWN]:
-        fields = point.found["fields"]
-        meshio.Mesh(
-            in_space(fields["points"]),
-            [("quad", fields["quads"])],
-            point_data={"displacement": in_space(fields["displacement"])},
-            cell_data={name: [fields[name]] for name in ("stress_peak", "stress_envelope")},
-        ).write(folder / "fields" / f"{_name(point)}.vtu")
+    files = []
+    for point in points[:_DRAWN]:
+        corners, moved = (np.pad(point.data[name], ((0, 0), (0, 1))) for name in ("corners", "displacement"))
+        stresses = {name: [point.data[name].to_numpy()] for name in ("stress_peak", "stress_envelope")}
+        files.append(folder / "fields" / f"{_name(point)}.vtu")
+        quads = [("quad", point.data["quads"].to_numpy())]
+        meshio.Mesh(corners, quads, {"displacement": moved}, stresses).write(files[-1])
+    return files

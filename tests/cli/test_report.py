@@ -73,7 +73,7 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
 
 
 def test_a_sweep_is_drawn_as_asked(made, folder, pound):
-    asked = ["--quantity", "mu_ratio", "--case", "touching", "--building", "soft", "--storey", "2"]
+    asked = ["--quantity", "mu_ratio", "--case", "touching", "--building", "soft", "--where", "storey=2"]
     assert pound("report", made / "swept.h5", "-q", "--format", "svg", "--no-page", "-o", "asked", *asked)[0] == 0
     drawn = Path("asked/soft-mu_ratio-sweep.svg").read_text(encoding="utf-8")
     for words in ("coefficient of restitution of impacts", "impact.restitution"):  # in words, and the key in small
@@ -87,8 +87,8 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     ("arguments", "message"),
     [
         (["two.h5", "--quantity", "mu_ratio"], "swept"), (["swept.h5", "--quantity", "mue"], "mu_ratio"),
-        (["swept.h5", "--case", "gip"], "touching, gap"), (["swept.h5", "--storey", "8"], "1, 2, 3"),
-        (["swept.h5", "--at", "restitution=0.7"], "0.4, 0.5, 0.65"), (["missing.h5"], "missing.h5"),
+        (["swept.h5", "--case", "gip"], "touching, gap"), (["swept.h5", "--where", "storey=8"], "1, 2, 3"),
+        (["swept.h5", "--where", "restitution=0.7"], "0.4, 0.5, 0.65"), (["missing.h5"], "missing.h5"),
         (["two.yaml"], "HDF5"), (["."], "folder"),
     ],
 )  # fmt: skip

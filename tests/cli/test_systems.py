@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import meshio
@@ -25,8 +26,8 @@ def test_figure_5(folder, pound):
     """The ratios of the two masses against the ground are harmonics of one linear system: their sum is 2."""
     code, out, _ = pound("connector", CONFIGS / "fig5.yaml", "-o", "fig5.h5")
     assert code == 0
-    assert "|R1| at most 3.980 at Omega/omega10 = 0.701" in out
-    assert "0.652-0.772, 1.086-1.163" in out
+    assert re.search(r"5\.000 +3\.980 +0\.7014 +4\.087", out)
+    assert "damping = 5 %: both ratios exceed 1 in: 0.652-0.772, 1.086-1.163" in out
     with xr.open_dataset("fig5.h5", engine="h5netcdf") as data:
         assert data["R1"].dims == ("damping", "frequency")
         assert float(data["peak2"].sel(damping=0.10)) == pytest.approx(2.40, abs=0.01)
@@ -41,7 +42,7 @@ def test_general_masses_and_no_connector(folder, pound):
         "second: {mass: 300 t, period: 0.9 s}\nconnector: {stiffness: 0 N/m, damping_ratio: 0.1}\n"
     )
     _, out, _ = pound("connector", "a.yaml", "-o", "a.h5")
-    assert f"(alone: 1, {2 * np.pi / 0.9 / np.sqrt(20e6 / 100e3):.4g})" in out
+    assert f"{2 * np.pi / 0.9 / np.sqrt(20e6 / 100e3):.4g}" in out
     with xr.open_dataset("a.h5", engine="h5netcdf") as data:
         assert float(data["peak1"]) == pytest.approx(1.0, abs=1e-12)
 
@@ -49,7 +50,7 @@ def test_general_masses_and_no_connector(folder, pound):
 def test_the_table_and_the_page_stand_beside_the_file(folder, pound):
     Path("a.yaml").write_text(PAIR)
     assert pound("connector", "a.yaml", "-o", "a.h5", "-q") == (0, "", "")
-    table = pd.read_csv("a/connector.csv")
+    table = pd.read_csv("a/tables/connector.csv")
     assert table["damping"].tolist() == [0.05, 0.10]
     assert table["peak1"].round(3).tolist() == [3.980, 2.241]
     page = Path("a/report.html").read_text(encoding="utf-8")
@@ -99,7 +100,7 @@ def test_the_fields_of_a_wall(wall):
 
 def test_figure_8(folder, pound):
     _, out, _ = pound("wall", CONFIGS / "fig8.yaml", "-o", "fig8.h5")
-    assert "contact.over = node, mesh.size = 0.5 m\n  peak force 6.20 MN at 6.9 ms" in out
+    assert re.search(r"node +0\.5000 +6197 +6\.900", out)
     with xr.open_dataset("fig8.h5", engine="h5netcdf") as data:
         under_node = data["wall_stress"].sel({"contact.over": "node"}).to_numpy() / 1e6
     assert under_node == pytest.approx([22, 34, 63, 122], rel=0.1)
@@ -112,6 +113,6 @@ def test_a_point_that_fails_leaves_the_others(folder, pound):
     code, _, err = pound("wall", "w.yaml", "-o", "w.h5")
     assert code == 1
     assert "failed: striker.mass = 1e-09 t: refused: an impact this short" in err
-    frame = pd.read_csv("w/wall.csv")
+    frame = pd.read_csv("w/tables/wall.csv")
     assert np.isnan(frame["peak_force"]).tolist() == [False, True]
     assert frame["status"].str.partition(":")[0].tolist() == ["done", "refused"]

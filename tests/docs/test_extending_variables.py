@@ -31,7 +31,7 @@ spec.loader.exec_module(changed)
 import pounding_cli as pound
 from pounding_cli.report.evidence import nominal
 from pounding_cli.report.explorer import explored
-from pounding_cli.report.sweep import Choice, over_sweep
+from pounding_cli.report.sweep import over_sweep
 from pounding_cli.study.expression import read_expression
 
 results = pound.run("study.yaml", engine="serial")
@@ -44,7 +44,7 @@ print(json.dumps({
     "never closes": bool(link["mean_force"][~struck].isna().all()),
     "meaning": [column.unit.name, column.text],
     "dataset": results.dataset["mean_force"].attrs["units"],
-    "worst": float(over_sweep(results, Choice("mean_force", case="touching")).mean),
+    "worst": float(over_sweep(results, "mean_force", {"case": "touching"}).mean),
     "largest": float(link["mean_force"].max()),
     "unit": read_expression("largest mean_force", ["stiff", "soft"]).unit,
     "charted": "mean_force" in [each["key"] for each in explored(results, nominal(results))["quantities"]],

@@ -82,7 +82,7 @@ def solved(name: str, folder: Path) -> dict[str, pd.DataFrame]:
     if name in POINTS:
         done = CliRunner().invoke(cli, [POINTS[name], str(study), "-o", str(folder / f"{name}.h5"), "-q"])
         assert done.exit_code == 0, done.output
-        frame = pd.read_csv(folder / name / f"{POINTS[name]}.csv")
+        frame = pd.read_csv(folder / name / "tables" / f"{POINTS[name]}.csv")
         return {POINTS[name]: frame[columns(frame)]}
     workflow = WORKFLOWS.get(name, "run")
     with patch.dict(os.environ, {"POUND_HOME": str(folder), "POUND_RECORDS": ""}):

@@ -17,155 +17,145 @@ function scale(values, from, to, named) {
   const room = log ? (high / low) ** 0.05 : named ? 0.5 : (high - low) * 0.05 || Math.abs(high) * 0.1 || 1;
   [low, high] = log ? [low / room, high * room] : [low - room, high + room];
   const share = log ? (value) => Math.log(value / low) / Math.log(high / low) : (value) => (value - low) / (high - low);
-  const powers = Array.from({ length: 40 }, (_, number) => 10 ** (number - 20)).flatMap((power) => [1, 2, 5].map((factor) => factor * power));
-  const ticks = named ?? (log ? powers.filter((tick) => tick > low && tick < high) : ticksBetween(low, high, Math.abs(to - from) / 75)).map((tick) => [tick, String(tick).replace('-', '−')]);
-  return { place: (value) => from + share(value) * (to - from), ticks };
+  const round = log ? Array.from({ length: 120 }, (_, number) => [1, 2, 5][number % 3] * 10 ** (Math.floor(number / 3) - 20)).filter((tick) => tick > low && tick < high) : ticksBetween(low, high, Math.abs(to - from) / 75);
+  return { place: (value) => from + share(value) * (to - from), ticks: named ?? round.map((tick) => [tick, String(Number(tick.toPrecision(6))).replace('-', '−')]) };
 }
 
-function explorer(box, { axes, quantities, names, void: voids, heights, thinned, building, point }) {
+function explorer(box, { axes, quantities, cases, analyses, motions, void: voids, heights, thinned, building, point }) {
   const controls = document.getElementById('explorer-controls'), legend = document.getElementById('explorer-legend');
   if (!quantities.length) return void box.append(h('p', { class: 'nothing' }, 'Nothing to draw: no run of this study ended.'));
-  const size = axes.reduce((all, one) => all * one.values.length, 1), looks = caseLooks(names.case), hidden = new Set();
-  const longest = axes.reduce((most, one, number) => (one.values.length > (axes[most]?.values.length ?? 1) ? number : most), -1);
-  const state = { quantity: 0, over: longest, analysis: 0, motion: 0, where: building, level: '', at: [...point] };
-  const quantity = () => quantities[state.quantity];
-  const levels = () => [...new Set(quantity().rows.map((row) => row[4]))].sort((one, other) => one - other);
-  const numbered = (list) => list.map((text, number) => [number, text]);
+  const points = axes.reduce((all, one) => all * one.values.length, 1), looks = caseLooks(cases), hidden = new Set();
+  const longest = axes.reduce((most, one, number) => (one.values.length > (axes[most]?.values.length ?? 1) ? number : most), heights ? -1 : 0);
+  const state = { quantity: 0, over: longest, analysis: 0, motion: 0, place: building, level: '', at: [...point] };
+  const quantity = () => quantities[state.quantity], numbered = (list) => list.map((text, number) => [number, text]);
 
   function arrange() {
-    const one = quantity(), places = names[one.where];
-    if (state.where !== '' && !places.includes(state.where)) state.where = one.where === 'pair' ? places[0] : building;
+    const one = quantity(), swept = state.over >= 0;
+    if (!one.places.includes(state.place) && (state.place !== '' || !swept)) state.place = one.places.includes(building) ? building : one.places[0];
     const set = (name, kind = Number) => (value) => {
       state[name] = value === '' ? '' : kind(value);
       arrange();
-      draw();
     };
-    const shown = [choice('Quantity', numbered(quantities.map(({ label, text }) => (label.startsWith(text) ? label : `${label}: ${text}`))), state.quantity, set('quantity'))];
-    const over = [...(heights ? [[-1, 'the height']] : []), ...numbered(axes.map(({ label }) => label))];
-    if (!heights && state.over < 0) state.over = 0;
-    if (over.length > 1) shown.push(choice('Over', over, state.over, set('over')));
-    if (names.analysis.length > 1) shown.push(choice('Analysis', numbered(names.analysis), state.analysis, set('analysis')));
-    if (names.motion.length > 1) shown.push(choice('Motion', numbered(names.motion), state.motion, set('motion')));
-    const all = state.over < 0 ? [] : [['', 'largest of all']];
-    if (state.over < 0 && state.where === '') state.where = building;
-    if (places.length > 1) shown.push(choice(one.where === 'pair' ? 'Neighbours' : 'Building', [...all, ...places.map((name) => [name, name])], state.where, set('where', String)));
-    if (state.over >= 0 && heights) shown.push(choice(one.level === 'storey' ? 'Storey' : 'Floor', [...all, ...levels().map((level) => [level, level])], state.level, set('level')));
-    axes.forEach((axis, number) => {
-      if (number !== state.over && axis.values.length > 1) shown.push(choice(axis.label, numbered(axis.names), state.at[number], (value) => {
-        state.at[number] = Number(value);
-        draw();
-      }));
-    });
+    const all = swept ? [['', 'largest of all']] : [], shown = [];
+    const offer = (wanted, ...rest) => wanted && shown.push(choice(...rest));
+    offer(true, 'Quantity', numbered(quantities.map(({ label, text }) => (label.startsWith(text) ? label : `${label}: ${text}`))), state.quantity, set('quantity'));
+    offer(axes.length, 'Over', [...(heights ? [[-1, 'the height']] : []), ...numbered(axes.map(({ label }) => label))], state.over, set('over'));
+    offer(analyses.length > 1, 'Analysis', numbered(analyses), state.analysis, set('analysis'));
+    offer(motions.length > 1, 'Motion', numbered(motions), state.motion, set('motion'));
+    offer(one.places.length > 1, one.where === 'pair' ? 'Neighbours' : 'Building', [...all, ...one.places.map((name) => [name, name])], state.place, set('place', String));
+    offer(swept && heights, one.level === 'storey' ? 'Storey' : 'Floor', [...all, ...one.levels.map((level) => [level, level])], state.level, set('level'));
+    axes.forEach((axis, number) => offer(number !== state.over && axis.values.length > 1, axis.label, numbered(axis.names), state.at[number], (value) => {
+      state.at[number] = Number(value);
+      draw();
+    }));
     controls.replaceChildren(...shown);
+    draw();
   }
 
-  /** What is drawn of some rows at a point: the largest of them, with spread and place in words. */
-  function found(rows, at) {
-    const one = quantity(), number = at.reduce((sum, place, axis) => sum * axes[axis].values.length + place, 0);
-    const most = rows.reduce((best, row) => (Math.abs(one.mean[row * size + number] ?? -1) > Math.abs(one.mean[best * size + number] ?? -1) ? row : best), rows[0]);
-    const value = one.mean[most * size + number];
-    if (value === null || value === undefined) return null;
-    const [kase, analysis, , where, level] = one.rows[most];
-    const low = one.low[most * size + number] ?? value, high = one.high[most * size + number] ?? value;
-    const empty = voids.find((each) => each.case === names.case[kase] && each.analysis === names.analysis[analysis] && each.count[number]);
-    const place = [names[one.where][where], ...(level ? [`${one.level} ${level}`] : []), ...axes.map(({ names: texts, label }, axis) => `${label}: ${texts[at[axis]]}`)];
-    const spread = low === high ? [] : [`motions from ${asText(low)} to ${asText(high)}`];
-    return { value, low, high, level, void: Boolean(empty), said: [`${names.case[kase]}, ${place.join(', ')}`, `${one.label} ${asText(value)}`, ...spread, ...(empty ? [`not meaningful: ${empty.why}`] : [])] };
-  }
-
+  /** One line a case: its points with value, ends, place along the axis, and what is said of them. */
   function series() {
-    const one = quantity(), upward = state.over < 0;
-    return names.case.map((name, kase) => {
-      const rows = one.rows.flatMap((row, number) => (row[0] === kase && row[1] === state.analysis && row[2] === state.motion
-        && (state.where === '' || names[one.where][row[3]] === state.where) && (upward || state.level === '' || row[4] === state.level) ? [number] : []));
-      const points = hidden.has(kase) ? [] : upward ? rows.map((row) => found([row], state.at))
-        : axes[state.over].values.map((_, place) => rows.length && found(rows, state.at.map((at, axis) => (axis === state.over ? place : at))));
-      const along = (point, place) => (upward ? point.level : axes[state.over].numeric ? axes[state.over].values[place] : place + 1);
-      return { name, look: looks[kase], points: points.map((point, place) => point && { ...point, along: along(point, place) }).filter(Boolean).sort((a, b) => a.along - b.along) };
-    }).filter(({ points }) => points.length);
+    const one = quantity(), upward = state.over < 0, { levels, places } = one;
+    const told = (kase, place, level, at) => {
+      const number = axes.reduce((all, axis, n) => all * axis.values.length + at[n], 0);
+      const index = (count, motion) => ((((kase * count + motion) * analyses.length + state.analysis) * places.length + place) * levels.length + level) * points + number;
+      const value = one.mean[index(motions.length, state.motion)] ?? null;
+      if (value === null) return null;
+      const [low, high] = state.motion ? [value, value] : [one.low[index(1, 0)], one.high[index(1, 0)]], empty = voids[(kase * analyses.length + state.analysis) * points + number] > 0;
+      const where = [places[place], ...(levels[level] ? [`${one.level} ${levels[level]}`] : []), ...axes.map(({ names, label }, n) => `${label}: ${names[at[n]]}`)];
+      const said = [`${cases[kase]}, ${where.join(', ')}`, `${one.label} ${asText(value)}`];
+      if (low !== high) said.push(`motions from ${asText(low)} to ${asText(high)}`);
+      if (empty) said.push('not meaningful: a run is flagged');
+      return { value, low, high, said, void: empty, along: upward ? levels[level] : axes[state.over].values[at[state.over]] };
+    };
+    const here = places.flatMap((_, place) => levels.map((_, level) => [place, level]))
+      .filter(([place, level]) => (state.place === '' || places[place] === state.place) && (upward || state.level === '' || levels[level] === state.level));
+    return cases.map((name, kase) => {
+      const largest = (at) => here.map((each) => told(kase, ...each, at)).reduce((most, next) => (next && !(Math.abs(next.value) <= Math.abs(most?.value)) ? next : most), null);
+      const found = hidden.has(kase) ? [] : upward ? here.map((each) => told(kase, ...each, state.at)) : axes[state.over].values.map((_, place) => largest(state.at.with(state.over, place)));
+      return { name, look: looks[kase], points: found.filter(Boolean).sort((a, b) => a.along - b.along) };
+    }).filter((line) => line.points.length);
   }
 
   function draw() {
-    const upward = state.over < 0, lines = series(), one = quantity(), every = lines.flatMap(({ points }) => points);
-    lines.forEach(({ points }, number) => points.forEach((point) => Object.assign(point, { line: number })));
+    const lines = series(), one = quantity(), upward = state.over < 0, every = lines.flatMap((line) => line.points);
     box.replaceChildren();
-    if (!every.length) return void box.append(h('p', { class: 'nothing' }, 'Nothing to draw: there is no number, or no case is selected.'));
-    const wide = Math.max(box.clientWidth - 20, 240), ratio = /₀/.test(one.label);
-    const axis = axes[state.over], named = upward || axis.numeric ? undefined : axis.names.map((text, place) => [place + 1, text.slice(0, 12)]);
-    const floors = upward ? [...new Set(every.map(({ along }) => along))].map((level) => [level, String(level)]) : named;
-    const values = [...every.flatMap(({ value, low, high }) => [value, low, high]), ...(ratio ? [1] : [])], places = every.map(({ along }) => along);
-    const y = upward ? scale(places, HIGH - BOTTOM, TOP, floors) : scale(values, HIGH - BOTTOM, TOP);
+    if (!every.length) return void box.append(h('p', { class: 'nothing' }, 'Nothing to draw here: the runs have no such number, or no case is selected.'));
+    const wide = Math.max(box.clientWidth - 20, 240), ratio = /₀/.test(one.label), axis = axes[state.over];
+    const named = upward ? one.levels.map((level) => [level, String(level)]) : axis.numeric ? undefined : axis.names.map((text, place) => [place + 1, text.slice(0, 12)]);
+    const values = [...every.flatMap(({ value, low, high }) => [value, low, high]), ...(ratio ? [1] : [])], places = upward ? one.levels : every.map(({ along }) => along);
+    const y = upward ? scale(places, HIGH - BOTTOM, TOP, named) : scale(values, HIGH - BOTTOM, TOP);
     const left = 36 + 7 * Math.max(...y.ticks.map(([, text]) => text.length));
     const x = upward ? scale(values, left, wide - RIGHT) : scale(places, left, wide - RIGHT, named);
-    const shift = ({ line: number = 0 }) => (number - (lines.length - 1) / 2) * Math.min(5, 24 / lines.length); // whiskers would hide each other
-    const at = (point, value = point.value) => (upward ? [x.place(value), y.place(point.along) + shift(point)] : [x.place(point.along), y.place(value)]);
+    const shift = (line) => (line - (lines.length - 1) / 2) * Math.min(5, 24 / lines.length); // whiskers would hide each other
+    lines.forEach((line, number) => line.points.forEach((each) => Object.assign(each, { at: (value) => (upward ? [x.place(value), y.place(each.along) + shift(number)] : [x.place(each.along), y.place(value)]) })));
     const root = s('svg', { viewBox: `0 0 ${wide} ${HIGH}`, 'aria-hidden': 'true' });
-    const line = (from, to, attributes) => root.append(s('line', { x1: from[0], y1: from[1], x2: to[0], y2: to[1], ...attributes }));
+    const rule = (from, to, attributes) => root.append(s('line', { x1: from[0], y1: from[1], x2: to[0], y2: to[1], ...attributes }));
     const label = (text, px, py, attributes) => root.append(s('text', { x: px, y: py, 'text-anchor': 'middle', ...attributes }, text));
     let free = -Infinity;
     for (const [value, text] of x.ticks) {
-      line([x.place(value), TOP], [x.place(value), HIGH - BOTTOM], { class: 'gridline' });
+      rule([x.place(value), TOP], [x.place(value), HIGH - BOTTOM], { class: 'gridline' });
       if (x.place(value) - 4 * text.length < free) continue; // texts never run into each other
       free = x.place(value) + 4 * text.length;
       label(text, x.place(value), HIGH - BOTTOM + 18);
     }
-    const few = Math.ceil(y.ticks.length / 16);
+    const few = Math.ceil(y.ticks.length / 16), middle = (TOP + HIGH - BOTTOM) / 2;
     y.ticks.forEach(([value, text], number) => {
-      line([left, y.place(value)], [wide - RIGHT, y.place(value)], { class: 'gridline' });
+      rule([left, y.place(value)], [wide - RIGHT, y.place(value)], { class: 'gridline' });
       if (number % few === 0) label(text, left - 8, y.place(value) + 4, { 'text-anchor': 'end' });
     });
-    const middle = (TOP + HIGH - BOTTOM) / 2, titles = upward ? [one.label, one.level] : [axis.label, one.label];
+    const titles = upward ? [one.label, one.level] : [axis.label, one.label];
     label(titles[0], (left + wide - RIGHT) / 2, HIGH - 7, { class: 'title' });
     label(titles[1], 15, middle, { class: 'title', transform: `rotate(-90 15 ${middle})` });
-    if (ratio) line(upward ? [x.place(1), TOP] : [left, y.place(1)], upward ? [x.place(1), HIGH - BOTTOM] : [wide - RIGHT, y.place(1)], { class: 'reference' });
-    for (const { name, look, points } of lines) {
-      const group = s('g', { 'data-series': name }), joined = !upward ? !named : points.every(({ along }, place) => !place || along === points[place - 1].along + 1);
-      const style = `stroke:${look.color}`;
-      for (const point of points) if (point.low !== point.high) line(at(point, point.low), at(point, point.high), { style, opacity: 0.5 });
-      if (joined) group.append(s('polyline', { points: points.map((point) => at(point).map((number) => number.toFixed(1)).join(',')).join(' '), fill: 'none', 'stroke-width': 2, 'stroke-dasharray': look.dash, style }));
-      group.append(...points.map((point) => filled(marker(look, ...at(point)), { class: point.void ? 'void' : '' }, [])));
+    if (ratio) rule(upward ? [x.place(1), TOP] : [left, y.place(1)], upward ? [x.place(1), HIGH - BOTTOM] : [wide - RIGHT, y.place(1)], { class: 'reference' });
+    for (const { name, look, points: mine } of lines) {
+      const group = s('g', { 'data-series': name }), style = `stroke:${look.color}`;
+      const joined = upward ? mine.every(({ along }, place) => !place || along === mine[place - 1].along + 1) : !named;
+      for (const each of mine) if (each.low !== each.high) group.append(s('polyline', { points: [each.at(each.low), each.at(each.high)].join(' '), style, opacity: 0.5 }));
+      if (joined) group.append(s('polyline', { points: mine.map((each) => each.at(each.value)).join(' '), fill: 'none', 'stroke-width': 2, 'stroke-dasharray': look.dash, style }));
+      group.append(...mine.map((each) => filled(marker(look, ...each.at(each.value)), { class: each.void ? 'void' : '' }, [])));
       root.append(group);
     }
     box.append(root);
-    tell(lines, at, root, upward);
+    tell(lines, root, upward);
   }
 
   /** The numbers of the point under the pointer, or of the one reached with the arrow keys. */
-  function tell(lines, at, root, upward) {
-    const tip = h('div', { class: 'tip', role: 'status', hidden: true }), every = lines.flatMap(({ points }) => points);
+  function tell(lines, root, upward) {
+    const tip = h('div', { class: 'tip', role: 'status', hidden: true }), every = lines.flatMap((line) => line.points);
     box.append(tip);
-    for (const [name, value] of Object.entries({ tabindex: 0, role: 'group', 'aria-roledescription': 'chart', 'aria-label': `${quantity().label}, a line a case. Arrow keys go from point to point.` })) box.setAttribute(name, value);
-    const show = (point) => {
-      const frame = root.getBoundingClientRect(), [px, py] = at(point);
-      tip.replaceChildren(h('strong', {}, point.said[0]), ...point.said.slice(1).map((text) => h('span', {}, text)));
+    filled(box, { tabindex: 0, role: 'group', 'aria-roledescription': 'chart', 'aria-label': `${quantity().label}, a line a case. Arrow keys go from point to point.` }, []);
+    const show = (each) => {
+      const [px, py] = each.at(each.value);
+      tip.replaceChildren(h('strong', {}, each.said[0]), ...each.said.slice(1).map((text) => h('span', {}, text)));
       tip.hidden = false;
-      tip.style.left = `${Math.max(4, Math.min(px + 14, frame.width - tip.offsetWidth))}px`;
+      tip.style.left = `${Math.max(4, Math.min(px + 14, root.getBoundingClientRect().width - tip.offsetWidth))}px`;
       tip.style.top = `${py + 18 + tip.offsetHeight > HIGH ? py - tip.offsetHeight - 4 : py + 22}px`;
     };
     let line = -1, place = 0;
     box.onpointermove = ({ clientX, clientY }) => {
-      const frame = root.getBoundingClientRect(), away = (point) => Math.hypot(at(point)[0] - clientX + frame.left, at(point)[1] - clientY + frame.top);
+      const frame = root.getBoundingClientRect(), away = (each) => Math.hypot(each.at(each.value)[0] - clientX + frame.left, each.at(each.value)[1] - clientY + frame.top);
       const nearest = every.reduce((one, other) => (away(other) < away(one) ? other : one));
-      tip.hidden = away(nearest) > 40;
-      if (!tip.hidden) show(nearest);
+      if (away(nearest) > 40) tip.hidden = true;
+      else show(nearest);
     };
     box.onpointerleave = box.onblur = () => {
       tip.hidden = true;
     };
     box.onkeydown = (event) => {
-      const steps = upward ? { ArrowDown: -1, ArrowUp: 1 } : { ArrowLeft: -1, ArrowRight: 1 }, lineSteps = upward ? { ArrowLeft: -1, ArrowRight: 1 } : { ArrowUp: -1, ArrowDown: 1 };
+      const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
       if (event.key === 'Escape') tip.hidden = true;
-      if (!(event.key in steps) && !(event.key in lineSteps)) return;
+      if (!turn) return;
       event.preventDefault();
+      const [over, along] = upward ? turn : [-turn[1], turn[0]];
       if (line < 0) line = 0;
-      else if (event.key in steps) place += steps[event.key];
-      else line = (line + lineSteps[event.key] + lines.length) % lines.length;
+      else if (along) place += along;
+      else line = (line + over + lines.length) % lines.length;
       place = Math.max(0, Math.min(place, lines[line].points.length - 1));
       show(lines[line].points[place]);
     };
   }
 
-  names.case.forEach((name, kase) => {
+  cases.forEach((name, kase) => {
     const check = h('input', { type: 'checkbox', checked: true, onchange: () => {
       if (check.checked) hidden.delete(kase);
       else hidden.add(kase);

@@ -103,7 +103,7 @@ function player(root, { scenes }) {
     const slowed = slow.checked && scene.impacts.some((impact) => Math.abs(impact.at - state.time) < AROUND);
     const next = Math.min(state.time + passed * (slowed ? Math.min(state.speed, SLOW) : state.speed), scene.end);
     scene.links.forEach((_, number) => {
-      const pressed = Math.abs(scene.force(number, state.time, next)) / (scene.mostForce || 1);
+      const pressed = scene.force(number, state.time, next) / (scene.mostForce || 1);
       state.glow[number] = Math.max(pressed, still.matches ? 0 : state.glow[number] * Math.exp(-passed / FADE));
     });
     state.time = next;
@@ -126,7 +126,7 @@ function player(root, { scenes }) {
   function tell() {
     const { scene, time } = state, { factor, unit } = scene.acceleration;
     const roofs = scene.buildings.length > 4 ? [] : scene.buildings.map(({ name, heights }, number) =>
-      [`${name} roof`, `${asSteady(1e3 * scene.moved(number, heights.length - 1, time), 1e3 * scene.mostMoved)} mm`]);
+      [`${name} roof`, `${asSteady(1e3 * scene.moved(number, heights.length, time), 1e3 * scene.mostMoved)} mm`]);
     const forces = scene.forces.map((series) => scene.between(series, time));
     const most = forces.reduce((one, force, number) => (Math.abs(force) > Math.abs(forces[one] ?? 0) ? number : one), -1);
     const force = most < 0 ? `${asSteady(0, scene.mostForce / 1e3)} kN` : `${asSteady(forces[most] / 1e3, scene.mostForce / 1e3)} kN at floor ${scene.links[most].floor}`;

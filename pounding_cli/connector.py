@@ -1,54 +1,48 @@
-"""Two damped oscillators joined by a spring and a dashpot: the study file, and what it comes to in closed form."""
+"""Two damped oscillators joined by a spring and a dashpot, in closed form (Figs 4 and 5): study, numbers, figure."""
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Annotated, Any, ClassVar
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
 from scipy.optimize import brentq, minimize_scalar
 
+from pounding_cli.points import Point, value
+from pounding_cli.report.document import Picture
+from pounding_cli.report.style import caption, entitle, new_figure, styled
+from pounding_cli.study.axes import SweepAxis
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import LONGEST, MASS, NUMBER, RANGES, STIFFNESS, TIME, Plausible, Quantity, Text, Whole
+from pounding_cli.study.quantity import MASS, RANGES, STIFFNESS, TIME, Plausible, Quantity, Text, Whole
 
 FINEST = 4001
 """Grid on which peaks are searched at least."""
 
-_TIMES_K1 = re.compile(rf"\s*(?P<top>{NUMBER})(?:\s*/\s*(?P<bottom>{NUMBER}))?\s*k1\s*\Z")
-_STIFFNESS = STIFFNESS.but(example="0.2 k1", open_low=False)
+_JOINT = STIFFNESS.but(example="0.2 k1", open_low=False)
 
 
-@dataclass(frozen=True)
-class TimesK1:
-    """A connector's stiffness as a multiple of k1 [-]."""
-
-    factor: float
-
-    def __str__(self) -> str:
-        return f"{self.factor:g} k1"
-
-
-def _read_stiffness(value: Any) -> float | TimesK1:
-    found = _TIMES_K1.match(value) if isinstance(value, str) and len(value) <= LONGEST else None
-    if found is None:
-        return value if isinstance(value, TimesK1) else _STIFFNESS.read(value)
-    bottom = float(found["bottom"] or 1)
-    return TimesK1(_STIFFNESS.read(float(found["top"]) / bottom if bottom else math.nan))
+def _read_joint(given: Any) -> float | str:
+    if not isinstance(given, str) or not given.strip().endswith("k1"):
+        return _JOINT.read(given)
+    return f"{_JOINT.but(si='').read(given.strip().removesuffix('k1')):.15g} k1"
 
 
 Mass = Annotated[float, MASS]
 Stiffness = Annotated[float, STIFFNESS]
-_USUAL = replace(RANGES["period"], units={"s": 1.0})
-Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0, usual=_USUAL)]
-Joint = Annotated[float | TimesK1, Text(_read_stiffness, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
+_PERIOD = replace(RANGES["period"], units={"s": 1.0})
+Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0, usual=_PERIOD)]
+Joint = Annotated[float | str, Text(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, usual=RANGES["damping ratio"])]
+_RATIO = Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)
 _NEAR = Plausible(0.05, 20.0, "neighbours differ in frequency by a factor of a few", {"": 1.0}, "frequency ratio")
-Neighbour = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True, usual=_NEAR)]
-Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
-Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
+Neighbour = Annotated[float, _RATIO.but(usual=_NEAR)]
+Ratio = Annotated[float, _RATIO]
 
 
 class First(Model):
@@ -72,7 +66,9 @@ class Connector(Model):
 
     stiffness: Joint = key("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
     damping_ratio: Damping | None = key(None, "xi of its dashpot (eq. 7)", 0.1)
-    dashpot: Dashpot | None = key(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
+    dashpot: Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)] | None = key(
+        None, "its dashpot, in place of damping_ratio", "100 kN s/m"
+    )
 
 
 class Frequencies(Model):
@@ -83,10 +79,8 @@ class Frequencies(Model):
     points: Annotated[int, Whole(11, 1_000_000)] = key(1401, "number of frequencies", 1401)
 
 
-class ConnectorStudy(Model):
+class Study(Model):
     """A study of two connected oscillators (paper, Figs 4 and 5)."""
-
-    fixed: ClassVar[tuple[str, ...]] = ("frequencies",)
 
     title: str = key(..., "one line that says what is studied", "Two connected oscillators")
     first: First = First()
@@ -128,7 +122,7 @@ class ConnectorStudy(Model):
     def k(self) -> float:
         """Stiffness of the connector [N/m]."""
         given = self.connector.stiffness
-        return given.factor * self.k1 if isinstance(given, TimesK1) else given
+        return float(given.removesuffix("k1")) * self.k1 if isinstance(given, str) else given
 
     @property
     def c(self) -> float:
@@ -143,18 +137,20 @@ class ConnectorStudy(Model):
         """Circular frequencies of the two alone [rad/s]."""
         return math.sqrt(self.k1 / self.first.mass), math.sqrt(self.k2 / self.second.mass)
 
+    def doubts(self) -> Iterator[Wrong]:
+        """Where mass and stiffness give an unlikely period."""
+        fits = RANGES["period"]
+        for name, omega in zip(("first", "second"), self.omegas, strict=True):
+            period = 2 * math.pi / omega
+            if getattr(self, name).stiffness is not None and not fits.holds(period):
+                message = f"mass and stiffness give the {name} system a period of {period:.3g} s: {fits.reason}"
+                yield (name, "stiffness"), message, "check the units of both; otherwise leave it, the study runs as is"
 
-def doubts(study: ConnectorStudy) -> Iterator[tuple[tuple[str, str], str, str]]:
-    """Where mass and stiffness give an unlikely period: key, what is doubtful, what to do."""
-    fits = RANGES["period"]
-    for name, omega in zip(("first", "second"), study.omegas, strict=True):
-        period = 2 * math.pi / omega
-        if getattr(study, name).stiffness is not None and not fits.holds(period):
-            message = f"mass and stiffness give the {name} system a period of {period:.3g} s: {fits.reason}"
-            yield (name, "stiffness"), message, "check the units of both; otherwise leave it, the study runs as it is"
+
+FIXED = ("frequencies",)
 
 
-def coupled_frequencies(study: ConnectorStudy) -> tuple[float, float]:
+def coupled_frequencies(study: Study) -> tuple[float, float]:
     """The two undamped circular frequencies of the connected systems [rad/s], lower first.
 
     With a = (k1 + K) / m1, b = (k2 + K) / m2, the characteristic equation is
@@ -168,7 +164,7 @@ def coupled_frequencies(study: ConnectorStudy) -> tuple[float, float]:
     return math.sqrt(product / high), math.sqrt(high)
 
 
-def response_ratios(study: ConnectorStudy, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def response_ratios(study: Study, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Steady-state displacement, connected over alone, of both systems under a_g = exp(i Omega t), complex, shape (n,).
 
     With D_j = k_j - m_j Omega^2 + i Omega c_j and Z = K + i Omega c, Cramer's rule gives
@@ -187,14 +183,13 @@ def response_ratios(study: ConnectorStudy, omega: np.ndarray) -> tuple[np.ndarra
     return d1 * (d2 + z * (m1 + m2) / m1) / determinant, d2 * (d1 + z * (m1 + m2) / m2) / determinant
 
 
-def answer(study: ConnectorStudy) -> dict[str, Any]:
+def solve(study: Study) -> xr.Dataset:
     """Both ratios over frequency, their peaks, and the bands in which both exceed one, found to rounding.
 
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
     """
     low, high, alone = study.frequencies.low, study.frequencies.high, study.omegas[0]
     ratio = np.linspace(low, high, study.frequencies.points)
-    r1, r2 = response_ratios(study, ratio * alone)
     grid = np.linspace(low, high, max(ratio.size, FINEST))
 
     def sizes(x: Any) -> np.ndarray:
@@ -217,10 +212,93 @@ def answer(study: ConnectorStudy) -> dict[str, Any]:
     edges += [high] if above[-1] else []
     (peak1, at1), (peak2, at2) = peak(0), peak(1)
     lower, upper = coupled_frequencies(study)
-    return {
-        "peak1": peak1, "at1": at1, "peak2": peak2, "at2": at2, "frequency_low": lower / alone,
-        "frequency_high": upper / alone, "p": study.omegas[1] / alone, "frequency": ratio,
-        "R1": np.abs(r1), "R1_real": r1.real, "R1_imag": r1.imag,
-        "R2": np.abs(r2), "R2_real": r2.real, "R2_imag": r2.imag,
-        "both_above": np.array(edges).reshape(-1, 2), "flags": [],
-    }  # fmt: skip
+    bands = np.array(edges).reshape(-1, 2)
+    found = {
+        "peak1": value("1", "largest ratio of system 1", peak1),
+        "at1": value("1", "Omega / omega10 at the peak of system 1", at1),
+        "peak2": value("1", "largest ratio of system 2", peak2),
+        "at2": value("1", "Omega / omega10 at the peak of system 2", at2),
+        "frequency_low": value("1", "lower coupled frequency over omega10", lower / alone),
+        "frequency_high": value("1", "higher coupled frequency over omega10", upper / alone),
+        "p": value("1", "omega20 / omega10", study.omegas[1] / alone),
+        "frequency": value("1", "Omega / omega10", ratio, "frequency"),
+        "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
+    }
+    for number, each in enumerate(response_ratios(study, ratio * alone), 1):
+        what = f"displacement of system {number}, connected over alone"
+        found[f"R{number}"] = value("1", what, np.abs(each), "frequency")
+        found[f"R{number}_real"] = value("1", f"{what}, real part", each.real, "frequency")
+        found[f"R{number}_imag"] = value("1", f"{what}, imaginary part", each.imag, "frequency")
+    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {_in_words(bands)}"]})
+
+
+def _in_words(bands: Any) -> str:
+    return ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
+
+
+def _frequencies(data: xr.Dataset) -> tuple[bool, str]:
+    low, high, p = (float(data[name]) for name in ("frequency_low", "frequency_high", "p"))
+    words = f"{low:.4f} and {high:.4f}, uncoupled 1 and {p:.4f} (over omega10)"
+    return min(1, p) <= low <= max(1, p) <= high, words
+
+
+def _opposites(data: xr.Dataset) -> tuple[bool, str]:
+    peak1, at1, peak2, at2 = (float(data[name]) for name in ("peak1", "at1", "peak2", "at2"))
+    return not data.sizes["band"], (
+        f"both largest displacements grow in: {_in_words(data['both_above'].to_numpy())}; |R1| peaks at {peak1:.2f} "
+        f"(Omega/omega10 = {at1:.2f}), |R2| at {peak2:.2f} ({at2:.2f}). It holds for the "
+        "signed real ratios of undamped systems: m1 R1 + m2 R2 = m1 + m2."
+    )
+
+
+SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
+STATEMENTS = {
+    "The lowest frequency lies between the uncoupled ones, the other above both.": _frequencies,
+    "Whenever the response of one system increases, that of the other decreases.": _opposites,
+}
+
+
+def cites(study: Study) -> dict[str, str]:
+    """The references of a study."""
+    found = {"spiliopoulos1996": "two connected oscillators, Figs 4 and 5", "westermo1989": "connecting buildings"}
+    return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if study.connector.damping_ratio else {})
+
+
+def pictures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> list[Picture]:
+    """Both ratios against the frequency of the ground."""
+    heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
+    return [Picture("ratios", heading, heading, partial(draw_ratios, title, points), has_scale=True)]
+
+
+def beside(points: Sequence[Point], folder: Path) -> list[Path]:
+    """No file for other programs."""
+    return []
+
+
+@styled
+def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
+    """One panel a point of the sweep, of the first twelve, |R1| solid and |R2| dashed."""
+    drawn = points[:12]
+    columns = min(len(drawn), 3)
+    rows = -(-len(drawn) // columns)
+    figure = new_figure(3.6 * columns + 0.6, 3.0 * rows + 0.9)
+    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    for ax, point in zip(panels, drawn, strict=False):
+        data, x = point.data, point.data["frequency"].to_numpy()
+        ax.set_title(point.label or "response ratios", loc="left")
+        ax.plot(x, data["R1"], color="#000000", lw=1.6, label="system 1")
+        ax.plot(x, data["R2"], color="#0072B2", linestyle=(0, (5, 2)), lw=1.6, label="system 2")
+        for low, high in data["both_above"].to_numpy():
+            ax.axvspan(low, high, color="0.88", zorder=0)
+        for name in ("frequency_low", "frequency_high"):
+            if x[0] < data[name] < x[-1]:
+                ax.axvline(float(data[name]), color="#AA2211", lw=0.9, linestyle=(0, (1, 1.5)))
+        ax.axhline(1, color="0.35", lw=1.0, zorder=1)
+        ax.set(xlabel="Ω / ω₁₀", ylabel="largest displacement over that alone", xlim=(x[0], x[-1]), ylim=(0, None))
+    for ax in panels[len(drawn) :]:
+        ax.axis("off")
+    panels[0].legend(loc="upper right")
+    entitle(figure, title, "bold")
+    left = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
+    caption(figure, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
+    return figure

@@ -1,0 +1,301 @@
+"""The commands about a study that solve nothing: `pound init`, `check`, `cite`, `schema`."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pounding_cli.cli.solve import study_argument, time_text
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import counted
+
+if TYPE_CHECKING:
+    from pounding_cli.batch.forecast import Forecast
+    from pounding_cli.laws.law import LinkLaw
+    from pounding_cli.numbers import Unit
+    from pounding_cli.study import Plan, Study
+
+
+@click.command()
+@click.argument("name")
+@click.option(
+    "-t",
+    "--template",
+    type=click.Choice(("pair", "measures", "connector", "wall")),
+    default="pair",
+    show_default=True,
+    help="Study to start from.",
+)
+def init(name: str, template: str) -> None:
+    """Write NAME.yaml, a commented study that is ready to run, and print the next steps.
+
+    The command also writes pound.schema.json, which lets editors complete keys and mark mistakes.
+
+    \b
+    Templates:
+      pair       two buildings, touching and with a gap, every key explained
+      measures   the paper's measures: gap, infill, connectors, under its five motions
+      connector  two connected oscillators in closed form
+      wall       a floor striking a bumper wall
+
+    \b
+    Example:
+      pound init my-study
+      pound init walls/front --template wall
+    """
+    from pounding_cli.study.template import TEMPLATES, start_study
+
+    written = start_study(name, template)
+    study, how = written[0], TEMPLATES[template].command
+    results = Path("results") / f"{study.stem}.h5"
+    steps = {
+        f"pound check {study}": "checks it; repeat after every change",
+        f"pound {how} {study}": f"writes {results} and prints a summary",
+    }
+    if how == "run":
+        steps[f"pound show {results} storey"] = "shows shears and ductilities, storey by storey"
+        steps[f"pound report {results}"] = f"draws {results.with_suffix('') / 'report.html'}, figures, tables"
+    click.echo(f"wrote {', '.join(map(str, written))}\nNext, change it as you like, and:")
+    for line, what in steps.items():
+        click.echo(f"  {line:<{max(map(len, steps))}}   {what}")
+
+
+@click.command()
+@study_argument
+def check(study: Path) -> None:
+    """Validate STUDY and show what a run would solve, what it would leave out and about how long it would take.
+
+    The command reports every problem as file:line:column, what is wrong and what to write instead. It accepts studies
+    of all commands, including their sections (`gap:`, `fragility:`, `sensitivity:`, `optimise:`), whose questions it
+    lists with the scenes that they begin with.
+
+    Behind the line "OK" it lists the scenes with their expected time, for which it runs one scene of each kind, links,
+    effects simulated and left out with the reason, and motions. Nothing is written.
+    Exit code 0: the study is valid; 2: it was refused.
+
+    Example: pound check configs/fig6.yaml
+    """
+    from pounding_cli.points import QUESTIONS, load
+    from pounding_cli.reading import shortened
+    from pounding_cli.study import expand, load_study
+    from pounding_cli.study.file import kind_of_file
+    from pounding_cli.workflows import TITLES, workflow_of
+
+    name, kind = shortened(study), kind_of_file(study)
+    if kind in QUESTIONS:
+        sweep = load(study, kind)
+        for warning in sweep.warnings:
+            click.echo(f"warning: {warning}", err=True)
+        click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
+        return
+    read = load_study(study)
+    asked = [workflow_of(each) for each in TITLES if each != "run" and read.root.get(each) is not None]
+    for workflow in asked:
+        workflow.check(read)
+    plan = expand(read)
+    plans = {workflow.name: workflow.plan(read) for workflow in asked}
+    for warning in read.warnings:
+        click.echo(f"warning: {warning}", err=True)
+    factors = [
+        counted(len(plan.cases), "case"),
+        counted(len(plan.analyses), "analysis", "analyses"),
+        counted(len(plan.records), "record"),
+        *([counted(math.prod(plan.shape[:-3]), "sweep point")] if plan.axes else []),
+    ]
+    rows = counted(math.prod(plan.shape), "row")
+    click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} from {counted(len(plan), 'scene')}")
+    from pounding_cli.solver import solve  # here, so that a study that is refused need not wait for numba
+
+    solve.say = lambda text: click.echo(text, err=True)
+    click.echo("\n".join([*_lines(plan), *_questions(read, plans)]))
+
+
+def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
+    """What the sections of a study ask, with the scenes that each question begins with, and their time.
+
+    plans : command -> what is known before anything is solved
+    """
+    from pounding_cli.batch.forecast import START, forecast
+    from pounding_cli.workflows import workflow_of
+
+    lines = []
+    for name, plan in plans.items():
+        workflow = workflow_of(name)
+        first, goes_on = workflow.first(plan), workflow.goes_on(study)
+        scenes = f"{'begins with' if goes_on else 'has'} {counted(len(first), 'scene')}"
+        time = f"about {time_text(START + forecast(plan, first).total)} on one core"
+        lines.append(f"  pound {name:<12} {scenes}, {time}{'; more depend on the results' if goes_on else ''}")
+    return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
+
+
+def _lines(plan: Plan) -> list[str]:
+    """What a run of a plan would solve and leave out."""
+    from pounding_cli.batch.forecast import ALONE, START, forecast
+    from pounding_cli.study.build import meetings_in_words
+    from pounding_cli.workflows import workflow_of
+
+    study, first = plan.study, (0,) * len(plan.axes)
+    found = forecast(plan, workflow_of("run").first(plan))
+    rows = math.prod(plan.shape)
+    step = "" if plan.time_step is None else f"time step {study.unit('time step').text(plan.time_step)}"
+    lines = [study.title, f"group      {' | '.join(plan.buildings)}"]
+    for axis in plan.axes:
+        shown = [", ".join(axis.shown(place)) for place in range(len(axis.values))]
+        values = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
+        lines.append(f"sweep      {', '.join(axis.names)}: {values}")
+    lines += [
+        f"method     {plan.method}, {step or f'accuracy {plan.accuracy:g}'}",
+        f"scenes     {len(plan)}, on one core about {time_text(START + found.total)} with estimate: {plan.estimate}",
+        f"           timed by {counted(found.timed, 'scene')} of them",
+    ]
+    if found.looked_at < 1:
+        lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
+    for what, count in sorted(found.scenes.items()):
+        lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
+    repeat = counted(max(0, rows - (len(plan) - found.scenes[ALONE])), "row repeats", "rows repeat")
+    baselines = counted(rows * len(plan.buildings), "baseline")
+    lines.append(f"  shared   {baselines} asked for, {found.scenes[ALONE]} run; {repeat} another's scene")
+    if plan.time_step is None:
+        lines.append("  not run         scenes whose gaps are wider than ones that turn out never to close")
+    lines.append("meetings (at the first point of the sweep)" if any(study.touching("buildings")) else "meetings")
+    group = [study.building(first, place) for place in range(len(plan.buildings))]
+    lines += [f"  {line}" for line in meetings_in_words(group)]
+    lines.append("cases")
+    units = study.unit("gap"), study.unit("link stiffness")
+    lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
+    lines += ["effects    (in scenes of the group)", *_effects(found), "motions    (as used)"]
+    unit = study.unit("acceleration")
+    for used in study.motions(first).values():
+        use = used.use
+        measures = f"peak {unit.text(use.pga, 3)}, Arias {use.arias:.3f} m/s"
+        lines.append(f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: {measures}")
+    if (match := study.spectrum_match()) is not None:
+        lines.append(f"  {match.words}")
+    return lines
+
+
+def _effects(found: Forecast) -> list[str]:
+    """In how many scenes each effect is simulated, and why it is left out in the others; those that no scene has and
+    nobody expects in one sentence."""
+    from pounding_cli.model.effects import EXPECTED, others
+
+    said = {name: [f"simulated in {round(count)}"] for name, count in found.kept.items()}
+    for text, count in found.dropped.items():
+        name, reason = text.split(": ", 1)
+        said.setdefault(name, []).append(f"left out in {round(count)}: {reason}")
+    told = [name for name in said if name in found.kept or name in EXPECTED]
+    rest = others([name for name in said if name not in told])
+    return [*(f"  {name:<30} {'; '.join(said[name])}" for name in told), *([f"  {rest}"] if rest else [])]
+
+
+def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
+    """The links of a case at the first point of the sweep, in words."""
+    links = plan.build(case * len(plan.analyses) * len(plan.records)).links
+    if not links:
+        return "no links: runs as buildings alone"
+    groups = Counter((link.kind, link.gap, _stiffness(link.law, strength)) for link in links if not link.columns)
+    said = [f"{count} x {kind}, gap {width.text(gap)}, {stiffness}" for (kind, gap, stiffness), count in groups.items()]
+    struck = [link for link in links if link.columns]
+    for gap in dict.fromkeys(link.gap for link in struck):
+        springs = sorted(link.law.initial_stiffness for link in struck if link.gap == gap)
+        ends = " to ".join(dict.fromkeys(strength.text(each, 4) for each in (springs[0], springs[-1])))
+        said.append(f"{len(springs)} x slab against columns, gap {width.text(gap)}, {ends} with the columns' bending")
+    return "; ".join(said)
+
+
+def _stiffness(law: LinkLaw, unit: Unit) -> str:
+    """The stiffness of a law; of one that has none in N/m, its first parameter besides the gap that has a unit."""
+    units = {name: each.metadata["parameter"].unit for name, each in law.parameters().items()}
+    other = next((name for name, of in units.items() if name != "gap" and of != "-"), None)
+    if "stiffness" in units or other is None:
+        return unit.text(law.initial_stiffness, 4)
+    return f"{getattr(law, other):.4g} {units[other]}"
+
+
+@click.command()
+@click.argument("source", type=click.Path(path_type=Path), metavar="STUDY|FILE.h5")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(("text", "bibtex")),
+    default="text",
+    show_default=True,
+    help="Plain text, or entries for a .bib file.",
+)
+def cite(source: Path, form: str) -> None:
+    """List the references of a study or a results file, and what each is used for.
+
+    The list has the laws with the equations of the paper, the edition of the building code, the intensity measure,
+    the methods of solution (for a study, those that a run would use) and the sources of the motions.
+
+    \b
+    Example:
+      pound cite results/fig6.h5
+      pound cite configs/fig6.yaml --format bibtex > references.bib
+    """
+    import importlib
+
+    from pounding_cli.api.studies import open_results
+    from pounding_cli.report.references import citations, motions
+    from pounding_cli.study import load_study
+
+    if source.suffix in (".yaml", ".yml"):
+        study = load_study(source)
+        uses = [used.use for used in study.motions((0,) * len(study.axes)).values()]
+        title, kind, resolved = study.title, "run", study.resolved()
+        methods: tuple[str, ...] = (study.model.method,)
+        sources = {use.name: use.source for use in uses}
+    else:
+        results = open_results(source)
+        title, kind, resolved, methods = results.title, results.workflow, results.resolved, tuple(results.methods)
+        sources = dict(results.records().set_index("record")["source"])
+    asked = importlib.import_module(f"pounding_cli.report.{kind}")
+    try:
+        found = citations(resolved, sources, methods, getattr(asked, f"cite_{kind}", None))
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        problem = Problem("its resolved study is not complete", "run the study again with this program", str(source))
+        raise InputError(problem) from error
+    if form == "bibtex":
+        click.echo("\n\n".join(citation.reference.bibtex for citation in found))
+        return
+    click.echo(title)
+    for citation in found:
+        click.echo(f"\n{citation.reference.text}\n    for {'; '.join(citation.uses)}")
+    if sources:
+        click.echo("\nMotions")
+    for line in motions(sources):
+        click.echo(f"  {line}")
+
+
+@click.command()
+@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write to this file. Default: print it.")
+@click.option("--keys", is_flag=True, help="Print tables of all keys instead.")
+def schema(output: Path | None, keys: bool) -> None:
+    """Print the JSON Schema of study files, with which editors complete keys and mark mistakes.
+
+    Editors check a study that begins with `# yaml-language-server: $schema=pound.schema.json` as you type.
+
+    \b
+    Example:
+      pound schema -o pound.schema.json
+      pound schema --keys
+    """
+    from pounding_cli.outputs import check_output
+    from pounding_cli.study.keys import key_tables
+    from pounding_cli.study.template import schema_text
+
+    text = key_tables() + "\n" if keys else schema_text()
+    if output is None:
+        click.echo(text, nl=False)
+        return
+    check_output(output, mine=lambda _, head: head.startswith((text.encode()[:60], b"| ")))
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        hint = "name a file in a folder that exists"
+        raise InputError(Problem(f"cannot write {output}: {error.strerror}", hint)) from None
+    click.echo(f"wrote {output}")
