@@ -268,7 +268,7 @@ def cite(source: Path, form: str) -> None:
     else:
         results = open_results(source)
         title, kind, resolved, methods = results.title, results.workflow, results.resolved, tuple(results.methods)
-        sources = dict(results.records().set_index("record")["source"])
+        sources = dict(results.records().drop_duplicates("record").set_index("record")["source"])
     asked = importlib.import_module(f"pounding_cli.report.{kind}")
     try:
         found = citations(resolved, sources, methods, getattr(asked, f"cite_{kind}", None))
