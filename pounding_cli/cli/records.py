@@ -27,13 +27,26 @@ def records() -> None:
     """
 
 
+def _time(_: click.Context, option: click.Parameter, given: str | None) -> float | None:
+    """A time as a study writes it [s]."""
+    from pydantic_core import PydanticCustomError
+
+    from pounding_cli.study.quantity import TIME
+
+    try:
+        return None if given is None else float(TIME.read(given))
+    except PydanticCustomError as refused:
+        told = refused.context or {}
+        raise click.BadParameter(f"{told['message']}; {told['hint']}", param=option) from None
+
+
 def _reading(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say how a file is to be read."""
     for option in (
         click.option("--format", type=click.Choice(motions.FORMATS), help="File format, if it is not detected."),
         click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
         click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
-        click.option("--dt", type=float, metavar="S", help="Time step in s, for a file with one column."),
+        click.option("--dt", callback=_time, metavar="TIME", help="Time step, 0.01 s, for a file with one column."),
         click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file has none."),
     ):
         command = option(command)

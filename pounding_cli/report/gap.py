@@ -177,7 +177,7 @@ def _case_sentences(cases: Table, frame: pd.DataFrame) -> list[str]:
             head = f"Case {row['case']}, {row['left']} | {row['right']}: gap {gap}"
         word = {"yes": "enough", "no": "not enough"}.get(row["enough"], "not known, as scenes failed")
         motions = counted(int(row["motions"]), "motion")
-        said.setdefault(head, []).append(f"{row['analysis']} {word} ({row['enough_for']} of {motions})")
+        said.setdefault(head, []).append(f"{row['analysis']} {word} (for {row['enough_for']} of {motions} it is)")
     return [f"{head}: {', '.join(words)}." for head, words in list(said.items())[:FEW_GAPS]]
 
 

@@ -330,7 +330,7 @@ def _tables(plan: Plan, question: Question, series: list[Series], scenes: pd.Dat
     )
     numbers = numbers.reindex(columns=names)
     is_text = numbers.columns.str.startswith("outcome")
-    numbers = numbers.loc[:, ~is_text].astype(float).join(numbers.loc[:, is_text].fillna(""))[names]
+    numbers = numbers.loc[:, ~is_text].astype(float).join(numbers.loc[:, is_text].astype(object).fillna(""))[names]
 
     is_linked = said["series"].isin(linked)
     keys = ["series", "motion", *(["level"] if "level" in said else [])]

@@ -154,7 +154,7 @@ def test_the_page_answers_first(pound):
     assert "pound accuracy two.yaml -o" in page
     assert page.index('id="figure-required-gap"') < page.index('id="motions"')
     assert "NZS 1170.5" in page
-    assert "Case near, A | B: gap 1 mm: elastic not enough (0 of 3 motions)" in page
+    assert "Case near, A | B: gap 1 mm: elastic not enough (for 0 of 3 motions it is)" in page
     assert "Distance to a property line" in page
     table = Path("results/two-gap/tables/gap.csv").read_text(encoding="utf-8")
     assert len(table.splitlines()) == 1 + len(open_results("results/two-gap.h5").table("gap"))
@@ -249,7 +249,7 @@ def test_gaps_of_the_cases_stand_beside_what_is_required(pound):
         assert row["required"] == required
         assert (row["enough"] == "yes") == (required <= row["gap"])
     assert re.search(r"^ .* near +A \| B +elastic +exact +1\.000 +[\d.]+ +no +0 of 3 $", out, re.MULTILINE)
-    assert "Case near, A | B: gap 2 mm: elastic not enough (0 of 3 motions)" in out
+    assert "Case near, A | B: gap 2 mm: elastic not enough (for 0 of 3 motions it is)" in out
     _, out, _ = pound("show", "results/two-gap.h5", "gap_cases")
     assert "required [mm]" in out
 
