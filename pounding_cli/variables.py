@@ -1,5 +1,5 @@
 """Every variable of a results file, in one list: the writer, tables, units, expressions of a study, `compare`, the page
-and its charts are made from it, and a test holds docs/results.md to it."""
+and its charts are made from it."""
 
 from __future__ import annotations
 

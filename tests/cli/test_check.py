@@ -1,4 +1,4 @@
-"""`pound check`: what runs, what needs no run, what is dropped and why; the same run with nothing left out."""
+"""`pound check`: what runs, what needs no run, what is dropped and why."""
 
 from __future__ import annotations
 
