@@ -256,7 +256,7 @@ def cite(source: Path, form: str) -> None:
     import importlib
 
     from pounding_cli.api.studies import open_results
-    from pounding_cli.report.references import citations, motions
+    from pounding_cli.report.references import REFERENCES, citations, motions
     from pounding_cli.study import load_study
 
     if source.suffix in (".yaml", ".yml"):
@@ -276,15 +276,12 @@ def cite(source: Path, form: str) -> None:
         problem = Problem("its resolved study is not complete", "run the study again with this program", str(source))
         raise InputError(problem) from error
     if form == "bibtex":
-        click.echo("\n\n".join(citation.reference.bibtex for citation in found))
+        click.echo("\n\n".join(REFERENCES[key].bibtex for key in found))
         return
     click.echo(title)
-    for citation in found:
-        click.echo(f"\n{citation.reference.text}\n    for {'; '.join(citation.uses)}")
-    if sources:
-        click.echo("\nMotions")
-    for line in motions(sources):
-        click.echo(f"  {line}")
+    for key, uses in found.items():
+        click.echo(f"\n{REFERENCES[key].text}\n    for {'; '.join(uses)}")
+    click.echo("\n".join(["\nMotions", *(f"  {line}" for line in motions(sources))]))
 
 
 @click.command()
