@@ -192,9 +192,6 @@ def _at(tree: Any, path: Iterable[str]) -> Any:
 
 
 def motion_sentence(records: pd.DataFrame) -> str:
-    """Motions by where they come from: "Motions: real: taft; stand-in: elcentro, eureka." or "All are stand-in
-    motions."."""
+    """Motions by where they come from: "Motions: real: taft; stand-in: elcentro, eureka."."""
     kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(", ".join)
-    if list(kinds.index) == ["stand-in"]:
-        return "All are stand-in motions."
     return f"Motions: {'; '.join(f'{kind}: {named}' for kind, named in kinds.items())}."

@@ -182,8 +182,9 @@ def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray, title: str, label
     there = values[level].values[np.isfinite(values.values).any(axis=(0, 1))]
     low, top = (min(1, int(there.min())), int(there.max())) if len(there) else (1, 1)  # a base is floor 0
     ax.set_title(title, loc="left")
-    ticks = range(low, top + 1) if top <= 12 else range(5, top + 1, 5)
-    ax.set(xlabel=label, ylabel=level, yticks=list(ticks), ylim=(low - 0.4, top + 0.4))
+    ticks = list(range(low, top + 1) if top <= 12 else range(5, top + 1, 5))
+    ax.set(xlabel=label, ylabel=level, ylim=(low - 0.4, top + 0.4))
+    ax.set_yticks(ticks, [str(tick or "base") for tick in ticks])
     ax.tick_params(length=3)
 
 
