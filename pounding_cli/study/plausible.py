@@ -205,7 +205,7 @@ def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
         unit = "no unit is stated, so g is assumed: write e.g. `unit: m/s2` beside `file:`" if assumed else ""
         hint = f"{unit or 'check `unit:` of its file and `scale:`'}; otherwise leave it, {_AS_MEANT}"
         scaled = any(each.use.scale != 1 for each in used.values())
-        message = f"the peak acceleration is unlikely of {listed(names)}: {reason}"
+        message = f"unlikely peaks: {listed(names)}: {reason}"
         notes.at(root, ("records", "scale") if scaled else ("records", "use"), message, hint)
 
 
