@@ -170,7 +170,7 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
         given.append(tuple(UNWRITTEN if value is None else value for value in written))
     marks = [tuple(member.mark for member in members)] * len(given)
     axis = SweepAxis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
-    return Study(study.path, study.text, study.root, axis, study.reader, written=study)
+    return Study(study.path, study.text, study.root, (*study.swept, axis), study.reader, written=study)
 
 
 def values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:

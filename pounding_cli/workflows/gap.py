@@ -455,7 +455,6 @@ def _with_nothing_between(study: Study) -> Study:
     root, mark = study.root, study.root.mark
     tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, root.marks)
     tree["cases"] = Map({APART: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {APART: (mark, mark)})
-    apart = Study(study.path, study.text, tree, reader=study.reader, written=study)
     axes = []
     for axis in study.swept:
         kept, different, values = _kept(axis)
@@ -464,8 +463,7 @@ def _with_nothing_between(study: Study) -> Study:
             given, marks = ([tuple(row[n] for n in kept) for row in rows] for rows in (first.given, first.marks))
             units = tuple(axis.units[n] for n in kept)
             axes.append(SweepAxis(tuple(axis.names[n] for n in kept), given, marks, units))
-    apart.narrow(axes)
-    return apart
+    return Study(study.path, study.text, tree, axes, study.reader, written=study)
 
 
 def _all_facing(apart: Study, point: Point, case: str) -> tuple[Link, ...]:
