@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence
-from pounding_cli.report.figures import plain_log
 from pounding_cli.report.style import entitle, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
@@ -96,7 +95,6 @@ def draw_contributions(results: Results, shown: Evidence) -> Figure:
             ax.plot(at, own["rate"] / width, color=look.color, ls=look.line, lw=1.8, label=f"with pounding: {case}")
         ax.set_title(f"{building}, {limit}", loc="left")
         ax.set_xscale("log")
-        plain_log(ax.xaxis)
         ax.set_ylim(bottom=0)
         ax.set_xlabel(f"intensity [{unit.name}]" if unit.name else "intensity")
     for ax in axes[:, 0]:
