@@ -117,7 +117,7 @@ def _check_best(study: Path, write: Path, replace: bool) -> None:
     """Make sure, before anything is solved, that the best study can be written.  Raises `InputError`."""
     from pounding_cli.outputs import check_output
     from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise_question import check_written
+    from pounding_cli.workflows.optimise import check_written
 
     if write.suffix not in (".yaml", ".yml"):
         raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
@@ -132,8 +132,7 @@ def _write_best(study: Path, path: Path, write: Path) -> bool:
     """Write the study with the best values that a results file has; whether there are such.  Raises `InputError`."""
     from pounding_cli.api.studies import open_results
     from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
-    from pounding_cli.workflows.optimise_question import question_of
+    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM, question_of
 
     results = open_results(path)
     table, loaded = results.answer(OPTIMUM).frame, load_study(study)

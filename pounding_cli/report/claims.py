@@ -20,12 +20,11 @@ from pounding_cli.report.table import NOTHING, digits, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import DONE
 from pounding_cli.texts import cells, write_markdown
-from pounding_cli.workflows.sensitivity import Series
+from pounding_cli.workflows.sensitivity import Question, Series
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
     from pounding_cli.study import Plan
-    from pounding_cli.workflows.sensitivity_question import Question
 
 HOLDS, PARTLY, FAILS, UNTESTED = "holds", "holds partly", "does not hold", "not tested here"
 
@@ -276,7 +275,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Question) -> Iterator[Ser
     """Whether every claim holds (1 or 0), and whether at least a part of it does, at every sample of `pound
     sensitivity`; NaN of a sample with a scene that failed, and where nothing tests the claim."""
     axes = tuple(axis.names[0] for axis in plan.axes)  # the samples are the last one
-    at = {axes[-1]: xr.DataArray(question.distinct[1], dims=axes[-1])}
+    at = {axes[-1]: xr.DataArray(question.keys[2], dims=axes[-1])}
     data = data.reset_coords(_OF_MOTIONS).drop_vars(axes[-1]).isel(at)
     scenes = data[[name for name in (*_OF_SCENES, "status", "drift", "drift0") if name in data]]
     if question.drawn is not None:
