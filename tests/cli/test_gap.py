@@ -225,7 +225,7 @@ def test_the_question_cannot_be_swept(pound):
     Path("two.yaml").write_text(STUDY.replace("  cases.near.gap: [1 mm, 2 mm]", "  gap.contact: [1 %, 2 %]"))
     code, _, err = pound("gap", "two.yaml")
     assert code == 2
-    assert "'gap.contact' cannot be an axis" in err
+    assert "'gap.contact' cannot vary" in err
 
 
 # The gaps of the cases
