@@ -376,7 +376,7 @@ class Study:
             return None
         scale = self.section(first, "records").scale
         motions = {name: each.motion for name, each in used.items()}
-        return records.spectrum_match(motions, target, scale.spectrum == "each", scale.at_least)
+        return records.SpectrumMatch.of(motions, target, scale.spectrum == "each", scale.at_least)
 
     def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
         """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
