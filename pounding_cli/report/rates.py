@@ -16,7 +16,7 @@ from pounding_cli.report.style import entitle, looks, panels, shared_legend, sty
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, RATES
-from pounding_cli.workflows.gap_rate import NAME
+from pounding_cli.workflows.gap_rate import RATE
 from pounding_cli.workflows.hazard import YEARS
 
 if TYPE_CHECKING:
@@ -108,9 +108,9 @@ def draw_contributions(results: Results, shown: Evidence) -> Figure:
 
 def gap_for_rate(results: Results) -> tuple[list[Table], list[str]]:
     """The gap for an annual rate of contact, of every pair; nothing without a hazard curve."""
-    if NAME not in results.answers:
+    if RATE not in results.answers:
         return [], []
-    answer = results.answer(NAME)
+    answer = results.answer(RATE)
     rows, unit = answer.frame, answer.columns["gap"].unit
     keys = [key for key in results.axes if key in rows]
     found = []

@@ -35,7 +35,7 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
     marks = [tuple(member.mark for member in members)] * len(given)
     axis = SweepAxis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
     try:
-        return Study(study.path, study.text, study.root, axis, study.reader, written=study)
+        return Study(study.path, study.text, study.root, (*study.swept, axis), study.reader, written=study)
     except InputError as error:
         raise _few(error, len(points)) from None
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch.solve import Solver
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.file import Problems
     from pounding_cli.study.plan import Axis
 
 Columns = Mapping[str, tuple[str, str]]
@@ -77,6 +78,13 @@ class Workflow(ABC):
     def goes_on(self, study: Study) -> bool:
         """Whether results decide what else is solved."""
         return False
+
+
+def refuse_histories(study: Study, of: str, problems: Problems) -> None:
+    """Note that histories are asked for of scenes that nobody knows beforehand."""
+    if study.model.keep is not None:
+        hint = "remove `keep:`; `pound run` keeps those of chosen points"
+        problems.at(study.root, ("keep",), f"histories cannot be kept of {of}", hint, key=True)
 
 
 def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame:
