@@ -351,8 +351,7 @@ def connector(ctx: click.Context, **options: Any) -> None:
 def wall(ctx: click.Context, **options: Any) -> None:
     """Compute the impact of a floor on the bumper wall of a concrete building: force, separation, stresses.
 
-    The command prints peak force and stresses, and writes FILE.h5 and a folder with tables, figures, page and the
-    fields for ParaView.
+    The command prints peak force and stresses, and writes FILE.h5 and a folder with tables, figures and page.
 
     \b
     Example:
