@@ -17,7 +17,7 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.rates import rate_table
+from pounding_cli.report.rates import rate_table, told_place
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import Look, caption, entitle, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
@@ -179,9 +179,8 @@ def _medians(results: Results, asked: Asked, frame: pd.DataFrame) -> Table:
     """
     rows = []
     for row in frame.to_dict("records"):
-        cells = {results.axis_label(key): results.value_label(key, row[key]) for key in results.axes if key in frame}
-        cells |= {name: row[name] for name in ("limit", "building")}
-        cells |= {name: row[name] for name in ("case", "analysis") if len(frame[name].unique()) > 1}
+        cells = {name: row[name] for name in ("limit", "building")}
+        cells |= told_place(results, frame, row, ("case", "analysis"))
         for end, what in _BOTH.items():
             cells[asked.unit.label(f"median {what}")] = median_text(asked, row, end)
             cells[f"spread {what}"] = interval(row, "spread", end)

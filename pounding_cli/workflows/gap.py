@@ -4,14 +4,15 @@ means for the gaps of the cases; distances to a property line."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import APART, Link
 from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
@@ -91,9 +92,12 @@ _COLUMNS: Columns = {
     "enough_for": ("1", "motions for which it is"),
 }  # fmt: skip
 
-Rules = dict[str, tuple[np.ndarray, np.ndarray]]
-"""By rule separations and their numerical errors [m], shape (places, analyses, motions), of a rule that does not depend
-on the motions (places, 1, 1); NaN where it says nothing."""
+Where = dict[str, Any]
+"""Columns that say where something is required; `point` of the sweep by number."""
+
+Rules = dict[str, tuple[Any, Any]]
+"""By rule separations and their numerical errors [m], shape (analyses, motions), or one number of a rule that does not
+depend on the motions; NaN where it says nothing."""
 
 
 class Gap(Workflow):
@@ -111,15 +115,19 @@ class Gap(Workflow):
         buildings; swept keys of links are left out, those of buildings and motions stay."""
         self.check(study)
         apart = _with_nothing_between(study)
-        return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
+        plan = expand(apart, partial(_all_facing, apart))
+        if not plan.links.places:
+            raise InputError(
+                Problem("no floors face each other: no gap is required", "look at the heights", study.file)
+            )
+        return dataclasses.replace(plan, workflow="gap")
 
     def run(self, study: Study, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
         plan = self.plan(study)
-        data, codes = solver.dataset(plan), _codes(plan)
-        places, lines = _facing(plan), _lines(plan)
-        separations = _separations(plan, places, _between_floors(plan, data, places, codes))
-        distances = _separations(plan, lines, _to_lines(plan, data, lines, codes))
+        data = solver.dataset(plan)
+        separations = _separations(plan, _between_floors(plan, data))
+        distances = _separations(plan, _to_lines(plan, data))
         tables = [
             _required(plan, REQUIRED, separations, [*_FACING, "height"]),
             _of_cases(plan, separations),
@@ -136,134 +144,103 @@ class Gap(Workflow):
 ASKED = Gap()
 
 
-# Places: a row for each at each point of the sweep, in the order of the tables
+# What is required where
 
 
-def _facing(plan: Plan) -> pd.DataFrame:
-    """Floors, and slabs and columns, that face each other.
+def _between_floors(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules]]:
+    """Floors, and slabs and columns, that face each other, with the rules that say something there.
 
-    `place` is their number among `plan.links`, `number` that of the left building; `left_at` and `right_at` are the
-    heights of both ends in the storeys below their floors, 1 at a floor.
+    `place` is their number among `plan.links`, `number` that of the left building.
     """
-    links, rows = plan.links, []
+    study, links, edition = plan.study, plan.links, _edition(plan)
+    closings, errors, moves, bases = (
+        _by_point(plan, data, name) for name in ("max_closing", "error_estimate", "displacement", "sway")
+    )
+    moves = np.concatenate([bases[..., None], moves], axis=-1)
     for point, at in enumerate(_points(plan)):
-        group = [plan.study.building(at, each) for each in range(len(plan.buildings))]
+        group = [study.building(at, each) for each in range(len(plan.buildings))]
+        codes, closing, error, moved = _codes(plan, at), closings[point], errors[point], moves[point].copy()
+        for each in (moved, *codes.values()):
+            each[..., [isinstance(building, Wall) for building in group], :] = 0.0
+        worst = np.nanmax(closing, axis=-1, initial=0.0)
         for place, (left, floor, right_floor, name) in enumerate(links.places):
-            if links.kind[(*at, 0, place)]:
-                left_at, right_at = (float(ends[(*at, 0, place)]) for ends in (links.left_at, links.right_at))
-                is_left = left_at == 1.0 and not isinstance(group[left], Wall)
-                height = group[left].level(floor) if is_left else group[left + 1].level(right_floor)
-                where = *plan.buildings[left : left + 2], floor, right_floor, name.removesuffix(" columns")
-                rows.append((point, place, left, *where, left_at, right_at, height))
-    columns = ["point", "place", "number", *_FACING, "left_at", "right_at", "height"]
-    return pd.DataFrame(rows, columns=columns)
+            if not links.kind[(*at, 0, place)]:
+                continue
+            one, other = group[left : left + 2]
+            left_at, right_at = links.left_at[(*at, 0, place)], links.right_at[(*at, 0, place)]
+            ends = (left, floor, left_at), (left + 1, right_floor, right_at)
+            a, b = (_moved(moved, *end) for end in ends)
+            reach = error * absolute_sum(a, b)  # a relative change of both peaks moves no rule by more
+            rules: Rules = {
+                EXACT: (closing[..., place], error * worst),
+                "ABS": (absolute_sum(a, b), reach),
+                "SRSS": (root_of_squares(a, b), reach),
+                "DDC": (double_difference(a, b, _correlation(one, other)), reach),
+            }
+            if (asked := study.model.gap.gb50011) is not None:
+                height = min(one.elevation[-1], other.elevation[-1])
+                rules[GB50011] = gb50011_width(height, asked.intensity, asked.structure), 0.0
+            if floor > 0:  # codes do not tell how far a base moves
+                ubc, asce, en = ([_moved(codes[rule], *end) for end in ends] for rule in (UBC, ASCE7, EN1998))
+                rules[edition] = absolute_sum(*ubc), 0.0
+                rules[ASCE7] = root_of_squares(*asce), 0.0
+                rules[EN1998] = en1998_separation(en[0], en[1], _same_floors(one, other)), 0.0
+            is_left = left_at == 1.0 and not isinstance(one, Wall)
+            numbers = {"point": point, "place": place, "number": left}
+            facing = *plan.buildings[left : left + 2], floor, right_floor, name.removesuffix(" columns")
+            height = one.level(floor) if is_left else other.level(right_floor)
+            yield numbers | dict(zip(_FACING, facing, strict=True)) | {"height": height}, rules
 
 
-def _lines(plan: Plan) -> pd.DataFrame:
-    """Every floor and both of its sides; `number` is that of its building."""
-    rows = [
-        (point, number, name, side, floor, building.level(floor))
-        for point, at in enumerate(_points(plan))
-        for number, name in enumerate(plan.buildings)
-        if not isinstance(building := plan.study.building(at, number), Wall)
-        for floor in range(1, building.storeys + 1)
-        for side in ("left", "right")
-    ]
-    return pd.DataFrame(rows, columns=["point", "number", "building", "side", "floor", "height"])
+def _moved(displacements: np.ndarray, building: int, floor: int, at: float) -> np.ndarray:
+    """Displacement of a floor, or of columns at a part of the storey below it.
+
+    displacements : shape (..., buildings, 1 + floors), of the base first
+    """
+    above, below = (displacements[..., building, each] for each in (floor, max(floor - 1, 0)))
+    part = at * at * (3.0 - 2.0 * at)
+    return above if at == 1.0 else part * above + (1.0 - part) * below
+
+
+def _to_lines(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules]]:
+    """Every floor and both of its sides: how far it moves there, and what codes ask of the distance to a line."""
+    errors, whole, least, most = (
+        _by_point(plan, data, name)
+        for name in ("error_estimate", "displacement", "displacement_min", "displacement_max")
+    )
+    worst = errors[..., None] * np.nanmax(whole, axis=-1, initial=0.0)
+    for point, at in enumerate(_points(plan)):
+        codes = _codes(plan, at)
+        for number, name in enumerate(plan.buildings):
+            building = plan.study.building(at, number)
+            for floor in range(1, building.storeys + 1) if not isinstance(building, Wall) else ():
+                for side, moved in (("left", -least), ("right", most)):
+                    where = {"point": point, "building": name, "side": side, "floor": floor}
+                    rules: Rules = {EXACT: (moved[point, :, :, number, floor - 1], worst[point, :, :, number])}
+                    rules |= {rule: (codes[rule][number, floor], 0.0) for rule in (ASCE7, EN1998)}
+                    yield where | {"height": building.level(floor)}, rules
 
 
 def _points(plan: Plan) -> list[Point]:
     return list(np.ndindex(*plan.shape[:-3]))
 
 
-# Rules
-
-
-def _codes(plan: Plan) -> dict[str, np.ndarray]:
-    """Displacements that codes expect of every floor [m], by rule, shape (points, 1, 1, buildings, floors); NaN where a
-    building lacks what the rule needs."""
-    study, shape = plan.study, (len(_points(plan)), 1, 1, len(plan.buildings), most_storeys(plan))
-    found = {rule: np.full(shape, np.nan) for rule in (UBC, ASCE7, EN1998)}
-    for number, at in enumerate(_points(plan)):
-        for place, name in enumerate(study.model.group):
-            for rule, moved in {
-                UBC: study.design_displacements(at, name),
-                **study.code_displacements(at, name),
-            }.items():
-                if moved is not None:
-                    found[rule][number, 0, 0, place, : len(moved)] = moved
-    return found
-
-
-def _between_floors(plan: Plan, data: xr.Dataset, places: pd.DataFrame, codes: dict[str, np.ndarray]) -> Rules:
-    """The exact separations of floors that face first, then the rules that say something here."""
-    study, points = plan.study, _points(plan)
-    point, place, left = (places[name].to_numpy() for name in ("point", "place", "number"))
-    is_wall = np.array([isinstance(study.building(points[0], each), Wall) for each in range(len(plan.buildings))])
-
-    def moved(displacements: np.ndarray, base: np.ndarray | None = None) -> list[np.ndarray]:
-        """Displacements of both ends, shape (places, analyses, motions), those of columns between their floors.
-
-        displacements, base : shape (points, analyses, motions, buildings, floors) and that of the base; codes do not
-            tell how far a base moves
-        """
-        below_all = np.zeros(displacements.shape[:-1]) if base is None else base
-        whole, found = np.concatenate([below_all[..., None], displacements], axis=-1), []
-        whole[..., is_wall, :] = np.nan_to_num(whole[..., is_wall, :])
-        for side, building in (("", left), ("right_", left + 1)):
-            level = np.where(is_wall[building], 1, places[f"{side}floor"])
-            at = places[f"{side or 'left_'}at"].to_numpy()
-            part = (at * at * (3.0 - 2.0 * at))[:, None, None]
-            above, below = (whole[point, :, :, building, each] for each in (level, np.maximum(level - 1, 0)))
-            is_known = ((level > 0) | (base is not None))[:, None, None]
-            found.append(np.where(is_known, np.where(part == 1.0, above, part * above + (1.0 - part) * below), np.nan))
-        return found
-
-    def of_pairs(value: Callable[[Building, Building], float]) -> np.ndarray:
-        """Something of both buildings, shape (places, 1, 1)."""
-        kept = cache(lambda at, number: value(study.building(at, number), study.building(at, number + 1)))
-        keys = [study.key(each, ("buildings", "group")) for each in points]
-        return np.array([kept(keys[at], number) for at, number in zip(point, left, strict=True)])[:, None, None]
-
-    closing, relative = (_by_point(plan, data, name) for name in ("max_closing", "error_estimate"))
-    one, other = moved(_by_point(plan, data, "displacement"), _by_point(plan, data, "sway"))
-    reach = relative[point] * absolute_sum(one, other)  # a relative change of both peaks moves no rule by more
-    rules: Rules = {
-        EXACT: (closing[point, :, :, place], (relative * np.nanmax(closing, axis=-1, initial=0.0))[point]),
-        "ABS": (absolute_sum(one, other), reach),
-        "SRSS": (root_of_squares(one, other), reach),
-        "DDC": (double_difference(one, other, of_pairs(_correlation)), reach),
-    }
-    widths = dict[str, np.ndarray]()
-    if (asked := study.model.gap.gb50011) is not None:
-        lower = of_pairs(lambda a, b: min(a.elevation[-1], b.elevation[-1]))
-        widths[GB50011] = np.vectorize(lambda height: gb50011_width(height, asked.intensity, asked.structure))(lower)
-    ends = {rule: moved(displacements) for rule, displacements in codes.items()}
-    widths[_edition(plan)] = absolute_sum(*ends[UBC])
-    widths[ASCE7] = root_of_squares(*ends[ASCE7])
-    widths[EN1998] = en1998_separation(ends[EN1998][0], ends[EN1998][1], of_pairs(_same_floors))
-    return rules | {rule: (width, np.zeros_like(width)) for rule, width in widths.items()}
-
-
-def _to_lines(plan: Plan, data: xr.Dataset, places: pd.DataFrame, codes: dict[str, np.ndarray]) -> Rules:
-    """How far floors move to either side, and what codes ask of the distance to a property line."""
-    point, building, floor = (places[name].to_numpy() for name in ("point", "number", "floor"))
-
-    def at_floors(values: np.ndarray) -> np.ndarray:
-        return values[point, :, :, building, floor - 1]
-
-    left, right, whole = (_by_point(plan, data, f"displacement{end}") for end in ("_min", "_max", ""))
-    exact = np.where((places["side"] == "left").to_numpy()[:, None, None], -at_floors(left), at_floors(right))
-    most = np.nanmax(whole, axis=-1, initial=0.0)[point, :, :, building]
-    widths = {rule: at_floors(codes[rule]) for rule in (ASCE7, EN1998)}
-    return {EXACT: (exact, _by_point(plan, data, "error_estimate")[point] * most)} | {
-        rule: (width, np.zeros_like(width)) for rule, width in widths.items()
-    }
-
-
 def _by_point(plan: Plan, data: xr.Dataset, name: str) -> np.ndarray:
     """A variable in the one case, shape (points, analyses, motions, ...)."""
     return data[name].values.reshape(-1, *data[name].shape[len(plan.axes) + 1 :])
+
+
+def _codes(plan: Plan, at: Point) -> dict[str, np.ndarray]:
+    """Displacements that codes expect [m], by rule, shape (buildings, 1 + floors), 0 of the base; NaN where a building
+    lacks what the rule needs."""
+    study, storeys = plan.study, most_storeys(plan)
+    found = {rule: np.full((len(plan.buildings), 1 + storeys), np.nan) for rule in (UBC, ASCE7, EN1998)}
+    for place, name in enumerate(study.model.group):
+        known = {UBC: study.design_displacements(at, name), **study.code_displacements(at, name)}
+        for rule, moved in known.items():
+            if moved is not None:
+                found[rule][place, : 1 + len(moved)] = 0.0, *moved
+    return found
 
 
 def _correlation(left: Building, right: Building) -> float:
@@ -290,18 +267,21 @@ def _edition(plan: Plan) -> str:
 # Statistics
 
 
-def _separations(plan: Plan, places: pd.DataFrame, rules: Rules) -> pd.DataFrame:
-    """`value` and `error` [m] of every place (`row`, with the columns of `places`), rule, analysis and motion."""
-    frames = []
-    for name, (values, errors) in rules.items():
-        shape = len(places), len(plan.analyses), values.shape[2]
-        row, analysis, motion = (each.ravel() for each in np.indices(shape))
-        value, error = (np.broadcast_to(each, shape).ravel() for each in (values, errors))
-        columns = {"row": row, "analysis": analysis, "motion": motion, "rule": name, "value": value, "error": error}
-        frames.append(pd.DataFrame(columns))
-    found = pd.concat(frames, ignore_index=True).join(places, on="row")
+def _separations(plan: Plan, required: Iterable[tuple[Where, Rules]]) -> pd.DataFrame:
+    """`value` and `error` [m] of every place (`row`, with what is known of it), rule, analysis and motion."""
+    places, parts = list[Where](), list[tuple[Any, ...]]()
+    for row, (where, rules) in enumerate(required):
+        places.append(where)
+        for rule, both in rules.items():
+            shape = len(plan.analyses), len(plan.records) if rule in OF_MOTIONS else 1
+            analysis, motion = np.indices(shape).reshape(2, -1)
+            value, error = (np.broadcast_to(each, shape).ravel() for each in both)
+            parts.append((np.full(len(value), row), [rule] * len(value), analysis, motion, value, error))
+    names = ("row", "rule", "analysis", "motion", "value", "error")
+    columns = {name: np.concatenate(each) for name, each in zip(names, zip(*parts, strict=True), strict=True)}
+    found = pd.DataFrame(columns).join(pd.DataFrame(places), on="row")
     found["analysis"] = pd.Categorical(np.array(plan.analyses, object)[found["analysis"]], plan.analyses)
-    found["rule"] = pd.Categorical(found["rule"], list(rules))
+    found["rule"] = pd.Categorical(found["rule"], [*OF_MOTIONS, GB50011, _edition(plan), ASCE7, EN1998])
     return found
 
 

@@ -94,17 +94,12 @@ def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame
     """
     import pandas as pd
 
-    at = np.array(points, int).reshape(len(points), len(axes))
     columns = {
-        name: pd.Series([axis.values[place][key] for place in at[:, number]], dtype=_type(axis, key))
+        name: [axis.values[point[number]][key] for point in points]
         for number, axis in enumerate(axes)
         for key, name in enumerate(axis.names)
     }
     return pd.DataFrame(columns, index=range(len(points)))
-
-
-def _type(axis: Axis, key: int) -> type:
-    return object if any(isinstance(value[key], str) for value in axis.values) else float
 
 
 def tabled(

@@ -73,7 +73,7 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
 def test_a_unit_that_is_assumed_is_said_wherever_the_motion_is_shown(motion, pound, tmp_path) -> None:
     motion("a.csv")
     assert "a                user, unit g assumed, first 3.98 s" in pound("check", "[a.csv]").stdout
-    assert "Motions, user, unit g assumed: a." in pound("run", "[a.csv]").stdout
+    assert "Motions: user, unit g assumed: a." in pound("run", "[a.csv]").stdout
     results = pounding_cli.open_results(tmp_path / "results" / "study.h5")
     assert list(results.records()["source"]) == ["user, unit g assumed"]
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
@@ -138,5 +138,5 @@ def test_the_summary_of_a_run_and_a_check_name_all_motions(motion, pound) -> Non
     for name in names:
         motion(f"set/{name}.txt")
     run, checked = flat(pound("run", "[set/]").stdout), pound("check", "[set/]").stdout
-    assert f"Motions, user, unit g assumed: {', '.join(names)}" in run
+    assert f"Motions: user, unit g assumed: {', '.join(names)}" in run
     assert [name for name in names if f"\n  {name} " not in checked] == []
