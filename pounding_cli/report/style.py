@@ -82,14 +82,15 @@ _Drawing = ParamSpec("_Drawing")
 
 def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
     """Decorator of every function that draws: the settings hold while it draws and nowhere else; logarithmic axes get
-    plain numbers at 1, 2 and 5."""
+    plain numbers, over few decades at 1, 2 and 5."""
 
     @wraps(draw)
     def drawn(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
         with mpl.rc_context(_SETTINGS):
             figure = draw(*args, **named)
             for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if axis.get_scale() == "log"):
-                axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                low, high = axis.get_view_interval()
+                axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,)))
                 axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
                 axis.set_minor_formatter(NullFormatter())
         return figure
@@ -208,5 +209,5 @@ def name_axis(
     lines = [", ".join(unit.label(key_words(key)) for key, unit in zip(keys, units, strict=True))]
     if not is_for_paper() and any(key_words(key) != key for key in keys):
         lines.append(", ".join(keys))
-    label = "\n".join(textwrap.fill(line, room) if room else line for line in lines)
+    label = "\n".join(textwrap.fill(line, room, break_long_words=False) if room else line for line in lines)
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(label, fontsize=size)
