@@ -133,8 +133,7 @@ class Question:
         at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
 
     def text(self, point: Point) -> str:
-        """The text of the study with the keys at a point; everything else stays as it is written.  Raises InputError: a
-        key stands where an anchor or alias of YAML makes it part of something else."""
+        """The text of the study with the keys at a point; everything else stays as it is written (`with_values`)."""
         values = {factor.key: factor.value(u) for factor, u in zip(self.factors, point, strict=True)}
         return with_values(self.study.text, values, self.study.file)
 
