@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted, listed
@@ -112,7 +113,7 @@ class Results:
         """The spectra of the motions as used against the target they were scaled to; None where there is none."""
         if "study_spectrum" not in self.data:
             return None
-        return SpectrumMatch.of_dict(json.loads(str(self.data["study_spectrum"].item())))
+        return TypeAdapter(SpectrumMatch).validate_json(str(self.data["study_spectrum"].item()))
 
     # Tables
 
