@@ -42,7 +42,7 @@ LOWEST = 1e-13
 
 def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
     """What was measured; `command` repeats it."""
-    runs = runs_frame(found)
+    runs = pd.DataFrame(found.runs)
     lines, scenes = lines_frame(runs), len(found.references)
     said = [_wish(lines, wanted, scenes) for wanted in WISHES]
     pictures = [
@@ -58,8 +58,7 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
         "of its repeats, without compiling. Miscounted: scenes with other impacts than the reference.",
         _reference(found),
         *(f"Did not end: {text}." for text in _aborted(runs)),
-        *(f"Left out because the reference did not end: {place}." for place in found.without_reference),
-        *(f"Left out because the budget ended before them (--budget gives more): {what}." for what in found.left_out),
+        *(f"Left out: {what}." for what in found.left_out),
         f"Runs took {found.spent:.2g} s, compiling before them {found.compiling:.2g} s.",
     ]  # fmt: skip
     cited = [
@@ -78,20 +77,6 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
                     [from_rows("Methods and who published them", ("method", "source"), cited)]),
         ],
     )  # fmt: skip
-
-
-def runs_frame(found: WorkPrecision) -> pd.DataFrame:
-    """One row a run: errors [-], seconds [s]."""
-    rows = [
-        {
-            "case": run.case, "analysis": run.analysis, "record": run.record, "method": run.method,
-            "setting": run.setting, "status": run.status, "seconds": run.seconds, "steps": run.steps,
-            "events": run.events, **{f"error_{q}": run.errors[q] for q in QUANTITIES}, "impacts": run.impacts,
-            "impacts_reference": run.expected, "energy_residual": run.residual, "advice": run.advice,
-        }
-        for run in found.runs
-    ]  # fmt: skip
-    return pd.DataFrame(rows)
 
 
 def lines_frame(runs: pd.DataFrame) -> pd.DataFrame:
@@ -151,8 +136,8 @@ def _reference(found: WorkPrecision) -> str:
     """How well the two reference methods agree."""
     if not found.references:
         return "No scene has a reference."
-    worst = {q: max(reference.differences[q] for reference in found.references) for q in QUANTITIES}
-    differing = sum(reference.impacts > 0 for reference in found.references)
+    worst = {q: max(reference[q] for reference in found.references) for q in QUANTITIES}
+    differing = sum(reference["impacts"] > 0 for reference in found.references)
     differences = ", ".join(f"{q} {difference:.1e}" for q, difference in worst.items())
     impacts = f"and counts other impacts in {differing} of them" if differing else "with the same impacts"
     return (
@@ -194,12 +179,10 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
     axes = figure.subplots(len(QUANTITIES), len(cases), sharex=True, sharey="row", squeeze=False)
     for column, case in enumerate(cases):
         mine = runs[(runs["case"] == case) & (runs["status"] == "done")]
-        here = [each for each in found.references if (each.case, each.analysis) == (case, analysis)]
+        here = [each for each in found.references if (each["case"], each["analysis"]) == (case, analysis)]
         for ax, quantity in zip(axes[:, column], QUANTITIES, strict=True):
             _panel(ax, mine, quantity)
-            ax.axhspan(
-                LOWEST / 10, max([LOWEST, *(each.differences[quantity] for each in here)]), color="0.88", zorder=0
-            )
+            ax.axhspan(LOWEST / 10, max([LOWEST, *(each[quantity] for each in here)]), color="0.88", zorder=0)
         axes[0, column].set_title(case)
         axes[-1, column].set_xlabel("time a scene [ms]")
     for ax, quantity in zip(axes[:, 0], QUANTITIES, strict=True):
