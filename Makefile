@@ -4,6 +4,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
 POUND := $(BIN)/pound
+# Python compiles the modules that are used when they are first imported; all of them would take as long as the download.
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 PAGES := $(foreach study,fig5 fig6 fig7 fig8,results/$(study)/report.html)
 
 .PHONY: all setup figures studies pages test lint lock docs peers reference bench fuzz dist clean
@@ -14,8 +16,8 @@ setup: $(STAMP)
 
 $(STAMP): requirements.txt pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	$(PIP) --require-hashes -r requirements.txt
+	$(PIP) --no-deps --no-build-isolation -e .
 	$(POUND) schema -o configs/pound.schema.json
 	touch $(STAMP)
 
@@ -39,8 +41,9 @@ results/fig8/report.html: configs/fig8.yaml
 results/%/report.html: results/%.h5
 	$(POUND) report $< -o results/$*
 
-test: setup lint
-	$(BIN)/python -m tests.warm
+# The kernels are compiled while the source is checked.
+test: setup
+	$(BIN)/python -m tests.warm & warm=$$!; $(MAKE) --no-print-directory lint && wait $$warm
 	$(BIN)/python -m pytest -n auto --dist loadgroup
 
 lint: setup
@@ -65,7 +68,7 @@ docs: setup
 
 # Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3), and one that reads its exports.
 peers: setup
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements-peers.txt
+	$(PIP) --require-hashes --no-deps -r requirements-peers.txt
 	$(PYTHON) -m venv .venv/pelicun
 	.venv/pelicun/bin/python -m pip install --quiet --disable-pip-version-check pelicun==3.10.0
 	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
@@ -78,7 +81,7 @@ bench: setup
 # are compared with those kept there instead. Then the tests that take longer than ten seconds.
 reference: setup
 	nice -n 5 $(BIN)/python -m tests.physics.references $(CHECK)
-	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs/test_extending.py tests/docs/test_extending_laws.py tests/docs/test_commands.py tests/hard/test_kernel_cache.py
+	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs tests/hard/test_kernel_cache.py
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.

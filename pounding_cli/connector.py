@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -137,18 +136,6 @@ class Study(Model):
         """Circular frequencies of the two alone [rad/s]."""
         return math.sqrt(self.k1 / self.first.mass), math.sqrt(self.k2 / self.second.mass)
 
-    def doubts(self) -> Iterator[Wrong]:
-        """Where mass and stiffness give an unlikely period."""
-        fits = RANGES["period"]
-        for name, omega in zip(("first", "second"), self.omegas, strict=True):
-            period = 2 * math.pi / omega
-            if getattr(self, name).stiffness is not None and not fits.holds(period):
-                message = f"mass and stiffness give the {name} system a period of {period:.3g} s: {fits.reason}"
-                yield (name, "stiffness"), message, "check the units of both; otherwise leave it, the study runs as is"
-
-
-FIXED = ("frequencies",)
-
 
 def coupled_frequencies(study: Study) -> tuple[float, float]:
     """The two undamped circular frequencies of the connected systems [rad/s], lower first.
@@ -268,11 +255,6 @@ def pictures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> 
     """Both ratios against the frequency of the ground."""
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points), has_scale=True)]
-
-
-def beside(points: Sequence[Point], folder: Path) -> list[Path]:
-    """No file for other programs."""
-    return []
 
 
 @styled

@@ -2,14 +2,12 @@
 
 A question is a module (`connector`, `wall`) with the name of its command. It offers
 
-Study : pydantic model of its file; `doubts()` yields where, what is doubtful and what to do
-FIXED : sections that no axis may touch
+Study : pydantic model of its file
 solve(study) : a Dataset of values with unit and meaning (`value`); `notes` among its attributes is a list of sentences
 SHOWN : names of the numbers that a terminal prints
 STATEMENTS : sentence of the paper -> function of the Dataset: whether it holds, and what was found in words
 cites(study) : {reference: what for}
 pictures(title, points, axes) : the figures, the most important first
-beside(points, folder) : writes files for other programs, and returns them
 """
 
 from __future__ import annotations
@@ -89,9 +87,6 @@ def load(path: Path, name: str) -> Sweep:
     refuse_other_kinds(root, str(path), name)
     problems, notes = Problems(str(path)), Problems(str(path))
     axes = read_axes(root, problems, asked.Study)
-    for each in (each for axis in axes for each in axis.names if each.split(".")[0] in asked.FIXED):
-        hint = "give one range for the study"
-        problems.at(root, ("sweep", each), f"'{each}' cannot be an axis", hint, key=True)
     problems.check()
     points = []
     for place in product(*(range(len(axis)) for axis in axes)):
@@ -107,8 +102,6 @@ def load(path: Path, name: str) -> Sweep:
             problems.validation(tree, error, (), asked.Study)
             continue
         doubt_values(points[-1].study, tree, (), notes)
-        for where, message, hint in points[-1].study.doubts():
-            notes.at(tree, where, message, hint)
     problems.check()
     return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
 
@@ -155,9 +148,8 @@ def write(sweep: Sweep, points: Sequence[Point], file: Path) -> tuple[Report, li
     from pounding_cli.results.file import write as write_file
 
     write_file(file, dataset(sweep, points))
-    made, folder = report(sweep, points), file.with_suffix("")
-    files = made.save(folder, ("png", "svg"))
-    return made, [file, *sweep.asked.beside([p for p in points if p.data["status"] == "done"], folder), *files]
+    made = report(sweep, points)
+    return made, [file, *made.save(file.with_suffix(""), ("png", "svg"))]
 
 
 def report(sweep: Sweep, points: Sequence[Point]) -> Report:

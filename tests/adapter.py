@@ -11,10 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 
 import pounding_cli as pound
+from pounding_cli import points
 from pounding_cli.cli.main import cli
 from pounding_cli.laws.isolation import Bearings as Bearings
 from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
@@ -162,3 +164,9 @@ def refused(study: str | Mapping[str, Any]) -> list[tuple[int, int, str]]:
         except pound.InputError as error:
             return [(each.line, each.column, str(each)) for each in error.problems]
     return []
+
+
+def system(command: str, study: Path) -> xr.Dataset:
+    """What `pound wall` or `pound connector` finds, without its figures."""
+    sweep = points.load(study, command)
+    return points.dataset(sweep, [points.solved(sweep, point) for point in sweep.points])

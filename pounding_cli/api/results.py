@@ -33,14 +33,13 @@ class Results(results.Results):
 
         from pounding_cli.report.evidence import nominal
         from pounding_cli.report.figures import response
-        from pounding_cli.report.style import drawn_on
         from pounding_cli.report.sweep import Asked, sweep_pictures
 
         shown = nominal(self)
         name = building or shown.main
         if name not in shown.group:
             raise InputError(Problem(f"no building '{name}' in these results", f"there are {', '.join(shown.group)}"))
-        with drawn_on(plt.figure()):
-            swept = sweep_pictures(self, shown, Asked(places={"building": name}))
-            figure = swept[0].draw() if swept else response(shown, name)
+        swept = sweep_pictures(self, shown, Asked(places={"building": name}))
+        figure = swept[0].draw() if swept else response(shown, name)
+        plt.figure(FigureClass=lambda *_, **__: figure)  # type: ignore[arg-type]  # pyplot shows it from here on
         return [ax for ax in figure.axes if ax.get_xlabel()]

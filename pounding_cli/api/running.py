@@ -125,7 +125,7 @@ def run_study(
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
     if isinstance(told, JsonLines) and solver.solved:
-        told.finish()
+        told.report("stop")
     failures = tuple(_failures(plan, solver))
     done = solver.solved - len(solver.failed)
     wall = time.perf_counter() - begin

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import sqlite3
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
@@ -16,6 +16,9 @@ CREATE TABLE IF NOT EXISTS text (id INTEGER PRIMARY KEY, text TEXT UNIQUE NOT NU
 CREATE TABLE IF NOT EXISTS scene (digest BLOB, key INTEGER, kind INTEGER, numbers BLOB, sum INTEGER,
     PRIMARY KEY (digest, key)) WITHOUT ROWID;
 """
+_TEXT = "(SELECT id FROM text WHERE text = ?)"
+_PUT = f"INSERT OR REPLACE INTO scene VALUES (?, {_TEXT}, {_TEXT}, ?, ?)"
+_ROWS = "SELECT digest, kinds.text, numbers, sum FROM scene JOIN text AS kinds ON kinds.id = kind"
 
 _DAMAGE = sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_ERROR
 
@@ -52,31 +55,28 @@ class Cache:
                 self._renew()
 
     def _open(self) -> None:
-        self._db = sqlite3.connect(self.path, timeout=0.2, isolation_level=None)
+        self._db = sqlite3.connect(self.path, timeout=0.2)
         self._db.executescript("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;")
         self._db.executescript(f"BEGIN IMMEDIATE; {_TABLES} COMMIT;")
         (found,) = self._db.execute("PRAGMA integrity_check(1)").fetchone()
         if found != "ok":
             raise sqlite3.DatabaseError(found)
-        self._texts = {text: number for number, text in self._db.execute("SELECT id, text FROM text")}
 
     def _renew(self) -> None:
         """Make a damaged file anew; its sound rows go on."""
         rows: dict[str, dict[bytes, Row]] = {}
-        with contextlib.suppress(sqlite3.DatabaseError, AttributeError):  # a page that is damaged ends it
-            texts = dict(self._db.execute("SELECT id, text FROM text"))
-            for digest, key, kind, numbers, checksum in self._db.execute("SELECT * FROM scene"):
-                row = _sound(digest, texts.get(kind), numbers, checksum)
-                if row is not None and key in texts:
-                    rows.setdefault(texts[key], {})[digest] = row
-        with contextlib.suppress(AttributeError):
-            self._db.close()
+        with contextlib.suppress(sqlite3.DatabaseError):  # a page that is damaged ends it
+            keys = dict(self._db.execute("SELECT id, text FROM text"))
+            for key, *row in self._db.execute(_ROWS.replace("digest", "key, digest", 1)):
+                if key in keys and _is_sound(*row):
+                    rows.setdefault(keys[key], {})[row[0]] = row[1], row[2]
+        self._db.close()
         for path in self.path.parent.glob(f"{self.path.name}*"):
             path.unlink()
         self.was_damaged = True
         self._open()
-        for key, some in rows.items():
-            self.put(key, some)
+        for name, some in rows.items():
+            self.put(name, some)
 
     @contextlib.contextmanager
     def _told(self) -> Iterator[None]:
@@ -91,61 +91,40 @@ class Cache:
                 problem = Problem(f"cannot be written: {error}", hint, str(self.path))
             raise InputError(problem) from None
 
-    def put(self, key: str, rows: dict[bytes, Row]) -> None:
+    def put(self, key: str, rows: Mapping[bytes, Row]) -> None:
         """Keep responses by digest, all or none.  Raises InputError."""
-        with self._told():
-            self._db.execute("BEGIN")
-            known = dict(self._texts)
-            try:
-                place = self._number(key)
-                self._db.executemany(
-                    "INSERT OR REPLACE INTO scene VALUES (?, ?, ?, ?, ?)",
-                    (
-                        (d, place, self._number(kind), numbers, _sum(d, kind, numbers))
-                        for d, (kind, numbers) in rows.items()
-                    ),
-                )
-                self._db.execute("COMMIT")
-            except BaseException:
-                self._texts = known
-                if self._db.in_transaction:
-                    self._db.execute("ROLLBACK")
-                raise
+        texts = {key, *(kind for kind, _ in rows.values())}
+        with self._told(), self._db:
+            self._db.executemany("INSERT OR IGNORE INTO text (text) VALUES (?)", [(text,) for text in texts])
+            self._db.executemany(
+                _PUT, ((d, key, kind, numbers, _sum(d, kind, numbers)) for d, (kind, numbers) in rows.items())
+            )
 
     def get(self, key: str, digests: Sequence[bytes]) -> Iterator[tuple[bytes, Row]]:
         """Those of the responses that are there, in any order.  Raises InputError."""
-        place, texts = self._texts.get(key, -1), {number: text for text, number in self._texts.items()}
         with self._told():
             for begin in range(0, len(digests), _AT_ONCE):
                 some = digests[begin : begin + _AT_ONCE]
-                marks = ",".join("?" * len(some))
-                question = f"SELECT digest, kind, numbers, sum FROM scene WHERE key = ? AND digest IN ({marks})"
-                for digest, kind, numbers, checksum in self._db.execute(question, (place, *some)):
-                    if (row := _sound(digest, texts.get(kind), numbers, checksum)) is not None:
-                        yield digest, row
+                question = f"{_ROWS} WHERE key = {_TEXT} AND digest IN ({','.join('?' * len(some))})"
+                for row in self._db.execute(question, (key, *some)):
+                    if _is_sound(*row):
+                        yield row[0], row[1:3]
 
     def keep_only(self, key: str, digests: Sequence[bytes]) -> None:
         """Forget all other scenes, and those of other keys.  Raises InputError."""
         kept = dict(self.get(key, digests))
-        with self._told():
+        with self._told(), self._db:
             self._db.execute("DELETE FROM scene")
         self.put(key, kept)
 
-    def forget_other(self, version: str) -> list[str]:
-        """Forget the scenes of keys that do not begin with a version of the solver; returns these keys.
+    def forget_other(self, version: str) -> bool:
+        """Forget the scenes of keys that do not begin with a version of the solver; whether there were any.
 
         Raises InputError.
         """
-        with self._told():
-            used = "SELECT id, text FROM text WHERE id IN (SELECT DISTINCT key FROM scene)"
-            other = [(number, text) for number, text in self._db.execute(used) if not text.startswith(version)]
-            self._db.executemany("DELETE FROM scene WHERE key = ?", [(number,) for number, _ in other])
-        return [text for _, text in other]
-
-    def _number(self, text: str) -> int:
-        if text not in self._texts:
-            self._texts[text] = int(self._db.execute("INSERT INTO text (text) VALUES (?)", (text,)).lastrowid or 0)
-        return self._texts[text]
+        with self._told(), self._db:
+            other = "SELECT id FROM text WHERE substr(text, 1, ?) != ?"
+            return self._db.execute(f"DELETE FROM scene WHERE key IN ({other})", (len(version), version)).rowcount > 0
 
     def close(self) -> None:
         """Write what is left and let others at it."""
@@ -161,9 +140,9 @@ def _sum(digest: bytes, kind: str, numbers: bytes) -> int:
     return zlib.crc32(numbers, zlib.crc32(kind.encode(), zlib.crc32(digest)))
 
 
-def _sound(digest: bytes, kind: str | None, numbers: bytes, checksum: int) -> Row | None:
-    """A row as it was written; None where it is damaged."""
+def _is_sound(digest: bytes, kind: str, numbers: bytes, checksum: int) -> bool:
+    """Whether a row is as it was written."""
     try:
-        return (kind, numbers) if kind is not None and _sum(digest, kind, numbers) == checksum else None
+        return _sum(digest, kind, numbers) == checksum
     except (TypeError, AttributeError):
-        return None
+        return False

@@ -58,23 +58,21 @@ def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
     """Look at scenes of a plan by number, and run one of each kind (case or building, analysis, motion) to see how long
     it takes."""
     rows, columns = (each[numbers] for each in plan.first)
-    cases = rows // (len(plan.analyses) * len(plan.records)) % len(plan.cases)
-    each = np.where(columns > 0, -columns, cases) * len(plan.analyses) * len(plan.records)
-    _, first, kinds = np.unique(
-        each + rows % (len(plan.analyses) * len(plan.records)), return_index=True, return_inverse=True
-    )
-    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(numbers[first])])[kinds.ravel()]
+    *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
+    kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
+    _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
+    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(numbers[first])])[kind.ravel()]
     seconds = RUNS[plan.estimate] * seconds + BESIDE
-    is_alone = columns > 0
+    which = {ALONE: columns > 0, GROUP: columns == 0}
     found = Forecast(
-        {ALONE: int(is_alone.sum()), GROUP: int((~is_alone).sum())},
-        {ALONE: float(seconds[is_alone].sum()), GROUP: float(seconds[~is_alone].sum())},
+        {name: int(mine.sum()) for name, mine in which.items()},
+        {name: float(seconds[mine].sum()) for name, mine in which.items()},
         timed=len(first),
     )
-    group = np.flatnonzero(~is_alone)
+    group = numbers[which[GROUP]]
     step = max(1, len(group) // MOST_SCENES)
     found.looked_at = 1 / step
-    for scene in plan.scenes(numbers[group[::step]]):
+    for scene in plan.scenes(group[::step]):
         effects = effects_of(scene)
         found.kept.update(dict.fromkeys(effects.kept, step))
         found.dropped.update(dict.fromkeys(effects.dropped, step))

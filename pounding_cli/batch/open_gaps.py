@@ -4,11 +4,8 @@ crosses those; of scenes that differ in such gaps alone, one is solved."""
 from __future__ import annotations
 
 import math
-import threading
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -33,33 +30,35 @@ class NeverClosed:
 
     def __init__(self, run: Callable[[Scene], Response], accuracy: float) -> None:
         self._run, self._accuracy = run, accuracy
-        self._kept: OrderedDict[tuple[Any, ...], Response] = OrderedDict()
-        self._lock = threading.Lock()
+        self._kept: dict[object, Response] = {}
 
     def __call__(self, scene: Scene) -> Response:
         """The response of a scene, without a run of its own where its gaps are known not to close."""
         if not may_stay_open(scene):
             return self._run(scene)
-        key = _key(scene)
+        ends = [(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at) for link in scene.links]
+        links = tuple(Link.apart(*each) for each in dict.fromkeys(ends))
+        numbers = [list(dict.fromkeys(ends)).index(each) for each in ends]
+        key = tuple(each.digest for each in scene.buildings), links, scene.motion.digest, scene.analysis, scene.tail
         known = self._kept.get(key)
-        if known is not None:
-            found = _of_scene(scene, known)
-            ends = [each for b in known.buildings for each in (b.displacement_max, -b.displacement_min)]
-            furthest = np.fmax.reduce(np.concatenate(ends), initial=0.0)  # a wall that moves with the ground has none
-            if np.all(_widths(scene) > found.links.max_closing + ERRORS * self._accuracy * furthest):
-                return replace(found, seconds=0.0)
+        if known is not None and self._is_wider(scene, known, known.links.max_closing[numbers]):
+            return replace(_of_scene(scene, known, numbers), seconds=0.0)
         response = self._run(scene)
         if response.status != DONE or response.links.impacts.any():
             return response
-        if known is None:
-            known = self._run(replace(scene, links=tuple(_apart(scene))))
-            if known.status != DONE:
-                return response
-            with self._lock:
-                self._kept[key] = known
-                while len(self._kept) > MEMORY:
-                    self._kept.popitem(last=False)
-        return _of_scene(scene, known)
+        known = known or self._run(replace(scene, links=links))
+        if known.status != DONE:
+            return response
+        if len(self._kept) >= MEMORY:
+            self._kept.clear()
+        self._kept[key] = known
+        return _of_scene(scene, known, numbers)
+
+    def _is_wider(self, scene: Scene, known: Response, closings: np.ndarray) -> bool:
+        """Whether no link of a scene acts at closings [m] with nothing between, and at the most they may be wrong."""
+        moved = [each for b in known.buildings for each in (b.displacement_max, b.displacement_min)]
+        furthest = np.nanmax(np.abs(np.concatenate(moved)), initial=0.0)  # a wall that moves with the ground has none
+        return bool(np.all(_widths(scene) > closings + ERRORS * self._accuracy * furthest))
 
 
 def may_stay_open(scene: Scene) -> bool:
@@ -80,31 +79,16 @@ def stays_open(scene: Scene, response: Response) -> list[str]:
     return said
 
 
-def _key(scene: Scene) -> tuple[Any, ...]:
-    """What scenes share whose links differ in their laws alone."""
-    buildings = tuple(building.digest for building in scene.buildings)
-    return buildings, tuple(_apart(scene)), scene.motion.digest, scene.analysis, scene.tail
-
-
-def _apart(scene: Scene) -> dict[Link, int]:
-    """Nothing between the floors that links of a scene join, with its place among them."""
-    links = [Link.apart(*_ends(link)) for link in scene.links]
-    return {link: place for place, link in enumerate(dict.fromkeys(links))}
-
-
-def _ends(link: Link) -> tuple[int, int, int, float, float]:
-    return link.left, link.left_floor, link.right_floor, link.left_at, link.right_at
-
-
 def _widths(scene: Scene) -> np.ndarray:
     """The closings [m] below which no link acts, in their order."""
     return np.array([link.law.free_below for link in scene.links])
 
 
-def _of_scene(scene: Scene, apart: Response) -> Response:
-    """The response of a scene whose gaps never close, from that of the neighbours with nothing between them."""
-    places, effects = _apart(scene), effects_of(scene)
-    of_links = [places[Link.apart(*_ends(link))] for link in scene.links]
-    none = np.zeros(len(of_links))
-    links = LinkResponse(none.astype(np.int64), none, apart.links.max_closing[of_links], none, none)
+def _of_scene(scene: Scene, apart: Response, numbers: list[int]) -> Response:
+    """The response of a scene whose gaps never close, from that of the neighbours with nothing between them.
+
+    numbers : of every link that of the place of its ends there
+    """
+    effects, none = effects_of(scene), np.zeros(len(numbers))
+    links = LinkResponse(none.astype(np.int64), none, apart.links.max_closing[numbers], none, none)
     return replace(apart, links=links, effects=effects.kept, dropped=effects.dropped)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
-import re
 import signal
 import threading
 import time
@@ -21,8 +20,6 @@ ENGINES = ("threads", "processes", "dask", "serial")
 
 PATIENCE = 60.0
 """Time that a Dask scheduler has to answer, and that it may have no workers [s]."""
-
-_ADDRESS = re.compile(r"((tcp|tls)://)?[^/]+:\d+")
 
 
 @dataclass(frozen=True)
@@ -60,9 +57,9 @@ def pool(name: str, workers: int | None = None, scheduler: str | None = None) ->
         raise InputError(Problem(f"there is no engine '{name}'", f"write one of {', '.join(ENGINES)}"))
     if scheduler is not None and name != "dask":
         raise InputError(Problem(f"the engine '{name}' has no scheduler", "add --engine dask"))
-    count = workers or cores()
     if name == "dask":
-        return _dask(count, workers is not None, scheduler)
+        return _dask(workers, scheduler)
+    count = workers or cores()
     if name == "processes":
         how = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
         if os.name == "posix":
@@ -100,63 +97,54 @@ def _begin() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _dask(workers: int, is_asked: bool, scheduler: str | None) -> Pool:
+def _dask(workers: int | None, scheduler: str | None) -> Pool:
     try:
-        import distributed
+        from distributed import Client
     except ImportError:
         hint = "install it: pip install 'pounding-cli[cluster]'"
         raise InputError(Problem("the engine 'dask' needs the package distributed", hint)) from None
-    if scheduler is None:
-        about: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": None, "n_workers": workers}
-        client = distributed.Client(set_as_default=False, silence_logs=50, **about)
-    else:
-        if not _ADDRESS.fullmatch(scheduler):
-            what = f"'{scheduler}' is no address of a Dask scheduler: protocol (tcp or tls), host and port"
-            raise InputError(Problem(what, "write e.g. tcp://node:8786"))
-        try:
-            client = distributed.Client(scheduler, set_as_default=False, timeout=PATIENCE)
-        except (OSError, ValueError, RuntimeError) as error:
-            said = str(error).splitlines()[0] if str(error) else type(error).__name__
-            hint = "start one with `dask scheduler`, and give its address, e.g. tcp://node:8786"
-            raise InputError(Problem(f"no Dask scheduler answers at {scheduler} ({said})", hint)) from None
-        try:
-            _check_workers(client, scheduler)
-        except InputError:
-            _close(client)
-            raise
-    count = max(1, sum(client.nthreads().values()))
+    own: dict[str, Any] = {"n_workers": workers or cores(), "threads_per_worker": 1, "dashboard_address": None}
+    about = {"address": scheduler, "timeout": PATIENCE} if scheduler else own | {"silence_logs": 50}
+    try:
+        client = Client(set_as_default=False, **about)
+    except (OSError, ValueError, RuntimeError) as error:
+        said = (str(error) or type(error).__name__).splitlines()[0]
+        hint = "start one with `dask scheduler`, and give its address, e.g. tcp://node:8786"
+        raise InputError(Problem(f"no Dask scheduler answers at {scheduler} ({said})", hint)) from None
+    if scheduler and (problem := _other_workers(client, scheduler)):
+        _close(client)
+        raise InputError(problem)
     seen = time.monotonic()
 
     def check() -> None:
         """Whether the cluster has workers; raises InputError where there were none for a while."""
         nonlocal seen
-        is_there = False
         with contextlib.suppress(Exception):  # whatever a connection that is lost may say
-            is_there = client.status == "running" and bool(client.nthreads())
-        if is_there:
-            seen = time.monotonic()
-        elif time.monotonic() - seen > PATIENCE:
+            if client.status == "running" and client.nthreads():
+                seen = time.monotonic()
+        if time.monotonic() - seen > PATIENCE:
             hint = "start some; what was solved is kept, and the same command goes on"
             raise InputError(Problem("the Dask cluster has no worker any more", hint))
 
-    count = min(count, workers) if is_asked else count
+    threads = max(1, sum(client.nthreads().values()))
+    count = min(threads, workers or threads)
     return Pool("dask", count, lambda: client.get_executor(pure=False, retries=0), check, lambda: _close(client))
 
 
-def _close(client: Any) -> None:
-    with contextlib.suppress(Exception):  # what it solved is kept
-        client.close(timeout=5)
-
-
-def _check_workers(client: Any, scheduler: str) -> None:
-    """Refuse workers without this very program: their numbers could differ.  Raises InputError."""
+def _other_workers(client: Any, scheduler: str) -> Problem | None:
+    """What is wrong with workers: there are none, or they have another program, whose numbers could differ."""
     if not client.nthreads():
-        hint = f"start some with: dask worker {scheduler}"
-        raise InputError(Problem(f"the Dask scheduler at {scheduler} has no workers", hint))
+        return Problem(f"the Dask scheduler at {scheduler} has no workers", f"start some: dask worker {scheduler}")
     try:
         versions = set(client.run(solver_version).values())
     except Exception as error:  # whatever a worker without this program may say
         versions = {f"none: {error}"}
     if other := sorted(versions - {solver_version()}):
         what = f"a worker at {scheduler} has another version of pounding_cli ({other[0]})"
-        raise InputError(Problem(what, f"install {solver_version()} on every worker"))
+        return Problem(what, f"install {solver_version()} on every worker")
+    return None
+
+
+def _close(client: Any) -> None:
+    with contextlib.suppress(Exception):  # what it solved is kept
+        client.close(timeout=5)

@@ -24,9 +24,10 @@ class Progress:
 
     def start(self, total: int, reused: int) -> None:
         """So many scenes more are to be solved; `reused` of those that are wanted were found."""
-        if not self.done + self.failed:
-            self.reused = reused
+        is_first = not self.done + self.failed
+        self.reused = reused if is_first else self.reused
         self.left += total
+        self.show(is_first)
 
     def compiled(self) -> None:
         """What came so far was compiled meanwhile, and says nothing about the time that the rest takes."""
@@ -35,6 +36,10 @@ class Progress:
     def step(self, done: int, failed: int) -> None:
         """So many scenes came back, with and without a result."""
         self.done, self.failed, self.left = self.done + done, self.failed + failed, self.left - done - failed
+        self.show()
+
+    def show(self, is_first: bool = False) -> None:
+        """The counts changed; `is_first`: nothing has come yet."""
 
     def say(self, sentence: str) -> None:
         """Something worth a line."""
@@ -65,28 +70,31 @@ def span(seconds: float) -> str:
 
 
 class Lines(Progress):
-    """Plain lines for logs and pipes: at the start, then at most one every `every` seconds, and at the end."""
+    """Plain lines for logs and pipes: at the start, then at most one every `every` seconds."""
 
     def __init__(self, stream: TextIO | None = None, every: float = 5.0) -> None:
         super().__init__()
         self.stream, self.every, self._last = stream or sys.stderr, every, time.monotonic()
 
-    def start(self, total: int, reused: int) -> None:
-        is_first = not self.done + self.failed
-        super().start(total, reused)
-        if is_first:  # later ones may be many, and each a moment
-            self._report("start")
-
-    def step(self, done: int, failed: int) -> None:
-        super().step(done, failed)
-        if time.monotonic() - self._last > self.every:
+    def show(self, is_first: bool = False) -> None:
+        if is_first:
+            self.report("start")
+        elif time.monotonic() - self._last > self.every and self.done + self.failed:
             self._last = time.monotonic()
-            self._report("progress")
+            self.report("progress")
 
     def say(self, sentence: str) -> None:
-        _write(sentence, self.stream)
+        """Write a line at once. A run continues when its output has no reader."""
+        with contextlib.suppress(OSError, ValueError):
+            try:
+                print(sentence, file=self.stream, flush=True)
+            except BrokenPipeError:  # what stands in its buffer would end the run when it is flushed
+                nowhere = os.open(os.devnull, os.O_WRONLY)
+                os.dup2(nowhere, self.stream.fileno())
+                os.close(nowhere)
 
-    def _report(self, event: str) -> None:
+    def report(self, event: str) -> None:
+        """The counts, at the start or as they are."""
         known = f" ({self.reused} already solved)" if self.reused else ""
         self.say(f"{counted(self.left, 'scene')} to solve{known}" if event == "start" else self.words)
 
@@ -100,15 +108,11 @@ class JsonLines(Lines):
     def say(self, sentence: str) -> None:
         self.tell("note", text=sentence)
 
-    def finish(self) -> None:
-        """The run is over."""
-        self._report("stop")
-
     def tell(self, event: str, **facts: Any) -> None:
         """Any line."""
-        _write(json.dumps({"event": event, "time": round(time.time(), 3), **facts}), self.stream)
+        super().say(json.dumps({"event": event, "time": round(time.time(), 3), **facts}))
 
-    def _report(self, event: str) -> None:
+    def report(self, event: str) -> None:
         seconds = self.seconds_left
         left = None if seconds is None else round(seconds, 1)
         self.tell(event, done=self.done, failed=self.failed, reused=self.reused, left=self.left, seconds_left=left)
@@ -127,14 +131,10 @@ class Bar(Progress):
         self._rich = Rich(*columns, console=Console(stderr=True), transient=True)
         self._task = self._rich.add_task("", total=None)
 
-    def start(self, total: int, reused: int) -> None:
-        super().start(total, reused)
-        self._rich.update(self._task, total=self.done + self.failed + self.left, description=self.words)
+    def show(self, is_first: bool = False) -> None:
+        come = self.done + self.failed
         self._rich.start()
-
-    def step(self, done: int, failed: int) -> None:
-        super().step(done, failed)
-        self._rich.update(self._task, completed=self.done + self.failed, description=self.words)
+        self._rich.update(self._task, total=come + self.left, completed=come, description=self.words)
 
     def say(self, sentence: str) -> None:
         self._rich.console.print(sentence, highlight=False, markup=False)
@@ -148,14 +148,3 @@ def chosen(quiet: bool) -> Progress:
     if quiet:
         return Progress()
     return Bar() if sys.stderr.isatty() else Lines()
-
-
-def _write(line: str, stream: TextIO) -> None:
-    """Write a line at once. A run continues when its output has no reader."""
-    with contextlib.suppress(OSError, ValueError):
-        try:
-            print(line, file=stream, flush=True)
-        except BrokenPipeError:  # what stands in its buffer would end the run when it is flushed
-            nowhere = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(nowhere, stream.fileno())
-            os.close(nowhere)

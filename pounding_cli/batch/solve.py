@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +15,7 @@ from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import Pool, end
 from pounding_cli.batch.progress import Progress
 from pounding_cli.results.keys import solution_key
-from pounding_cli.results.solved import Row, Solved, encode, has_result, said, seconds_of
+from pounding_cli.results.solved import Row, Solved, encode, has_result, kind_of, seconds_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,21 +87,16 @@ class Solver:
         found = self._found(plan, wanted)
         if rough and plan.estimate == "all":
             plan = replace(plan, estimate="alone")
-            found |= self._found(plan, np.setdiff1d(wanted, np.fromiter(found, int, len(found))))
-        missing = []
-        for number in wanted.tolist():
-            digest = plan.digests[number].tobytes()
-            is_new = digest not in self._seen
-            if number not in found or (is_new and not has_result(found[number])):  # what failed in a run before too
-                missing.append(number)
-            elif is_new:
-                self.reused += 1
-            self._seen.add(digest)
+            found |= self._found(plan, np.setdiff1d(wanted, list(found)))
+        digests = {number: plan.digests[number].tobytes() for number in wanted.tolist()}
+        new = {number for number, digest in digests.items() if digest not in self._seen}
+        # what failed in a run before is solved again too
+        missing = [n for n in digests if n not in found or (n in new and not has_result(found[n]))]
+        self.reused += len(new.difference(missing))
+        self._seen.update(digests.values())
         if missing:
             self._solve(plan, np.array(missing), found)
-        solved = Solved(plan)
-        solved.fill(found.keys(), found.values())
-        return solved
+        return Solved(plan, found)
 
     def dataset(self, plan: Plan, numbers: np.ndarray | None = None) -> xr.Dataset:
         """All that a results file says of a plan: see `responses` and `results.dataset`."""
@@ -125,13 +120,13 @@ class Solver:
         self.progress.start(len(missing), self.reused)
         try:
             for numbers, rows in self._each(plan, task, missing):
-                digests = [plan.digests[number].tobytes() for number in numbers]
-                self.cache.put(key, dict(zip(digests, rows, strict=True)))
+                mine = {plan.digests[n].tobytes(): row for n, row in zip(numbers, rows, strict=True)}
+                self.cache.put(key, mine)
                 found.update(zip(numbers, rows, strict=True))
+                failed = {digest: kind_of(row[0]).texts[:2] for digest, row in mine.items() if not has_result(row)}
+                self.failed |= failed
                 self.solved += len(rows)
                 self.seconds += sum(map(seconds_of, rows))
-                failed = {digest: said(row) for digest, row in zip(digests, rows, strict=True) if not has_result(row)}
-                self.failed |= failed
                 self.progress.step(len(rows) - len(failed), len(failed))
         finally:
             self.progress.stop()
@@ -147,21 +142,21 @@ class Solver:
             first = _first_of_kinds(plan, order)
             yield here(first)  # compiles, or loads what was compiled
             self.progress.compiled()
-            order = order[~np.isin(order, first)]
+            order = np.setdiff1d(order, first)
             timed, begin = order[:: max(4, len(order) // TIMED)], time.perf_counter()
             for number in timed:
                 yield here(np.array([number]))
-            order = order[~np.isin(order, timed)]
+            order = np.setdiff1d(order, timed)
             self._mean = (time.perf_counter() - begin) / len(timed) if len(timed) else None
-        mean = self._mean or 0.0
+        mean, workers = self._mean or 0.0, self.pool.workers
         size = int(np.clip(GROUP_SECONDS / max(mean, 1e-6), 1, MOST_SCENES))
-        by_one = self.pool.name == "serial" or (self.pool.workers == 1 and self.pool.name == "threads")
+        by_one = self.pool.name == "serial" or (workers == 1 and self.pool.name == "threads")
         if by_one or mean * len(order) < WORTH_WORKERS:
-            yield from (here(some) for some in _parts(order, size))
+            yield from map(here, _parts(order, size))
         elif len(order):
-            self.engine, self.workers = self.pool.name, self.pool.workers
-            size = max(1, min(size, len(order) // (3 * self.pool.workers)))
-            yield from _by_workers(deque(map(_Group, _parts(order, size))), self.pool, task, plan)
+            self.engine, self.workers = self.pool.name, workers
+            size = max(1, min(size, len(order) // (3 * workers)))
+            yield from _by_workers(deque(_parts(order, size)), self.pool, task, plan)
 
 
 def _parts(numbers: np.ndarray, size: int) -> list[np.ndarray]:
@@ -169,60 +164,47 @@ def _parts(numbers: np.ndarray, size: int) -> list[np.ndarray]:
     return [numbers[begin : begin + size] for begin in range(0, len(numbers), size)]
 
 
-@dataclass(frozen=True, eq=False)
-class _Group:
-    """Scenes that go to a worker together; `alone`: with nothing else under way, to see whether they end it."""
+def _by_workers(todo: deque[np.ndarray], pool: Pool, task: Task, plan: Plan) -> Iterator[Answer]:
+    """Numbers of scenes and their rows as groups of `todo` end.
 
-    numbers: np.ndarray
-    alone: bool = False
-
-
-def _by_workers(todo: deque[_Group], pool: Pool, task: Task, plan: Plan) -> Iterator[Answer]:
-    """Numbers of scenes and their rows as groups end.
-
-    Where a worker ends, its pool is opened again, and the groups that were under way go one by one, in halves where
-    that happens again: a scene that ends its worker twice fails alone.
+    Where a worker ends, its pool is opened again, and the scenes that were under way go one by one: one that ends its
+    worker then too fails alone.
     """
-    executor, running = pool.open(), dict[Future, _Group]()
+    executor, running = pool.open(), dict[Future, tuple[deque[np.ndarray], np.ndarray]]()
+    suspects = deque[np.ndarray]()
     try:
-        while todo or running:
+        while todo or suspects or running:
             is_broken = False
-            while todo and len(running) < 2 * pool.workers and not is_broken:
-                if running and (todo[0].alone or any(group.alone for group in running.values())):
-                    break
-                group = todo.popleft()
+            queue, most = (suspects, 1) if suspects else (todo, 2 * pool.workers)
+            while queue and len(running) < most and not is_broken:
                 try:
-                    running[executor.submit(task.rows, list(plan.scenes(group.numbers)))] = group
+                    running[executor.submit(task.rows, list(plan.scenes(queue[0])))] = queue, queue[0]
+                    queue.popleft()
                 except BrokenExecutor:
-                    todo.appendleft(group)
                     is_broken = True
             ended = set() if is_broken else wait(running, 1.0, FIRST_COMPLETED)[0]
             if not ended:
                 pool.check()
             failed = []
             for future in ended:
-                group = running.pop(future)
+                queue, numbers = running.pop(future)
                 try:
                     rows = future.result()
                 except Exception as error:  # a worker ended; each kind of pool has its own word for it
-                    failed.append(group)
+                    failed.append((queue, numbers))
                     is_broken |= isinstance(error, BrokenExecutor)
                 else:
-                    yield group.numbers.tolist(), rows
+                    yield numbers.tolist(), rows
             if is_broken:
                 end(executor, running)
                 failed += running.values()
                 running.clear()
                 executor = pool.open()
-            for group in failed:
-                count = len(group.numbers)
-                if not group.alone:
-                    todo.appendleft(replace(group, alone=True))
-                elif count > 1:
-                    todo.extendleft(_Group(some, True) for some in _parts(group.numbers, count - count // 2))
+            for queue, numbers in failed:
+                if queue is suspects:
+                    yield numbers.tolist(), [encode(task.without(scene, *LOST)) for scene in plan.scenes(numbers)]
                 else:
-                    rows = [encode(task.without(scene, *LOST)) for scene in plan.scenes(group.numbers)]
-                    yield group.numbers.tolist(), rows
+                    suspects.extend(_parts(numbers, 1))
     finally:
         end(executor, running)
 

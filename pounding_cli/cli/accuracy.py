@@ -5,35 +5,17 @@ from __future__ import annotations
 import math
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli.solve import study_argument
+from pounding_cli.cli.options import FILE, Time, study_argument
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 
 if TYPE_CHECKING:
     from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import Study
-
-
-class Seconds(click.ParamType):
-    """A time with its unit, in s."""
-
-    name = "time"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """As click's."""
-        from pydantic_core import PydanticCustomError
-
-        from pounding_cli.study.quantity import TIME
-
-        try:
-            return float(TIME.read(value))
-        except PydanticCustomError as refused:
-            said = refused.context or {}
-            self.fail(f"{said.get('message', refused)}: {said.get('hint', '')}", param, ctx)
 
 
 def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
@@ -45,8 +27,8 @@ def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
 @click.option("--methods", metavar="NAME,...", default="", callback=_names, help="Methods to compare. Default: all.")
 @click.option("--cases", metavar="NAME,...", default="", callback=_names, help="Cases to run. Default: all.")
 @click.option("--records", metavar="NAME,...", default="", callback=_names, help="Motions to use. Default: all.")
-@click.option("--budget", type=Seconds(), default="60 s", show_default=True, help="Time for the runs, uncompiled.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), metavar="DIR",
+@click.option("--budget", type=Time(), default="60 s", show_default=True, help="Time for the runs, uncompiled.")
+@click.option("-o", "--output", type=FILE, metavar="DIR",
               help="Folder. Default: results/STUDY-accuracy.")  # fmt: skip
 @click.option("-q", "--quiet", is_flag=True, help="Print the result only.")
 def accuracy(
@@ -55,9 +37,8 @@ def accuracy(
 ) -> None:  # fmt: skip
     """Measure what accuracy costs on the scenes of STUDY.
 
-    Every method runs every scene that it can solve, at several settings. Two methods give the reference; the command
-    prints their difference. Times exclude compilation and are the least of several repeats. The command writes
-    report.html (the page), tables/accuracy.csv (every run) and the diagrams. It runs only the first point of a sweep.
+    Every method runs every scene of the first point of the sweep at several settings, and is compared with a reference.
+    The command writes report.html, tables/accuracy.csv (every run) and the diagrams. See docs/accuracy.md.
 
     \b
     Example:

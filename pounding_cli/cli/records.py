@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 import pounding_cli.records as motions
+from pounding_cli.cli.options import Time, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
 
@@ -27,30 +28,14 @@ def records() -> None:
     """
 
 
-def _time(_: click.Context, option: click.Parameter, given: str | None) -> float | None:
-    """A time as a study writes it [s]."""
-    from pydantic_core import PydanticCustomError
-
-    from pounding_cli.study.quantity import TIME
-
-    try:
-        return None if given is None else float(TIME.read(given))
-    except PydanticCustomError as refused:
-        told = refused.context or {}
-        raise click.BadParameter(f"{told['message']}; {told['hint']}", param=option) from None
-
-
-def _reading(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that say how a file is to be read."""
-    for option in (
-        click.option("--format", type=click.Choice(motions.FORMATS), help="File format, if it is not detected."),
-        click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
-        click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
-        click.option("--dt", callback=_time, metavar="TIME", help="Time step, 0.01 s, for a file with one column."),
-        click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file has none."),
-    ):
-        command = option(command)
-    return command
+reading_options = together(
+    click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file has none."),
+    click.option("--dt", type=Time(), metavar="TIME", help="Time step, 0.01 s, for a file with one column."),
+    click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
+    click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
+    click.option("--format", type=click.Choice(motions.FORMATS), help="File format, if it is not detected."),
+)
+"""How a file is to be read."""
 
 
 @records.command("list")
@@ -89,7 +74,7 @@ def list_() -> None:
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw the motion to FILE.png, .svg or .pdf."
 )
-@_reading
+@reading_options
 def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
     """Show intensity measures and the 5 % response spectrum of MOTION, a name of the catalogue or a file.
 
@@ -130,7 +115,7 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("--as", "name", required=True, metavar="NAME", help="Name in the catalogue.")
 @click.option("--force", is_flag=True, help="Replace an imported motion of this name.")
-@_reading
+@reading_options
 def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     """Copy a real motion into your own folder, so that every study uses it instead of the stand-in.
 

@@ -4,34 +4,27 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.cli.options import FILE, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted, listed
 from pounding_cli.results.tables import ANSWERS
+from pounding_cli.results.tables import TABLES as OF_SCENES
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from pounding_cli.report.sweep import Asked
     from pounding_cli.results.compare import Comparison
     from pounding_cli.results.results import Results
 
-TABLES = (
-    *("storey", "floor", "link", "struck", "base", "scene", "flagged", "accuracy", "summary", "records", "buildings"),
-    *(table for tables in ANSWERS.values() for table in tables),
-)
-_NOTHING = {
-    "link": "no links",
-    "struck": "no columns that a slab strikes",
-    "base": "no base that moves",
-    "flagged": "no flags",
-}
-"""What a case without rows in a table has none of."""
+TABLES = (*OF_SCENES, *(table for tables in ANSWERS.values() for table in tables))
 _SENTENCES = ("effects", "dropped", "flags")
 _ASIDE = {
     "summary": ("_error", "_sensitivity", "_std", "_min"),
@@ -42,28 +35,30 @@ _ASIDE = {
 _FEW = 12
 """Lines of one kind that `pound compare` shows unless all are asked for."""
 
-FILE = click.Path(path_type=Path)
+_PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
+"""What figures over a sweep may fix besides swept keys."""
+
+rows_options = together(
+    click.option("--case", multiple=True, help="Only this case; may be given more than once."),
+    click.option("--analysis", multiple=True, help="Only this analysis."),
+    click.option("--record", multiple=True, help="Only this record."),
+    click.option("--building", multiple=True, help="Only this building."),
+    click.option(
+        "--where", multiple=True, metavar="KEY=VALUE",
+        help="Only rows with this value in a column or of a swept key; several of one key are alternatives.",
+    ),
+)  # fmt: skip
+"""Which rows are meant; arguments of `_wanted`."""
 
 
-def rows_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Which rows are meant: one argument a key, and `where`, each a tuple of texts."""
-    text = "Only rows with this value in a column or of a swept key; several of one key are alternatives."
-    command = click.option("--where", multiple=True, metavar="KEY=VALUE", help=text)(command)
-    for name in ("building", "record", "analysis", "case"):
-        more = "; may be given more than once" if name == "case" else ""
-        command = click.option(f"--{name}", multiple=True, help=f"Only this {name}{more}.")(command)
-    return command
-
-
-def _wanted(case: Any, analysis: Any, record: Any, building: Any, where: Any) -> list[tuple[str, str, str]]:
-    """The option as it was given, key and value of every condition.  Raises `InputError` for one without value."""
-    short = {"case": case, "analysis": analysis, "record": record, "building": building}
-    wanted = [(f"--{key} {value}", key, value) for key, values in short.items() for value in values]
+def _wanted(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str]]:
+    """Key and value of every condition.  Raises `InputError` for one without value."""
+    wanted = [(key, value) for key, values in short.items() for value in values]
     for text in where:
         key, _, value = (part.strip() for part in text.partition("="))
         if not (key and value):
             raise InputError(Problem(f"--where {text}: no value", "write e.g. --where 'cases.gap.gap=5 cm'"))
-        wanted.append((f"--where {text}", key, value))
+        wanted.append((key, value))
     return wanted
 
 
@@ -108,18 +103,15 @@ def _swept(results: Results, given: str) -> list[str]:
 )
 @click.option("--wide", is_flag=True, help="Every column, including those that summary, scene and records leave out.")
 @rows_options
-def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> None:
-    """Print TABLE of a results file: storey, floor, link, struck, scene, flagged, accuracy, summary, records or
-    buildings, or the answer of the command that wrote the file, which is the default.
-
-    summary has means over the records, struck the columns that slabs strike, accuracy the error and the cost of every
-    scene. docs/results.md describes all columns.
+def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> None:  # fmt: skip
+    """Print TABLE of a results file: storey, floor, link, struck, base, scene, flagged, accuracy, summary, records or
+    buildings, or the answer of the command that wrote the file, which is the default. docs/results.md describes all
+    columns.
 
     \b
     Example:
       pound show results/fig6.h5
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
-      pound show results/fig6.h5 accuracy --record elcentro
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
     from pounding_cli.api.studies import open_results
@@ -135,45 +127,29 @@ def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> N
     elif form == "json":
         click.echo(_json(frame))
     else:
-        endings = _ASIDE.get(table, ())
-        if "records_collapsed" in frame and not frame["records_collapsed"].any():
-            endings += ("_collapsed",)
-        aside = [] if wide else [name for name in frame.columns if str(name).endswith(endings)]
+        aside = [] if wide else [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
         click.echo(results.title)
         click.echo(_columns(results, table, one_line.drop(columns=aside)))
         if aside:
             click.echo(f"{counted(len(aside), 'more column')} with --wide: {', '.join(map(str, aside))}", err=True)
 
 
-def _filtered(
-    results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str, str, str]], table: str
-) -> pd.DataFrame:
+def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str) -> pd.DataFrame:
     """The rows asked for; a key or value that is not there is refused with those that are."""
     problems, chosen = [], dict[str, list[Any]]()
-    for said, given, value in wanted:
+    for given, text in wanted:
         swept = _swept(results, given)
         key = given if given in frame.columns or len(swept) != 1 else swept[0]
         if key not in frame.columns:
-            message = f"{said}: the table {table} has no column {given}"
-            if key in results.axes:
-                message = f"{said}: it changes nothing in the table {table}"
             hint = f"leave the option out, or write one of: {listed(map(str, frame.columns))}"
-            problems.append(Problem(message, hint))
+            problems.append(Problem(f"{given}={text}: the table {table} has no column {given}", hint))
             continue
-        unit = results.column(table, key).unit
-        there = results.axes.get(key, list(dict.fromkeys(frame[key])))
-        values = _meant(there, value, unit)
+        unit, there = results.column(table, key).unit, results.axes.get(key, list(dict.fromkeys(frame[key])))
+        values = _meant(there, text, unit)
+        if not values:
+            hint = f"write one of: {listed(unit.text(value) for value in there)}"
+            problems.append(Problem(f"the table {table} has no row with {key} {text!r}", hint))
         chosen.setdefault(key, []).extend(values)
-        if values:
-            continue
-        shown = listed(unit.text(value) for value in there)
-        message, hint = f"{said}: there is no {key} {value!r}", f"write one of: {shown}"
-        if not len(there):
-            hint = f"the table {table} is empty"
-        if key == "case" and value in set(results.scene()["case"]):
-            message = f"{said}: {value} has {_NOTHING.get(table, 'no rows')}"
-            hint = f"cases with rows there: {shown}" if len(there) else "choose another table"
-        problems.append(Problem(message, hint))
     if problems:
         raise InputError(problems)
     for key, values in chosen.items():
@@ -218,6 +194,7 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
 )
 @click.option(
     "--figures-for-paper",
+    "paper",
     is_flag=True,
     help="Draw figures without titles and captions, as SVG and PDF; captions.md has the captions. No page.",
 )
@@ -227,28 +204,15 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
 @rows_options
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
 def report(
-    files: tuple[Path, ...],
-    output: Path | None,
-    formats: tuple[str, ...],
-    figures_for_paper: bool,
-    no_figures: bool,
-    no_page: bool,
-    quantities: tuple[str, ...],
-    quiet: bool,
-    **rows: Any,
-) -> None:
-    """Draw the figures of results files, write their tables as CSV, and evaluate the paper's claims.
-
-    The command accepts files of all commands that write results.
+    files: tuple[Path, ...], output: Path | None, formats: tuple[str, ...], paper: bool, no_figures: bool,
+    no_page: bool, quantities: tuple[str, ...], quiet: bool, **rows: Any,
+) -> None:  # fmt: skip
+    """Write the page of results files, their figures and tables, and evaluate the paper's claims.
 
     The report is written to DIR, by default a folder next to the results file with its name: report.html (everything
     in one page, to open in a browser or to send), the figures, tables/. With several files, each has its own folder in
-    DIR, and comparison.md compares their claims.
-
-    A sweep is drawn as curves (one swept key) or maps (two swept keys). With more keys, the two with most values are
-    drawn; --where fixes a key. By default the figures show the largest V/V0 (elastic) and mu/mu0 (inelastic) of every
-    building, at the worst storey or link, as a mean over the motions; --quantity accepts any column of the tables
-    storey, floor, link and scene, --where also storey, floor or link, --case and --building also `worst`.
+    DIR, and comparison.md compares their claims. docs/page.md describes the page, docs/how-to/sweep.md the figures over
+    a sweep and what --quantity, --where and the like choose.
 
     \b
     Example:
@@ -261,78 +225,60 @@ def report(
     from pounding_cli.report import report as of
     from pounding_cli.report.claims import compare_claims, verdicts
     from pounding_cli.report.style import FORMATS, for_paper
-    from pounding_cli.report.sweep import Asked
 
-    if figures_for_paper and no_figures:
+    if paper and no_figures:
         hint = "leave one of them out"
         raise InputError(Problem("--figures-for-paper and --no-figures contradict each other", hint))
-    usual = tuple(name for name in FORMATS if name != "png") if figures_for_paper else FORMATS
+    usual = tuple(name for name in FORMATS if name != "png") if paper else FORMATS
     chosen = () if no_figures else formats or usual
-    opened, asked, wanted = {path: open_results(path) for path in files}, {}, _wanted(**rows)
-    for path, results in opened.items():
-        fixed, at = _fixed(results, wanted)
-        asked[path] = Asked(quantities, fixed, at)
-    folders = _folders(files, output)
-    for path, results in opened.items():
-        with for_paper() if figures_for_paper else nullcontext():
-            written = of(results, asked=asked[path]).save(folders[path], chosen, not (no_page or figures_for_paper))
+    opened = [(folder, open_results(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
+    asked = [_asked(results, quantities, _wanted(**rows)) for _, results in opened]
+    for (folder, results), over_sweep in zip(opened, asked, strict=True):
+        with for_paper() if paper else nullcontext():
+            written = of(results, asked=over_sweep).save(folder, chosen, not (no_page or paper))
         if not quiet:
             click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
             for key, verdict in verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
     if len(opened) > 1:
-        folder = output or Path("comparison")
-        page, _ = compare_claims({folders[path].name: results for path, results in opened.items()}, folder)
+        page, _ = compare_claims({folder.name: results for folder, results in opened}, output or Path("comparison"))
         if not quiet:
             click.echo(str(page))
 
 
-def _fixed(results: Results, wanted: Sequence[tuple[str, str, str]]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The places that are fixed in figures over the sweep, and the swept keys that are, as in the tables.
+def _asked(results: Results, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> Asked:
+    """What is drawn over the sweep.  Raises `InputError` for a key that is neither a place nor swept, one that is given
+    twice, and a value that it does not take."""
+    from pounding_cli.report.sweep import Asked
 
-    Raises `InputError` for a key that is neither, one that is fixed twice, and a value that it does not take.
-    """
-    places, at, problems = dict[str, Any](), dict[str, Any](), list[Problem]()
-    for said, given, value in wanted:
-        keys = _swept(results, given)
-        if given in ("case", "analysis", "record", "building", "storey", "floor", "link"):
-            fixed, key = places, given
-            values: list[Any] = [value]
-            if given in ("storey", "floor"):
-                values = [int(value)] if value.isdecimal() else []
-            hint = f"write --where {given}=1"
-        elif len(keys) == 1:
-            fixed, key = at, keys[0]
-            values = _meant(results.axes[key], value, results.units[key])
-            hint = f"write one of: {', '.join(results.units[key].text(each) for each in results.axes[key])}"
-        else:
-            swept = ", ".join(keys or results.axes) or "nothing is swept in this file; leave it out"
+    places, at = dict[str, Any](), dict[str, Any]()
+    for given, text in wanted:
+        keys = [given] if given in _PLACES else _swept(results, given)
+        if len(keys) != 1:
+            swept = ", ".join(keys or results.axes)
             what = f"{given} is {'more than one' if keys else 'no'} swept key"
-            problems.append(Problem(f"{said}: {what}", f"write one of: {swept}, storey, floor, link"))
+            raise InputError(Problem(what, f"write one of: {swept}, storey, floor, link"))
+        (key,) = keys
+        if key in {**places, **at}:
+            raise InputError(Problem(f"{key} is given twice", "give one value"))
+        if key not in results.axes:
+            places[key] = text
             continue
-        if key in fixed:
-            problems.append(Problem(f"{said}: {key} is given twice", "give one value"))
-        elif not values:
-            problems.append(Problem(f"{said}: {key} does not take this value", hint))
-        else:
-            fixed[key] = values[0]
-    if problems:
-        raise InputError(problems)
-    return places, at
+        values = _meant(results.axes[key], text, results.units[key])
+        if not values:
+            there = ", ".join(results.units[key].text(each) for each in results.axes[key])
+            raise InputError(Problem(f"{key} does not take the value {text}", f"write one of: {there}"))
+        at[key] = values[0]
+    return Asked(quantities, places, at)
 
 
-def _folders(files: tuple[Path, ...], output: Path | None) -> dict[Path, Path]:
+def _folders(files: Sequence[Path], output: Path | None) -> list[Path]:
     """Where each report goes; files of one name are told apart by a number."""
     if output is not None and len(files) == 1:
-        return {files[0]: output}
-    folders: dict[Path, Path] = {}
-    for path in files:
-        base = output / path.stem if output is not None else path.with_suffix("")
-        folder, number = base, 2
-        while folder in folders.values():
-            folder, number = base.with_name(f"{base.name}-{number}"), number + 1
-        folders[path] = folder
-    return folders
+        return [output]
+    bases = [output / path.stem if output is not None else path.with_suffix("") for path in files]
+    counts = [bases[:place].count(base) + 1 for place, base in enumerate(bases)]
+    return [base if n == 1 else base.with_name(f"{base.name}-{n}") for base, n in zip(bases, counts, strict=True)]
 
 
 # export, compare
@@ -352,15 +298,12 @@ def _folders(files: tuple[Path, ...], output: Path | None) -> dict[Path, Path]:
 @rows_options
 def export(
     file: Path, tables: tuple[str, ...], output: Path | None, form: str | None, pelicun: bool, **rows: Any
-) -> None:
+) -> None:  # fmt: skip
     """Write tables of a results file for other programs, in SI with all digits: all tables, or those named.
 
     CSV and Parquet have one file per table in a folder, with columns.csv, which describes every column, or a single
-    file for one table. Excel has one sheet per table. netCDF has the whole file, for programs such as xarray and
-    ncview. Tables: storey, floor, link, scene, flagged, accuracy, summary, records, buildings.
-
-    With --pelicun the file has interstorey drifts and floor accelerations of a building in one case and analysis, a row
-    for every motion and point of the sweep that --where and the like choose.
+    file for one table. Excel has one sheet per table, netCDF the whole file. docs/how-to/other-programs.md shows how
+    they are read, docs/how-to/rate.md what --pelicun writes, of the rows that --where and the like choose.
 
     \b
     Example:
@@ -378,12 +321,12 @@ def export(
         _export_demands(open_results(file), output, wanted)
         return
     if wanted:
-        raise InputError(Problem(f"{wanted[0][0]}: tables are exported whole", "leave it out, or write `--pelicun`"))
+        raise InputError(Problem(f"{'='.join(wanted[0])}: tables are exported whole", "leave it out, or --pelicun"))
     for path in written(open_results(file), output, form, tables):
         click.echo(f"wrote {path}")
 
 
-def _export_demands(results: Results, output: Path | None, wanted: Sequence[tuple[str, str, str]]) -> None:
+def _export_demands(results: Results, output: Path | None, wanted: Sequence[tuple[str, str]]) -> None:
     """Write the demands of the chosen rows, and say what is left out."""
     from pounding_cli.outputs import check_output
     from pounding_cli.results.pelicun import demands, left_out_in_words
@@ -405,11 +348,10 @@ def _export_demands(results: Results, output: Path | None, wanted: Sequence[tupl
 @click.option("--all", "everything", is_flag=True, help="List every changed number and scene.")
 @click.pass_context
 def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everything: bool) -> None:
-    """Show what changed from A.h5 to B.h5: study, versions, scenes, and numbers beyond their errors.
+    """Show what changed from A.h5 to B.h5: study, versions, scenes, and numbers beyond the errors of both files.
 
-    A number counts as changed if it differs by more than the sum of the errors that both files estimate for its scene.
-    Exit code 0: the files agree; 1: they differ in study, scenes or numbers; 2: a file was refused. The command
-    reports differences of wording, comments, versions and times, but they do not change the exit code.
+    Exit code 0: the files agree; 1: they differ in study, scenes or numbers; 2: a file was refused. See
+    docs/how-to/compare.md.
 
     \b
     Example:

@@ -4,203 +4,120 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from pounding_cli.cli.options import FILE, output_option, quiet_option, study_argument, time_text, together
 from pounding_cli.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import Outcome
     from pounding_cli.batch.progress import JsonLines
 
+solving_options = together(
+    quiet_option,
+    click.option(
+        "--workers", type=click.IntRange(min=1), metavar="N",
+        help="Number of scenes solved in parallel. Default: all cores.",
+    ),
+    click.option(
+        "--engine", type=click.Choice(("threads", "processes", "dask", "serial")), default="threads",
+        show_default=True,
+        help="How scenes are solved; the results are the same. Small studies are always solved serially.",
+    ),
+    click.option(
+        "--scheduler", metavar="ADDRESS",
+        help="Dask scheduler for --engine dask, e.g. tcp://node:8786. Default: a cluster on this machine.",
+    ),
+    click.option(
+        "--replace", is_flag=True,
+        help="Replace the results of another study; forget scenes and histories that STUDY no longer has.",
+    ),
+    click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
+    click.pass_context,
+)  # fmt: skip
+"""How scenes are solved; keyword arguments of `solve_study`."""
 
-def study_argument(command: Callable[..., Any]) -> Callable[..., Any]:
-    """STUDY."""
-    return click.argument("study", type=click.Path(path_type=Path))(command)
+_HELP = {
+    "run": "Run STUDY, write one results file and print a summary.",
+    "gap": "Compute how wide the gap of STUDY must be, so that its buildings do not touch; its section `gap:` has the "
+    "rules. Each building moves alone under every motion. See docs/how-to/gap.md.",
+    "fragility": "Compute how likely the limits of STUDY are passed over an intensity, for each building alone and "
+    "with pounding; its section `fragility:` has the limits. See docs/how-to/fragility.md.",
+    "sensitivity": "Compute how much each uncertain key of STUDY contributes to the variance of its results, or how "
+    "likely statements hold; its sections `uncertain:` and `sensitivity:` have keys and outputs. See "
+    "docs/how-to/sensitivity.md.",
+    "optimise": "Minimise or maximise a number over chosen keys of STUDY; its section `optimise:` has both. See "
+    "docs/how-to/optimise.md.",
+}
+
+_ENDS = """\
 
 
-def output_option(default: str, text: str = "Results file.") -> Callable[..., Any]:
-    """`-o FILE.h5`."""
-    kind = click.Path(path_type=Path)
-    return click.option("-o", "--output", type=kind, metavar="FILE.h5", help=f"{text} Default: {default}.")
+Scenes of earlier runs are reused, also after changes of the study. A file with the results of another study is refused
+unless --replace is given. After Ctrl-C, a crash or a full disk, run the same command again to resume.
+Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
+
+\b
+Example:
+  pound {command} study.yaml
+  pound report {results}
+"""
 
 
-def solving_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """How scenes are solved; keyword arguments of `solve_study`."""
-    for option in (
-        click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
-        click.option(
-            "--replace", is_flag=True,
-            help="Replace the results of another study; forget scenes and histories that STUDY no longer has.",
-        ),
-        click.option(
-            "--scheduler", metavar="ADDRESS",
-            help="Dask scheduler for --engine dask, e.g. tcp://node:8786. Default: a cluster on this machine.",
-        ),
-        click.option(
-            "--engine", type=click.Choice(("threads", "processes", "dask", "serial")), default="threads",
-            show_default=True,
-            help="How scenes are solved; the results are the same. Small studies are always solved serially.",
-        ),
-        click.option(
-            "--workers", type=click.IntRange(min=1), metavar="N",
-            help="Number of scenes solved in parallel. Default: all cores.",
-        ),
-        click.option("-q", "--quiet", is_flag=True, help="Print only scenes that failed."),
-        click.pass_context,
-    ):  # fmt: skip
-        command = option(command)
+def _question(name: str) -> click.Command:
+    """The command of a question."""
+    results = "results/study.h5" if name == "run" else f"results/study-{name}.h5"
+
+    @click.command(name, help=_HELP[name] + _ENDS.format(command=name, results=results))
+    @study_argument
+    @output_option(results.replace("study", "STUDY"))
+    @solving_options
+    def command(ctx: click.Context, **options: Any) -> None:
+        if solve_study(ctx, name, **options).failures:
+            ctx.exit(1)
+
     return command
 
 
-@click.command()
+run, gap, fragility, sensitivity = map(_question, ("run", "gap", "fragility", "sensitivity"))
+
+
+@click.command(
+    help=_HELP["optimise"]
+    + _ENDS.format(command="optimise", results="results/study-optimise.h5")
+    + "  pound optimise study.yaml --write best.yaml\n"
+)
 @study_argument
-@output_option("results/<study>.h5 in the current folder")
-@solving_options
-def run(ctx: click.Context, **options: Any) -> None:
-    """Run STUDY, write one results file and print a summary.
-
-    The command reuses scenes of earlier runs, also after changes of the study, and prints their number. It refuses a
-    file with the results of another study unless --replace is given. After Ctrl-C, a crash or a full disk, run the
-    same command again to resume. Exit code 0: all scenes done; 1: some failed (they are listed);
-    2: the study or the output was refused.
-
-    \b
-    Example:
-      pound run configs/fig6.yaml
-      pound run configs/fig6.yaml -o results/fig6.h5 --workers 4
-      pound run sweep.yaml --engine dask --scheduler tcp://node:8786
-    """
-    solve_study(ctx, "run", **options)
-
-
-@click.command()
-@study_argument
-@output_option("results/<study>-gap.h5 in the current folder")
-@solving_options
-def gap(ctx: click.Context, **options: Any) -> None:
-    """Compute how wide the gap of STUDY must be, so that its buildings do not touch.
-
-    Each building moves alone under every motion. The largest closing of two floors that face each other is the gap
-    that this motion requires. The command prints statistics over the motions, the gap for a given probability of
-    contact, and the gaps by the rules ABS, SRSS, DDC and those of codes. The section `gap:` of the study selects them;
-    the default is mean, largest, 84th percentile and 10 % probability of contact.
-
-    It then says for each case whether its gap is enough, by each rule and for how many motions, and how far each
-    building moves to either side, which is its distance to a property line. The buildings move alone: links do not
-    change what is required.
-
-    After Ctrl-C, a crash or a full disk, run the same command again to resume.
-
-    \b
-    Example:
-      pound gap study.yaml
-      pound show results/study-gap.h5 gap_cases
-      pound show results/study-gap.h5 property_line
-      pound report results/study-gap.h5
-    """
-    solve_study(ctx, "gap", **options)
-
-
-@click.command()
-@study_argument
-@output_option("results/<study>-fragility.h5 in the current folder")
-@solving_options
-def fragility(ctx: click.Context, **options: Any) -> None:
-    """Compute how likely the limits of STUDY are passed over an intensity, for each building alone and
-    with pounding.
-
-    The section `fragility:` of the study has the limits (`mu > 4`, `drift > 2 %`, `acceleration > 1 g`,
-    `shear_demand > 1`, `contact`, `collapse`), the section `sweep:` the intensities (`records.scale.pga`, `.sa`, `.pgv`
-    or `records.scale`). By default each motion is scaled until it passes, and only the intensities needed for this are
-    solved. The curves are lognormal, fitted by maximum likelihood, with bootstrap intervals over the motions.
-
-    After Ctrl-C, a crash or a full disk, run the same command again to resume.
-    Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
-
-    \b
-    Example:
-      pound fragility study.yaml
-      pound show results/study-fragility.h5 fragility
-      pound report results/study-fragility.h5
-    """
-    solve_study(ctx, "fragility", **options)
-
-
-@click.command()
-@study_argument
-@output_option("results/<study>-sensitivity.h5 in the current folder")
-@solving_options
-def sensitivity(ctx: click.Context, **options: Any) -> None:
-    """Compute how much each uncertain key of STUDY contributes to the variance of its results.
-
-    The section `uncertain:` has the keys with their distributions; `motion: any` varies the motion too. The section
-    `sensitivity:` has the outputs, e.g. `outputs: [largest mu in soft]`, or `claims: all` for the probability of the
-    paper's statements. Quasi-random samples are solved like a sweep. Sobol indices give the part of the variance that
-    each key explains; Morris indices screen many keys at low cost.
-
-    A failed scene is solved again with a hundred times finer accuracy. If it fails again, its outputs get no index.
-    After Ctrl-C, a crash or a full disk, run the same command again to resume.
-    Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
-
-    \b
-    Example:
-      pound sensitivity study.yaml
-      pound show results/study-sensitivity.h5 sensitivity
-      pound report results/study-sensitivity.h5
-    """
-    solve_study(ctx, "sensitivity", **options)
-
-
-@click.command()
-@study_argument
-@output_option("results/<study>-optimise.h5 in the current folder")
+@output_option("results/STUDY-optimise.h5")
 @click.option(
     "--write",
-    type=click.Path(path_type=Path),
+    type=FILE,
     metavar="FILE.yaml",
     help="Write STUDY with the best values, its comments kept. A file that is there is replaced only with --replace.",
 )
 @solving_options
-def optimise(ctx: click.Context, study: Path, write: Path | None, **options: Any) -> None:
-    """Minimise or maximise a number over chosen keys of STUDY.
-
-    The section `optimise:` of the study has the number as an expression over the tables (`least:` or `most:`), and the
-    keys with their ranges (`over:`). Differential evolution and the simplex method find the optimum. The command then
-    solves points around it, to show how far each key may be from its best value, and says what the buildings do at the
-    optimum and with the study as written: contacts, flags, shears, ductilities, drifts, accelerations.
-
-    After Ctrl-C, a crash or a full disk, run the same command again to resume.
-    Exit code 0: all scenes done; 1: some failed (they are listed), or no optimum was found to write; 2: the study or
-    the output was refused.
-
-    \b
-    Example:
-      pound optimise study.yaml --write best.yaml
-      pound run best.yaml
-      pound show results/study-optimise.h5 optimise
-      pound report results/study-optimise.h5
-    """
+def optimise(ctx: click.Context, study: Path, write: Path | None, **options: Any) -> None:  # fmt: skip
     if write is not None:
         _check_best(study, write, options["replace"])
-    outcome = solve_study(ctx, "optimise", study=study, **options, ends=write is None)
+    outcome = solve_study(ctx, "optimise", study=study, **options)
     if write is not None:
         if not _write_best(study, outcome.path, write):
             click.echo(f"{write} is not written: there is no optimum", err=True)
             ctx.exit(1)
         if not (options["quiet"] or options["log_json"]):
             click.echo(f"Best study: {write}; simulate it with: pound run {write}")
-        ctx.exit(1 if outcome.failures else 0)
+    if outcome.failures:
+        ctx.exit(1)
 
 
 def _check_best(study: Path, write: Path, replace: bool) -> None:
     """Make sure, before anything is solved, that the best study can be written.  Raises `InputError`."""
     from pounding_cli.outputs import check_output
     from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise_question import check_written
+    from pounding_cli.workflows.optimise import check_written
 
     if write.suffix not in (".yaml", ".yml"):
         raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
@@ -215,8 +132,7 @@ def _write_best(study: Path, path: Path, write: Path) -> bool:
     """Write the study with the best values that a results file has; whether there are such.  Raises `InputError`."""
     from pounding_cli.api.studies import open_results
     from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
-    from pounding_cli.workflows.optimise_question import question_of
+    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM, question_of
 
     results = open_results(path)
     table, loaded = results.answer(OPTIMUM).frame, load_study(study)
@@ -235,22 +151,10 @@ def _write_best(study: Path, path: Path, write: Path) -> bool:
 
 
 def solve_study(
-    ctx: click.Context,
-    workflow: str,
-    study: Path,
-    output: Path | None,
-    quiet: bool,
-    workers: int | None,
-    engine: str,
-    scheduler: str | None,
-    replace: bool,
-    log_json: bool,
-    ends: bool = True,
-) -> Outcome:
-    """Load a study, solve what its workflow asks for, write the results file and print what came out.
-
-    ends : whether failed scenes, which are listed, end the command with exit code 1
-    """
+    ctx: click.Context, workflow: str, study: Path, output: Path | None, quiet: bool, workers: int | None, engine: str,
+    scheduler: str | None, replace: bool, log_json: bool,
+) -> Outcome:  # fmt: skip
+    """Load a study, solve what its workflow asks for, write the results file and print what came out."""
     _alone_on_its_core()
     from pounding_cli.api.running import question, run_study
     from pounding_cli.api.studies import default_output
@@ -270,14 +174,13 @@ def solve_study(
     )  # fmt: skip
     if log:
         _log(log, outcome)
-    elif not quiet:
+        return outcome
+    if not quiet:
         _print(outcome)
-    for failure in () if log else outcome.failures:
+    for failure in outcome.failures:
         click.echo(f"failed: {failure.place}: {failure.status}", err=True)
         if failure.advice:
             click.echo(f"    {failure.advice}", err=True)
-    if outcome.failures and ends:
-        ctx.exit(1)
     return outcome
 
 
@@ -317,27 +220,19 @@ def _print(outcome: Outcome) -> None:
     )
 
 
-def time_text(seconds: float) -> str:
-    """A time [s] for people: "12 ms", "3.4 s", "5.0 min"."""
-    if seconds < 1:
-        return f"{1000 * seconds:.0f} ms"
-    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"
-
-
-def points_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """What `pound connector` and `pound wall` take; keyword arguments of `solve_points`."""
-    text = "Results file; tables, figures and page stand in a folder of its name."
-    quiet = click.option("-q", "--quiet", is_flag=True, help="Print only points that failed.")
-    return study_argument(output_option("results/<study>.h5", text)(quiet(click.pass_context(command))))
+points_options = together(
+    study_argument,
+    output_option("results/STUDY.h5", "Results file; tables, figures and page stand in a folder of its name."),
+    quiet_option,
+    click.pass_context,
+)
+"""What `pound connector` and `pound wall` take; keyword arguments of `solve_points`."""
 
 
 @click.command()
 @points_options
 def connector(ctx: click.Context, **options: Any) -> None:
     """Compute how a spring (and dashpot) between two oscillators changes their largest displacements.
-
-    The command prints the peak ratios with their frequencies, and writes FILE.h5 and a folder with tables, figure and
-    page.
 
     \b
     Example:
@@ -350,9 +245,6 @@ def connector(ctx: click.Context, **options: Any) -> None:
 @points_options
 def wall(ctx: click.Context, **options: Any) -> None:
     """Compute the impact of a floor on the bumper wall of a concrete building: force, separation, stresses.
-
-    The command prints peak force and stresses, and writes FILE.h5 and a folder with tables, figures, page and the
-    fields for ParaView.
 
     \b
     Example:

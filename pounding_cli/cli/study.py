@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli.solve import study_argument, time_text
+from pounding_cli.cli.options import FILE, study_argument, time_text
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Study to start from.",
 )
-def init(name: str, template: str) -> None:
+def init(name: str, template: str) -> None:  # fmt: skip
     """Write NAME.yaml, a commented study that is ready to run, and print the next steps.
 
     The command also writes pound.schema.json, which lets editors complete keys and mark mistakes.
@@ -72,11 +72,7 @@ def check(study: Path) -> None:
     """Validate STUDY and show what a run would solve, what it would leave out and about how long it would take.
 
     The command reports every problem as file:line:column, what is wrong and what to write instead. It accepts studies
-    of all commands, including their sections (`gap:`, `fragility:`, `sensitivity:`, `optimise:`), whose questions it
-    lists with the scenes that they begin with.
-
-    Behind the line "OK" it lists the scenes with their expected time, for which it runs one scene of each kind, links,
-    effects simulated and left out with the reason, and motions. Nothing is written.
+    of all commands. To tell the time it runs one scene of each kind. Nothing is written.
     Exit code 0: the study is valid; 2: it was refused.
 
     Example: pound check configs/fig6.yaml
@@ -153,11 +149,13 @@ def _lines(plan: Plan) -> list[str]:
         f"method     {plan.method}, {step or f'accuracy {plan.accuracy:g}'}",
         f"scenes     {len(plan)}, on one core about {time_text(START + found.total)} with estimate: {plan.estimate}",
         f"           timed by {counted(found.timed, 'scene')} of them",
+        *(
+            f"  run      {n:6d} {what}, about {time_text(found.seconds[what])}"
+            for what, n in sorted(found.scenes.items())
+        ),
     ]
     if found.looked_at < 1:
         lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
-    for what, count in sorted(found.scenes.items()):
-        lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
     repeat = counted(max(0, rows - (len(plan) - found.scenes[ALONE])), "row repeats", "rows repeat")
     baselines = counted(rows * len(plan.buildings), "baseline")
     lines.append(f"  shared   {baselines} asked for, {found.scenes[ALONE]} run; {repeat} another's scene")
@@ -211,16 +209,12 @@ def _effects(found: Forecast) -> list[str]:
 def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """The links of a case at the first point of the sweep, in words."""
     links = plan.build(case * len(plan.analyses) * len(plan.records)).links
-    if not links:
-        return "no links: runs as buildings alone"
-    groups = Counter((link.kind, link.gap, _stiffness(link.law, strength)) for link in links if not link.columns)
-    said = [f"{count} x {kind}, gap {width.text(gap)}, {stiffness}" for (kind, gap, stiffness), count in groups.items()]
-    struck = [link for link in links if link.columns]
-    for gap in dict.fromkeys(link.gap for link in struck):
-        springs = sorted(link.law.initial_stiffness for link in struck if link.gap == gap)
-        ends = " to ".join(dict.fromkeys(strength.text(each, 4) for each in (springs[0], springs[-1])))
-        said.append(f"{len(springs)} x slab against columns, gap {width.text(gap)}, {ends} with the columns' bending")
-    return "; ".join(said)
+    said = Counter(
+        f"slab against columns, gap {width.text(link.gap)}" if link.columns
+        else f"{link.kind}, gap {width.text(link.gap)}, {_stiffness(link.law, strength)}"
+        for link in links
+    )  # fmt: skip
+    return "; ".join(f"{count} x {what}" for what, count in said.items()) or "no links: runs as buildings alone"
 
 
 def _stiffness(law: LinkLaw, unit: Unit) -> str:
@@ -233,7 +227,7 @@ def _stiffness(law: LinkLaw, unit: Unit) -> str:
 
 
 @click.command()
-@click.argument("source", type=click.Path(path_type=Path), metavar="STUDY|FILE.h5")
+@click.argument("source", type=FILE, metavar="STUDY|FILE.h5")
 @click.option(
     "--format",
     "form",
@@ -242,11 +236,8 @@ def _stiffness(law: LinkLaw, unit: Unit) -> str:
     show_default=True,
     help="Plain text, or entries for a .bib file.",
 )
-def cite(source: Path, form: str) -> None:
-    """List the references of a study or a results file, and what each is used for.
-
-    The list has the laws with the equations of the paper, the edition of the building code, the intensity measure,
-    the methods of solution (for a study, those that a run would use) and the sources of the motions.
+def cite(source: Path, form: str) -> None:  # fmt: skip
+    """List the references of a study or a results file, what each is used for, and the sources of the motions.
 
     \b
     Example:
@@ -256,7 +247,7 @@ def cite(source: Path, form: str) -> None:
     import importlib
 
     from pounding_cli.api.studies import open_results
-    from pounding_cli.report.references import citations, motions
+    from pounding_cli.report.references import REFERENCES, citations, motions
     from pounding_cli.study import load_study
 
     if source.suffix in (".yaml", ".yml"):
@@ -276,19 +267,16 @@ def cite(source: Path, form: str) -> None:
         problem = Problem("its resolved study is not complete", "run the study again with this program", str(source))
         raise InputError(problem) from error
     if form == "bibtex":
-        click.echo("\n\n".join(citation.reference.bibtex for citation in found))
+        click.echo("\n\n".join(REFERENCES[key].bibtex for key in found))
         return
     click.echo(title)
-    for citation in found:
-        click.echo(f"\n{citation.reference.text}\n    for {'; '.join(citation.uses)}")
-    if sources:
-        click.echo("\nMotions")
-    for line in motions(sources):
-        click.echo(f"  {line}")
+    for key, what in found.items():
+        click.echo(f"\n{REFERENCES[key].text}\n    for {'; '.join(what)}")
+    click.echo("\n".join(["\nMotions", *(f"  {line}" for line in motions(sources))]))
 
 
 @click.command()
-@click.option("-o", "--output", type=click.Path(path_type=Path), help="Write to this file. Default: print it.")
+@click.option("-o", "--output", type=FILE, help="Write to this file. Default: print it.")
 @click.option("--keys", is_flag=True, help="Print tables of all keys instead.")
 def schema(output: Path | None, keys: bool) -> None:
     """Print the JSON Schema of study files, with which editors complete keys and mark mistakes.

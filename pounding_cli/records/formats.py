@@ -217,11 +217,9 @@ def _cosmos_header(text: Text, index: int, kind: str) -> tuple[list[float], int]
 
 
 def csmip(text: Text, asked: Asked) -> Samples | None:
-    """CSMIP V1 and V2 of the California network, one or more channels.
+    """CSMIP V2 of the California network, one or more channels: a line such as `4000 points of accel data equally
+    spaced at .020 sec, in cm/sec2. (8f10.3)`, then the samples.
 
-    V2: a line such as `4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)`, then the samples.
-    V1: 13 lines of text, 100 integers (16I5), 50 reals (8F10.3), then times and samples in turns (10F7), or samples
-    behind a line such as `13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)`.
     Shakal and Huang (1985), Standard tape format for CSMIP strong-motion data tapes, report OSMS 85-03.
     """
     start = text.first
@@ -230,6 +228,9 @@ def csmip(text: Text, asked: Asked) -> Samples | None:
         return None
     if kind[1] == "R":
         raise text.wrong_quantity("spectra (V3)", start + 1)
+    if kind[1]:
+        message = "an uncorrected CSMIP record (V1)"
+        raise text.refuse(message, "download the corrected record (V2)", start + 1)
     ends = [index for index, line in enumerate(text.lines) if re.search(r"(?i)END\s+OF\s+DATA\s+FOR\s+CHAN", line)]
     channels = {}
     for begin, end in zip([start, *(end + 1 for end in ends)], [*ends, len(text.lines)], strict=True):
@@ -238,8 +239,6 @@ def csmip(text: Text, asked: Asked) -> Samples | None:
         if filled:
             channels[filled[0], end] = next((_one_blank(found[1]) for found in named if found), "unnamed")
     begin, end = list(channels)[text.channel(asked, list(channels.values()), start + 1)]
-    if kind[1]:
-        return _csmip_v1(text, asked, begin)
     for index in range(begin, end):
         line = text.lines[index]
         data, spaced = _CSMIP_DATA.match(line), _CSMIP_SPACED.search(line)
@@ -249,38 +248,12 @@ def csmip(text: Text, asked: Asked) -> Samples | None:
             raise text.wrong_quantity({"v": "velocity", "d": "displacement"}[data[2][0].lower()], index + 1)
         step = text.step(spaced[1], index + 1, asked.dt)
         values, _ = text.fixed(index + 1, int(data[1]), fortran(line) or (8, 10), last=True)
-        return Samples(step, values, index + 2, _csmip_unit(line[spaced.end() :]) or "cm/s2", index + 1)
+        words = line[spaced.end() :]
+        units = (unit for unit, pattern in _CSMIP_UNITS.items() if re.search(pattern, words, re.IGNORECASE))
+        return Samples(step, values, index + 2, next(units, "cm/s2"), index + 1)
     hint = "a CSMIP V2 file has e.g. '4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)'"
     message = "no line that says how many points of acceleration follow, and their spacing"
     raise text.refuse(message, hint, begin + 1)
-
-
-def _csmip_v1(text: Text, asked: Asked, begin: int) -> Samples:
-    top, data = text.lines[begin : begin + 13], begin + 27
-    sizes = text.line(begin + 15)[:5], text.line(begin + 14)[55:60]  # newer files have the count of samples later
-    count = int(next((size for word in sizes if (size := number(word.strip()))), 0.0))
-    if count < 2:
-        raise text.refuse("the header does not say how many samples follow", "download the file again", begin + 16)
-    stated = ((_csmip_unit(line.lower().partition("unit")[2]), place) for place, line in enumerate(top, begin + 1))
-    unit, unit_line = next((each for each in stated if each[0]), (None, 0))
-    line = text.line(data)
-    if not re.search(r"[A-DF-Za-df-z]", line):
-        pairs, _ = text.fixed(data, 2 * count, (10, 7), last=True)
-        lines = [data + place // 5 for place in range(count)]
-        step = text.even_step(pairs[::2], lines, asked.dt, way_out="download the corrected record (V2)")
-        return Samples(step, pairs[1::2], data + 1, unit, unit_line)
-    said, spaced = _CSMIP_DATA.match(line), _CSMIP_SPACED.search(line)
-    rated = re.search(r"(?i)at\s+(\d+\.?\d*)\s*(?:pts|points|samples)\s*/\s*sec", line)
-    rate = number(rated[1]) if rated else None
-    written = spaced[1] if spaced else float(f"{1.0 / rate:.9g}") if rate else asked.dt
-    step = text.step(written or "not stated: give dt", data + 1, asked.dt)
-    own = _csmip_unit(line[spaced.end() :] if spaced else line)
-    values, _ = text.fixed(data + 1, int(said[1]) if said else count, fortran(line) or (8, 9), last=True)
-    return Samples(step, values, data + 2, own or unit, data + 1 if own else unit_line)
-
-
-def _csmip_unit(words: str) -> str | None:
-    return next((unit for unit, pattern in _CSMIP_UNITS.items() if re.search(pattern, words, re.IGNORECASE)), None)
 
 
 def _said(text: Text, keys: Mapping[str, tuple[str, int]], key: str, example: str) -> tuple[str, int]:

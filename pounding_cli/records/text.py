@@ -151,14 +151,7 @@ class Text:
             raise self.refuse(f"more than the {count} values that the header says follow", _DAMAGED, index + 1)
         return values, index
 
-    def even_step(
-        self,
-        times: Sequence[float],
-        lines: Sequence[int],
-        given: float | None,
-        digit: float = 0.0,
-        way_out: str = "resample the record to even steps, or restore the missing samples",
-    ) -> float:
+    def even_step(self, times: Sequence[float], lines: Sequence[int], given: float | None, digit: float) -> float:
         """The time step [s] of evenly rising `times` [s]; refused where they fall, stand or are uneven.
 
         lines : their indices in the file; given : the step the user gave; digit : the last digit they are printed with
@@ -180,7 +173,8 @@ class Text:
         usual = float(np.median(gaps))
         worst = int(np.argmax(np.abs(gaps - usual)))
         message = f"uneven time steps: {gaps[worst]:.6g} s here, {usual:.6g} s elsewhere"
-        raise self.refuse(message, way_out, lines[worst + 1] + 1)
+        hint = "resample the record to even steps, or restore the missing samples"
+        raise self.refuse(message, hint, lines[worst + 1] + 1)
 
     def _row(self, index: int) -> list[float]:
         """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""

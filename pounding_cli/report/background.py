@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.model.effects import EXPECTED, others
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.document import PAGE, Picture, Section
+from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
@@ -24,9 +24,6 @@ from pounding_cli.results.tables import Column, Table
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
-
-MOST_REASONS = 4
-"""Reasons given for one effect; further ones are counted."""
 
 _TITLES = {
     "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
@@ -45,9 +42,11 @@ def frame_of(results: Results, shown: Evidence, scene: pd.DataFrame, samples: in
         counted(len(shown.cases), "case"),
         " and ".join(shown.analyses),
         counted(len(shown.records), "motion"),
-        *([f"{points} points of a sweep"] if points > 1 and not samples else []),
-        *([counted(samples, "different sample")] if samples else []),
     ]
+    if samples:
+        lead.append(counted(samples, "different sample"))
+    elif points > 1:
+        lead.append(f"{points} points of a sweep")
     assumed = results.assumed_heights
     more = f" The study writes no storey height for {', '.join(assumed)}: 3 m." if assumed else ""
     return {
@@ -94,10 +93,8 @@ def limits(results: Results) -> Section | None:
 
 
 def _motions(results: Results, shown: Evidence) -> Section:
-    names = [
-        name for name in ("record", "source", "scale", "window", "pga", "arias", "digest") if name in shown.records
-    ]
-    frame = shown.records[names].assign(digest=shown.records["digest"].astype(str).str[:12])
+    names = ["record", "source", "scale", "window", "pga", "arias", "digest"]
+    frame = shown.records[names].assign(digest=shown.records["digest"].str[:12])
     columns = columns_of(frame, results.units) | {"record": Column(label="motion")}
     said, pictures = [motion_sentence(shown.records)], []
     if (match := results.spectrum_match) is not None:
@@ -109,9 +106,8 @@ def _motions(results: Results, shown: Evidence) -> Section:
 
 
 def _simulated(results: Results, shown: Evidence, scene: pd.DataFrame) -> Section:
-    scenes = results.attrs.get("scenes")
-    solved = f"; {counted(int(scenes), 'different scene was', 'different scenes were')} solved, " if scenes else ""
-    said = [f"{counted(len(scene), 'run')}{solved}{'buildings alone included, each once' if solved else ''}."]
+    scenes = counted(int(results.attrs["scenes"]), "different scene was", "different scenes were")
+    said = [f"{counted(len(scene), 'run')}; {scenes} solved, buildings alone included, each once."]
     tables = []
     failed = failed_scenes(scene)
     if len(failed):
@@ -136,18 +132,12 @@ def _cases(shown: Evidence) -> Table:
     for case in shown.cases:
         links = shown.link[shown.link["case"] == case].drop_duplicates("link")
         between = links[links["kind"] != APART]
-        kinds = Counter((row["kind"], row["gap"]) for row in between.to_dict("records"))
+        kinds = Counter(zip(between["kind"], between["gap"], strict=True))
         words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in kinds.items()]
-        rows.append([case, "; ".join(words) or "none: the buildings stand alone", _floors(between)])
+        pairs = sorted(set(zip(between["floor"], between["right_floor"], strict=True)))
+        floors = ", ".join(str(left) if left == right else f"{left}|{right}" for left, right in pairs)
+        rows.append([case, "; ".join(words) or "none: the buildings stand alone", floors or NOTHING])
     return from_rows("Cases", ("case", "links", "at floors"), rows)
-
-
-def _floors(links: pd.DataFrame) -> str:
-    pairs = sorted(set(zip(links["floor"], links["right_floor"], strict=True)))
-    floors = [str(left) if left == right else f"{left}|{right}" for left, right in pairs]
-    if len(floors) > 8 and all(name.isdigit() for name in floors):
-        return f"{floors[0]} to {floors[-1]}, {len(floors)} in all"
-    return ", ".join(floors) or NOTHING
 
 
 def _effects(scene: pd.DataFrame) -> Table:
@@ -155,18 +145,15 @@ def _effects(scene: pd.DataFrame) -> Table:
     expects in one row."""
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
     dropped: dict[str, Counter[str]] = {}
-    for cell in scene["dropped"]:
-        for line in cell.splitlines():
-            effect, _, reason = line.partition(": ")
-            dropped.setdefault(effect, Counter())[reason] += 1
+    for line in (line for cell in scene["dropped"] for line in cell.splitlines()):
+        effect, _, reason = line.partition(": ")
+        dropped.setdefault(effect, Counter())[reason] += 1
     every = dict.fromkeys((*kept, *dropped))
     told, rows = [effect for effect in every if kept[effect] or effect in EXPECTED], []
     for effect in told:
         reasons = dropped.get(effect, Counter())
-        words = [f"{reason} ({n})" if len(reasons) > 1 else reason for reason, n in reasons.most_common(MOST_REASONS)]
-        more = len(reasons) - MOST_REASONS
-        words += [f"and {counted(more, 'further reason')}"] if more > 0 else []
-        rows.append([effect, str(kept[effect] or NOTHING), str(sum(reasons.values()) or NOTHING), "; ".join(words)])
+        words = "; ".join(f"{reason} ({n})" if len(reasons) > 1 else reason for reason, n in reasons.most_common())
+        rows.append([effect, str(kept[effect] or NOTHING), str(reasons.total() or NOTHING), words])
     if rest := others([effect for effect in every if effect not in told]):
         rows.append(["all others", NOTHING, str(len(scene)), rest])
     return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
@@ -185,20 +172,13 @@ def _accuracy(results: Results, scene: pd.DataFrame) -> Section:
         row |= {"steps": here["steps"].sum(), "events": here["events"].sum(), "seconds": here["seconds"].mean()}
         rows.append(row)
     columns = {"seconds": Column(label="solver time a run", unit=Unit("ms", 1e-3, "s"))}
+    study = Path(str(results.attrs["study_file"])).name
     said = [
         "The numerical error comes from the solver and decreases with the accuracy asked, relative to each peak. The "
         "sensitivity is a property of the scene: at 4, a motion that grows by 1 % changes a peak by 4 %.",
-        _cost(results.path, Path(str(results.attrs.get("study_file", ""))).name),
+        f"What accuracy costs with every method: `pound accuracy {study}`.",
     ]
     return Section("Accuracy and cost", said, [Table("", pd.DataFrame(rows), columns, "Accuracy of the runs")])
-
-
-def _cost(path: Path, study: str) -> str:
-    """Where the answer of `pound accuracy` stands beside a results file, or how to ask."""
-    folder = path.parent / f"{path.stem}-accuracy"
-    if (folder / PAGE).is_file():
-        return f"What accuracy costs with every method: `{folder.name}/{PAGE}` beside the results file."
-    return f"What accuracy costs with every method: `pound accuracy {study or f'{path.stem}.yaml'} -o {folder}`."
 
 
 def _tables(results: Results, tables: Sequence[str]) -> Section:

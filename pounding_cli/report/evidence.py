@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from copy import copy
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -22,6 +21,8 @@ if TYPE_CHECKING:
 
 MARK = "†"
 """Stands behind the name of a case whose numbers mean nothing for some motions."""
+MOST_CASES = 40
+"""Cases in the figures and on the page; the tables hold all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,17 +98,17 @@ class Evidence:
     @cached_property
     def cases(self) -> list[str]:
         """Cases in the order of the file."""
-        return names(self.data["case"].values)
+        return list(map(str, self.data["case"].values))
 
     @cached_property
     def analyses(self) -> list[str]:
         """Analyses in the order of the file."""
-        return names(self.data["analysis"].values)
+        return list(map(str, self.data["analysis"].values))
 
     @cached_property
     def group(self) -> list[str]:
         """Buildings by place, left to right."""
-        return names(self.data["building"].values)
+        return list(map(str, self.data["building"].values))
 
     @cached_property
     def built(self) -> list[str]:
@@ -127,9 +128,9 @@ class Evidence:
 
     @cached_property
     def plotted(self) -> list[str]:
-        """The cases of the main figures: `report: {plot: [..]}` of the study, else all of them."""
+        """The cases of the figures: `report: {plot: [..]}` of the study, else all of them; at most MOST_CASES."""
         chosen = (self.resolved.get("report") or {}).get("plot") or self.cases
-        return [case for case in self.cases if case in chosen]
+        return [case for case in self.cases if case in chosen][:MOST_CASES]
 
     def means(self, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
         """Mean over the motions of a ratio to the building alone, per storey or floor; empty where there is none.
@@ -140,13 +141,6 @@ class Evidence:
             return pd.Series(dtype=float)
         values = self.data[ratio].sel(case=case, analysis=analysis, building=building)
         return values.mean("record").to_series().dropna()
-
-    def only(self, cases: Sequence[str]) -> Evidence:
-        """The same with some of its cases alone."""
-        results = copy(self.results)
-        results.__dict__.pop("_scene", None)  # of all cases
-        results.data = results.data.sel(case=list(cases))
-        return Evidence(results, self.point)
 
     @cached_property
     def meaningless(self) -> dict[tuple[str, str], FlagGroup]:
@@ -162,11 +156,6 @@ class Evidence:
     def marked(self, case: str) -> str:
         """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""
         return f"{case} {MARK}" if case in {named for named, _ in self.meaningless} else case
-
-
-def names(column: Iterable[Any]) -> list[str]:
-    """The distinct values of a column in order of appearance."""
-    return list(dict.fromkeys(str(value) for value in column))
 
 
 def axis_keys(frame: pd.DataFrame) -> list[str]:
@@ -187,7 +176,7 @@ def nominal(results: Results) -> Evidence:
     index = {}
     for keys in results.swept:
         points = list(zip(*(results.axes[key] for key in keys), strict=True))
-        written = tuple(_at(results.resolved, key) for key in keys)
+        written = tuple(_at(results.resolved, key.split(".")) for key in keys)
         index[keys[0]] = points.index(written) if written in points else 0
     solved = (results.data["status"] != "").any(("case", "analysis", "record"))
     if not solved.isel(index) and solved.any():
@@ -195,26 +184,14 @@ def nominal(results: Results) -> Evidence:
     return at_point(results, index)
 
 
-def _at(tree: object, key: str) -> object:
-    """The value at a dotted key of nested dicts; None where there is none."""
-    for part in key.split("."):
-        if not isinstance(tree, Mapping):
-            return None
-        tree = tree.get(part)
+def _at(tree: Any, path: Iterable[str]) -> Any:
+    """The value at a path in nested mappings; None where there is none."""
+    for part in path:
+        tree = tree.get(part) if isinstance(tree, Mapping) else None
     return tree
 
 
-def motion_label(records: pd.DataFrame) -> str:
-    """Motions by where they come from: "real: taft; stand-in: elcentro, eureka", or "stand-in motions"."""
-    kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(list).to_dict()
-    if set(kinds) == {"stand-in"}:
-        return "stand-in motions"
-    rank = {"real": 0, "user": 1, "stand-in": 2}  # "user, unit g assumed" is one of the user's
-    order = sorted(kinds, key=lambda kind: rank.get(str(kind).partition(",")[0], len(rank)))
-    return "; ".join(f"{kind}: {', '.join(kinds[kind])}" for kind in order)
-
-
 def motion_sentence(records: pd.DataFrame) -> str:
-    """The label as a sentence: "Motions: real: ...; stand-in: ...." or "All are stand-in motions."."""
-    label = motion_label(records)
-    return "All are stand-in motions." if label == "stand-in motions" else f"Motions: {label}."
+    """Motions by where they come from: "Motions: real: taft; stand-in: elcentro, eureka."."""
+    kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(", ".join)
+    return f"Motions: {'; '.join(f'{kind}: {named}' for kind, named in kinds.items())}."

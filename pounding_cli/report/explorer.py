@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from pounding_cli.report.evidence import Evidence
+from pounding_cli.report.evidence import MOST_CASES, Evidence
 from pounding_cli.report.figures import by_floor
 from pounding_cli.report.sweep import meaningless, swept_axes
 from pounding_cli.report.table import column_of
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
 MOST_VALUES = 120_000
-"""Numbers that a page carries; of more no single motions, then only the largest over the height, then only some points
-of the longest axis."""
+"""Numbers that a page carries; of more no single motions and only the largest over the height, then only some points of
+the longest axes."""
 MEAN = "mean"
 """What stands for all motions in the list of motions."""
 
@@ -32,30 +32,24 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
     storeys or floors, [0] where only the largest over the height is here. `void`: over case, analysis and points how
     many motions have numbers without meaning. `thinned`: every how many points of the longest axes are there.
     """
-    axes, thinned = list(swept_axes(results)), 1
-    data = results.data.sel(case=shown.cases)
+    axes, thinned, data = list(swept_axes(results)), 1, results.data.sel(case=shown.cases[:MOST_CASES])
     arrays = {}
-    offered = [v for v in RESPONSES if v.charts and v.name in data]
-    for variable in sorted(offered, key=lambda v: not v.ratio):
+    for variable in sorted((v for v in RESPONSES if v.charts and v.name in data), key=lambda v: not v.ratio):
         values = by_floor(data, variable.name) if variable.dims[-1] == "link" else data[variable.name]
         if (values.fillna(0.0) != 0).any():
             arrays[variable.name] = values
     motions = data["record"].values.tolist()
-
-    def size(heights: bool, single: bool) -> float:
-        each = (3 + len(motions) * single) / len(motions)
-        return each * sum(a.size / (1 if heights else a.shape[-1]) for a in arrays.values())
-
-    single = len(motions) > 1 and size(True, True) <= MOST_VALUES
-    heights = size(True, single) <= MOST_VALUES
-    while size(heights, single) > MOST_VALUES and max(map(len, axes), default=0) > 2:
+    size = sum(a.size for a in arrays.values()) * (3 / len(motions) + (len(motions) > 1))
+    whole = size <= MOST_VALUES
+    if not whole:
+        size = sum(a.size / a.shape[-1] for a in arrays.values()) * 3 / len(motions)
+    while size > MOST_VALUES and max(map(len, axes), default=0) > 2:
         number = max(range(len(axes)), key=lambda number: len(axes[number]))
-        arrays = {name: values.isel({axes[number].dim: slice(None, None, 2)}) for name, values in arrays.items()}
-        data = data.isel({axes[number].dim: slice(None, None, 2)})
-        axes[number], thinned = replace(axes[number], points=axes[number].points[::2]), 2 * thinned
+        every_second = {axes[number].dim: slice(None, None, 2)}
+        data, arrays = data.isel(every_second), {name: values.isel(every_second) for name, values in arrays.items()}
+        axes[number], thinned, size = replace(axes[number], points=axes[number].points[::2]), 2 * thinned, size / 2
     dims = [axis.dim for axis in axes]
     void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
-    quantities = [_quantity(name, values, single, heights, dims, results) for name, values in arrays.items()]
     wanted = [tuple(shown.point[key] for key in axis.keys) for axis in axes]
     return {
         "axes": [
@@ -65,30 +59,29 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
             }
             for axis in axes
         ],
-        "quantities": quantities, "cases": shown.cases, "analyses": shown.analyses,
-        "motions": [MEAN, *(motions if single else [])], "void": void.values.ravel().tolist(), "thinned": thinned,
-        "heights": heights, "building": shown.main,
+        "quantities": [_quantity(name, values, whole, dims, results) for name, values in arrays.items()],
+        "cases": data["case"].values.tolist(), "analyses": shown.analyses,
+        "motions": [MEAN, *(motions if whole and len(motions) > 1 else [])], "void": void.values.ravel().tolist(),
+        "thinned": thinned, "heights": whole, "building": shown.main,
         "point": [axis.points.index(w) if w in axis.points else 0 for axis, w in zip(axes, wanted, strict=True)],
     }  # fmt: skip
 
 
-def _quantity(
-    name: str, values: xr.DataArray, single: bool, heights: bool, dims: list[str], results: Results
-) -> dict[str, Any]:
+def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], results: Results) -> dict[str, Any]:
     """One quantity, in the unit it is shown in."""
     *_, where, level = map(str, values.dims)
     how = column_of(name, results.units)
     values = values.reset_coords(drop=True) / how.unit.factor
     found = {"mean": values.mean("record"), "low": values.min("record"), "high": values.max("record")}
-    if not heights:
+    if not whole:
         place = abs(found["mean"]).fillna(-1.0).argmax(level)
         found = {key: of.isel({level: place}).expand_dims(level) for key, of in found.items()}
     found = {key: of.expand_dims(record=[MEAN]) for key, of in found.items()}
-    if single:
+    if whole and values.sizes["record"] > 1:
         found["mean"] = xr.concat([found["mean"], values], "record")
     order = ("case", "record", "analysis", where, level, *dims)
     packed = {key: [rounded(v) for v in of.transpose(*order).values.ravel().tolist()] for key, of in found.items()}
-    levels = values[level].values.tolist() if heights else [0]
+    levels = values[level].values.tolist() if whole else [0]
     about = {"key": name, "label": how.head, "text": how.text or how.label, "level": level, "levels": levels}
     return about | {"where": where, "places": values[where].values.tolist()} | packed
 

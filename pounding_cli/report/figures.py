@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -11,25 +11,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.style import VOID, caption, entitle, is_for_paper, legend, looks, new_figure, styled
+from pounding_cli.report.style import caption, entitle, is_for_paper, legend, looks, new_figure, styled
 from pounding_cli.report.table import column_of, digits
 
-MOST_CASES = 40
-"""Cases in the figures and on the page; the tables hold all."""
-RESPONSES = (("elastic", "V_ratio", "$V/V_0$"), ("inelastic", "mu_ratio", "$\\mu/\\mu_0$"))
-"""The paper's panels: analysis, column, axis label."""
-
-
-def drawn_part(evidence: Evidence) -> Evidence:
-    """The evidence with as many cases as figures and page have room for, those of `report: {plot: [..]}` first."""
-    if len(evidence.cases) <= MOST_CASES:
-        return evidence
-    return evidence.only(list(dict.fromkeys([*evidence.plotted, *evidence.cases]))[:MOST_CASES])
+RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
+"""The paper's panels: analysis and column."""
 
 
 def profiles(evidence: Evidence) -> list[Picture]:
@@ -51,8 +41,8 @@ def profiles(evidence: Evidence) -> list[Picture]:
 def largest_means(evidence: Evidence, building: str) -> str:
     """The largest mean ratios of a building in sentences, analysis by analysis."""
     said = []
-    for analysis, ratio, _ in RESPONSES:
-        means = {case: evidence.means(case, analysis, building, ratio) for case in evidence.cases}
+    for analysis, ratio in RESPONSES:
+        means = {case: evidence.means(case, analysis, building, ratio) for case in evidence.plotted}
         parts = [f"{case} {digits(of.max(), 3)} (storey {of.idxmax()})" for case, of in means.items() if len(of)]
         if parts:
             over = f"mean of {counted(len(evidence.records), 'motion')}, " if len(evidence.records) > 1 else ""
@@ -66,10 +56,10 @@ def response(evidence: Evidence, building: str) -> Figure:
     """V/V0 elastic (left) and mu/mu0 inelastic (right) of one building, as in Figs 6 and 7."""
     shown = [panel for panel in RESPONSES if panel[0] in evidence.analyses]
     figure, axes = framed(evidence, [building], 1, max(len(shown), 1), headline(evidence, building))
-    for ax, (analysis, column, label) in zip(axes[0], shown, strict=False):
+    for ax, (analysis, column) in zip(axes[0], shown, strict=False):
         values = evidence.data[column].sel(analysis=analysis, building=building)
         what = "storey shear" if column == "V_ratio" else "ductility"
-        _panel(ax, evidence, values, f"{analysis.capitalize()}: {what}", label)
+        _panel(ax, evidence, values, f"{analysis.capitalize()}: {what}", column_of(column).label)
         ax.axvline(1, color="0.35", lw=1.0, zorder=1)
     caption(figure, _caption(evidence, f"Ratios to {building} alone under the same motion"))
     return figure
@@ -136,33 +126,26 @@ def _caption(evidence: Evidence, what: str) -> str:
 
 
 def framed(
-    evidence: Evidence,
-    black: Sequence[str],
-    rows: int,
-    columns: int,
-    headline: str,
-    *,
-    size: tuple[float, float] = (3.6, 3.3),
-    cases: Sequence[str] | None = None,
-    unwritten: Collection[str] = (),
-) -> tuple[Figure, list[list[Axes]]]:
+    evidence: Evidence, black: Sequence[str], rows: int, columns: int, headline: str, *,
+    size: tuple[float, float] = (3.6, 3.3), cases: Sequence[str] | None = None, periods: bool = True,
+) -> tuple[Figure, list[list[Axes]]]:  # fmt: skip
     """A figure with title, the group's drawing and the legend above `rows` x `columns` panels of a size [in].
 
-    black : buildings filled in the drawing; unwritten : those whose period is not written
+    black : buildings filled in the drawing; periods : whether they are written
     cases : in the legend, none where it is empty; those of the main figures unless given
     """
-    width, height = size
-    figure = new_figure(max(columns * width, 5.4), rows * height + 1.75)
+    figure = new_figure(max(columns * size[0], 5.4), rows * size[1] + 1.75)
     entitle(figure, headline, "bold")
-    grid = figure.add_gridspec(2, 1, height_ratios=[0.95, height * rows])
-    drawing = min(0.62 * len(evidence.group) + 0.2, 0.6 * figure.get_figwidth())
-    head = grid[0].subgridspec(1, 2, width_ratios=[drawing, figure.get_figwidth() - drawing])
-    draw_group(figure.add_subplot(head[0]), evidence, black, unwritten=unwritten)
+    grid = figure.add_gridspec(2, 1, height_ratios=[0.95, size[1] * rows])
+    wide = figure.get_figwidth()
+    drawing = min(0.62 * len(evidence.group) + 0.2, 0.6 * wide)
+    head = grid[0].subgridspec(1, 2, width_ratios=[drawing, wide - drawing])
+    draw_group(figure.add_subplot(head[0]), evidence, black, periods=periods)
     side = figure.add_subplot(head[1])
     side.axis("off")
     if not is_for_paper():
-        characters = int(14 * (figure.get_figwidth() - drawing))
-        side.text(0.0, 1.0, textwrap.fill(evidence.title, characters), va="top", fontsize=8.5, color="0.25")
+        text = textwrap.fill(evidence.title, int(14 * (wide - drawing)))
+        side.text(0.0, 1.0, text, va="top", fontsize=8.5, color="0.25")
     cases = evidence.plotted if cases is None else cases
     if cases:
         beside = -(-len(cases) // (2 if len(cases) <= 4 else 3))
@@ -190,26 +173,19 @@ def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray, title: str, label
         joined = len(heights) > 1 and bool((np.diff(heights) == 1).all())
         ax.errorbar(
             spread["mean"], heights + shift, xerr=[spread["mean"] - spread["min"], spread["max"] - spread["mean"]],
-            color=VOID if void else look[case].color, ls=(":" if void else look[case].line) if joined else "none",
+            color="0.6" if void else look[case].color, ls=(":" if void else look[case].line) if joined else "none",
             marker=look[case].marker, ms=5, mfc="white" if void else None, lw=1.6, elinewidth=0.8, capsize=2,
         )  # fmt: skip
     shown = values.sel(case=cases)
     if shown.size and shown.min() > 0 and shown.max() / shown.min() > 8:
         ax.set_xscale("log")
-        plain_log(ax.xaxis)
     there = values[level].values[np.isfinite(values.values).any(axis=(0, 1))]
     low, top = (min(1, int(there.min())), int(there.max())) if len(there) else (1, 1)  # a base is floor 0
     ax.set_title(title, loc="left")
-    ticks = range(low, top + 1) if top <= 12 else range(5, top + 1, 5)
-    ax.set(xlabel=label, ylabel=level, yticks=list(ticks), ylim=(low - 0.4, top + 0.4))
+    ticks = list(range(low, top + 1) if top <= 12 else range(5, top + 1, 5))
+    ax.set(xlabel=label, ylabel=level, ylim=(low - 0.4, top + 0.4))
+    ax.set_yticks(ticks, [str(tick or "base") for tick in ticks])
     ax.tick_params(length=3)
-
-
-def plain_log(axis: object) -> None:
-    """Ticks 1, 2 and 5 of a logarithmic axis as plain numbers."""
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))  # type: ignore[attr-defined]
-    axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))  # type: ignore[attr-defined]
-    axis.set_minor_formatter(NullFormatter())  # type: ignore[attr-defined]
 
 
 # the drawing of the group
@@ -228,13 +204,11 @@ def sketch(evidence: Evidence) -> Figure:
     return figure
 
 
-def draw_group(
-    ax: Axes, evidence: Evidence, black: Sequence[str], named: bool = False, unwritten: Collection[str] = ()
-) -> None:
+def draw_group(ax: Axes, evidence: Evidence, black: Sequence[str], named: bool = False, periods: bool = True) -> None:
     """Buildings left to right as blocks of storeys to one scale with their periods, slabs as thick as they are; a point
     marks every place where a slab strikes columns. Walls are filled.
 
-    black : buildings filled; named : whether their names stand below; unwritten : those whose period does not
+    black : buildings filled; named, periods : whether their names and periods stand below
     """
     group, many = evidence.group, len(evidence.group) >= MANY
     levels: dict[str, list[float]] = {}
@@ -252,7 +226,7 @@ def draw_group(
                 top = (left, below + height - slab / 2)
                 ax.add_patch(Rectangle(top, WIDTH, slab, color="0.75" if filled else "0.4", linewidth=0))
         period = evidence.periods[name]
-        words = "" if name in unwritten or is_wall else f"{period:.2f}" if many else f"T = {period:.2f} s"
+        words = "" if is_wall or not periods else f"{period:.2f}" if many else f"T = {period:.2f} s"
         ax.annotate(
             f"{name}\n{words}" if named else words, (left + WIDTH / 2, 0), xytext=(0, -4), textcoords="offset points",
             ha="center", va="top", fontsize=8 if named else 6 if many else 7, rotation=90 if many else 0,

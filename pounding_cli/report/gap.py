@@ -21,10 +21,10 @@ from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.rates import gap_for_rate
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, name_axis, panels, shared_legend, styled
-from pounding_cli.report.table import NOTHING, digits
+from pounding_cli.report.table import NOTHING, interval
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.study.file import parse
-from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, FEWEST, LINE
+from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, FEWEST, GB50011, LINE, REQUIRED
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -43,37 +43,28 @@ _LOOKS = {
     "DDC": ("#009E73", (0, (5, 1.5, 1, 1.5)), "D"),
     ASCE7: ("#CC79A7", (0, (1, 1.2)), "v"),
     EN1998: ("#56B4E9", (0, (1, 1.2)), "<"),
-    "GB 50011-2010": ("#AA2211", (0, (1, 1.2)), "P"),
+    GB50011: ("#AA2211", (0, (1, 1.2)), "P"),
 }
 _CODE = ("#666666", (0, (3, 1)), "X")
-
-_RESTS_ON = {
-    ASCE7: "ASCE/SEI 7-16, 12.12.3: delta_M = Cd delta_max / Ie of every building; SRSS of both for a pair, delta_M "
-    "itself for a property line. delta_max: static displacement under the forces of `base_shear`, not under the "
-    "motions.",
-    EN1998: "EN 1998-1:2004, 4.4.2.7: d_s = q_d d_e of every building; SRSS of both for a pair on one property, times "
-    "0.7 where the floors have the same elevations; d_s itself for a property line. d_e: static displacement under the "
-    "forces of `base_shear`, not under the motions.",
-}
 
 
 def gap_report(results: Results) -> Report:
     """What the required separations say."""
-    answer, line, cases, shown = results.answer("gap"), results.answer(LINE), results.answer(CASES), nominal(results)
-    frame, keys = shown.here(answer.frame), [key for key in results.axes if key in answer.frame]
+    answer, cases, line = (results.answer(name) for name in (REQUIRED, CASES, LINE))
+    shown, keys = nominal(results), [key for key in results.axes if key in answer.frame]
     pairs = _widest(answer.frame, [*keys, "left", "right"], PLACE)
     pairs = pairs.assign(between=pairs["left"] + " | " + pairs["right"], floors=pairs.apply(_floors, axis=1))
-    tables = [_widths("Required gap at the floors that require the widest", pairs, answer, [*keys, "between", "floors"],
-                      "contact")]  # fmt: skip
-    if len(cases.frame):
-        tables.append(_of_cases(keys, cases))
     lines = _widest(line.frame, [*keys, "building", "side"], ["floor"])
-    heading = "Distance to a property line, at the floors that move most"
-    tables.append(_widths(heading, lines, line, [*keys, "building", "side", "floor"], "reached"))
     of_rate, rate_notes = gap_for_rate(results)
-    tables[:0] = of_rate
+    heading, far = "Required gap at the floors that require the widest", "at the floors that move most"
+    tables = [
+        *of_rate,
+        _widths(heading, pairs, answer, [*keys, "between", "floors"], "contact"),
+        *([_of_cases(keys, cases)] if len(cases.frame) else []),
+        _widths(f"Distance to a property line, {far}", lines, line, [*keys, "building", "side", "floor"], "reached"),
+    ]
     said = [*_sentences(answer, shown.here(pairs)), *_case_sentences(cases, shown.here(cases.frame))]
-    pictures = []
+    pictures, frame = [], shown.here(answer.frame)
     if len(frame):
         draw = partial(draw_profiles, answer, frame, shown)
         pictures.append(Picture("required-gap", "Required gap over the height", " ".join(said), draw))
@@ -83,7 +74,7 @@ def gap_report(results: Results) -> Report:
             pictures.append(Picture("required-gap-sweep", "Required gap over the sweep", text, draw))
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section("", said, tables, pictures, rate_notes + _notes(results, answer, cases.frame)),
+        answer=Section("", said, tables, pictures, rate_notes + list(_notes(results, answer, cases.frame))),
         more=partial(background, results, shown, results.scene(), TABLES),
     )
 
@@ -111,13 +102,13 @@ def _floors(row: Mapping[Any, Any]) -> str:
 
 def _widths(heading: str, rows: pd.DataFrame, answer: Table, where: Sequence[str], reached: str) -> Table:
     """Widths in the unit of the study; those for a probability of contact with their confidence interval."""
-    parts = [str(name) for name in rows if str(name).startswith("percentile_")]
+    shares = [name for name in map(str, rows) if name.startswith("percentile_")]
     labels = {"mean_plus_std": "mean + σ", "over_exact": "mean over exact"}
-    labels |= {name: f"{name.removeprefix('percentile_')} %" for name in parts}
-    shown = rows[[*where, "analysis", "rule", "mean", "mean_plus_std", "largest", *parts]].copy()
+    labels |= {name: f"{name.removeprefix('percentile_')} %" for name in shares}
+    shown = rows[[*where, "analysis", "rule", "mean", "mean_plus_std", "largest", *shares]].copy()
     how = {n: replace(column, label=labels.get(n, n)) for n, column in answer.columns.items() if n in shown}
     for name in _contacts(answer):
-        shown[name] = [_between(answer, row, name) for row in rows.to_dict("records")]
+        shown[name] = [interval(row, name, factor=_unit(answer).factor) for row in rows.to_dict("records")]
         how[name] = Column(label=f"{reached} {name.removeprefix('contact_')} % [{_unit(answer).name}]")
     how["over_exact"] = Column(label="mean over exact")
     return Table("", shown.assign(over_exact=rows["over_exact"]), how, heading)
@@ -133,13 +124,6 @@ def _contacts(answer: Table) -> list[str]:
     return [n for n in answer.columns if n.startswith("contact_") and not n.endswith(("_low", "_high"))]
 
 
-def _between(answer: Table, row: Mapping[Any, Any], name: str) -> str:
-    """A width with its confidence interval in brackets."""
-    value, low, high = (_unit(answer).number(row[f"{name}{end}"]) for end in ("", "_low", "_high"))
-    interval = f" ({digits(low, 3)} to {digits(high, 3)})" if row["rule"] == EXACT and low == low else ""
-    return digits(value) + interval if value == value else NOTHING
-
-
 def _of_cases(keys: Sequence[str], cases: Table) -> Table:
     """Whether the gaps of the cases are enough."""
     rows = cases.frame
@@ -150,104 +134,82 @@ def _of_cases(keys: Sequence[str], cases: Table) -> Table:
     return Table("", shown, cases.columns, "Gaps of the cases")
 
 
-def _sentences(answer: Table, rows: pd.DataFrame) -> list[str]:
+# In words
+
+
+def _sentences(answer: Table, rows: pd.DataFrame) -> Iterator[str]:
     """What every pair of buildings needs, analysis by analysis."""
-    unit, contact, said = _unit(answer), _contacts(answer)[0], []
+    unit, contact = _unit(answer), _contacts(answer)[0]
     for pair, part in rows.groupby("between", sort=False):
         parts = []
         for row in part[part["rule"] == EXACT].to_dict("records"):
             words = f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}"
             words += f", largest {unit.text(row['largest'], 4)}"
             if row[contact] == row[contact]:
-                share = contact.removeprefix("contact_")
-                words += f"; {_between(answer, row, contact)} {unit.name} for {share} % probability of contact"
+                width = interval(row, contact, factor=unit.factor, unit=unit.name)
+                words += f"; {width} for {contact.removeprefix('contact_')} % probability of contact"
             parts.append(words)
         motions = counted(int(part["motions"].max()), "motion")
-        said.append(f"{pair}: required gap at {' or '.join(part['floors'].unique())}, {motions}. {'. '.join(parts)}.")
-    return said
+        yield f"{pair}: required gap at {' or '.join(part['floors'].unique())}, {motions}. {'. '.join(parts)}."
 
 
 def _case_sentences(cases: Table, frame: pd.DataFrame) -> list[str]:
     """Whether each gap is enough, by what the motions require; at one point of the sweep."""
-    said: dict[str, list[str]] = {}
-    head = ""
-    for row in frame[frame["rule"] == EXACT].to_dict("records"):
-        if row["analysis"] == frame["analysis"].iloc[0]:
-            gap = cases.columns["gap"].unit.text(row["gap"], 4)
-            head = f"Case {row['case']}, {row['left']} | {row['right']}: gap {gap}"
-        word = {"yes": "enough", "no": "not enough"}.get(row["enough"], "not known, as scenes failed")
-        motions = counted(int(row["motions"]), "motion")
-        said.setdefault(head, []).append(f"{row['analysis']} {word} (for {row['enough_for']} of {motions} it is)")
-    return [f"{head}: {', '.join(words)}." for head, words in list(said.items())[:FEW_GAPS]]
+    unit, said = cases.columns["gap"].unit, list[str]()
+    words = {"yes": "enough", "no": "not enough", "unknown": "not known, as scenes failed"}
+    for _, rows in frame[frame["rule"] == EXACT].groupby(["case", "left", "right", "gap"], sort=False):
+        first, motions = rows.iloc[0], counted(int(rows["motions"].iloc[0]), "motion")
+        by_analysis = [
+            f"{row['analysis']} {words[row['enough']]} (for {row['enough_for']} of {motions} it is)"
+            for row in rows.to_dict("records")
+        ]
+        gap = unit.text(first["gap"], 4)
+        said.append(f"Case {first['case']}, {first['left']} | {first['right']}: gap {gap}: {', '.join(by_analysis)}.")
+    return said[:FEW_GAPS]
 
 
-def _notes(results: Results, answer: Table, cases: pd.DataFrame) -> list[str]:
-    """What a reader should know of the widths, of the cases and of the rules of codes."""
-    frame, rules = answer.frame, set(answer.frame["rule"])
-    error = float(frame["error"].max())
-    worth = "The numerical error was not estimated (estimate: none)."
-    if error == error:
-        worth = f"No width has a numerical error above {_unit(answer).text(error, 2)}."
-    notes = [
-        "Exact: largest closing of two floors over time; for a property line, largest displacement of the floor to "
-        f"that side. Each building is alone. {worth}"
-    ]
-    motions = frame.loc[frame["rule"] == EXACT, "motions"]
-    if len(motions) and int(motions.max()) >= FEWEST:
-        notes.append(f"In brackets: {CONFIDENCE:.0%} confidence.")
-    if len(motions) and (few := int(motions.min())) < FEWEST:
-        notes.append(
-            f"No confidence interval for fewer than {FEWEST} motions: {counted(few, 'motion')} "
+def _notes(results: Results, answer: Table, cases: pd.DataFrame) -> Iterator[str]:
+    """What a reader should know of the widths and of the cases."""
+    frame = answer.frame
+    error, few = float(frame["error"].max()), frame.loc[frame["rule"] == EXACT, "motions"].min()
+    yield (
+        "Exact: largest closing of two floors over time, or largest displacement to that side; each building is alone. "
+        + (
+            f"No width has a numerical error above {_unit(answer).text(error, 2)}."
+            if error == error
+            else "The numerical error was not estimated (estimate: none)."
+        )
+    )
+    if few >= FEWEST:
+        yield f"In brackets: {CONFIDENCE:.0%} confidence."
+    elif few == few:
+        yield (
+            f"No confidence interval for fewer than {FEWEST} motions: {counted(int(few), 'motion')} "
             f"{'is' if few == 1 else 'are'} too few to tell how much the gap varies from motion to motion."
         )
-    notes.append(
-        "ABS, SRSS and DDC combine the largest displacements of each building under the same motion; DDC takes the "
-        "periods and damping ratios of the elastic first modes."
-    )
-    if "GB 50011-2010" in rules:
-        notes.append("GB 50011-2010, 6.1.4: a least width that depends on height, intensity and system alone.")
-    if any(rule.startswith("UBC") for rule in rules):
-        notes.append("UBC: sum of the displacements that the code which set the yield shears allows both buildings.")
-    if len(cases):
-        notes.append(
-            "Enough: at every floor with a link in the case the gap is no narrower than what the rule requires, under "
-            "every motion. Each building moves alone."
+    if len(cases) and len(results.resolved["places"]) > 2:
+        yield (
+            "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
+            "side is not enough, the answer for the other side does not hold."
         )
-        if len(results.resolved["places"]) > 2:
-            notes.append(
-                "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
-                "side is not enough, the answer for the other side does not hold."
-            )
     written = parse(results.study_text, str(results.path)).get("cases")
     if others := [case for case in written or () if case not in set(cases["case"])]:
-        notes.append(
-            f"Not compared: {', '.join(others)}. There is no link, or one that acts before the gap has closed, so that "
-            "the buildings do not move alone; `pound run` simulates them."
-        )
-    return [*notes, *_code_notes(results.resolved)]
-
-
-def _code_notes(resolved: Mapping[str, Any]) -> Iterator[str]:
-    """What the rules of codes with a displacement of every building rest on, and which keys they lack."""
-    said = []
-    for rule, keys in {ASCE7: ("Cd", "Ie"), EN1998: ("qd",)}.items():
-        wanted: dict[str, list[str]] = {}
-        for name in dict.fromkeys(resolved["group"]):
-            building = resolved["buildings"][name]
-            own = building["yield"] if building["yield_shear"] is None else {}
-            if lacks := [key for key in ("base_shear", *keys) if own.get(key) is None]:
-                wanted.setdefault(", ".join(f"`{key}`" for key in lacks), []).append(name)
-        words = " and ".join(f"{keys} of {', '.join(names)}" for keys, names in wanted.items())
-        if words:
-            said.append(f"{rule} (lacks {words})")
-        else:
-            yield _RESTS_ON[rule]
-    if said:
         yield (
-            f"Not evaluated: {', '.join(said)}. Write these keys under `yield` of the building, e.g. "
-            "`yield: {base_shear: 0.10 W, distribution: asce7, Cd: 5.5, Ie: 1, qd: 3.9}`."
+            f"Not compared: {', '.join(others)}. There is no link, or one that acts before the gap has closed; "
+            "`pound run` simulates them."
         )
-    yield "UBC 1997 and NZS 1170.5 have other rules. They are left out because no source was available."
+    for rule, keys in {ASCE7: ("base_shear", "Cd", "Ie"), EN1998: ("base_shear", "qd")}.items():
+        lacking = []
+        for name in dict.fromkeys(results.resolved["group"]):
+            building = results.resolved["buildings"][name]
+            own = building["yield"] if building["yield_shear"] is None else {}
+            if lacks := [f"`{key}`" for key in keys if own.get(key) is None]:
+                lacking.append(f"{', '.join(lacks)} of {name}")
+        if lacking:
+            yield f"{rule} is not evaluated: `yield` lacks {'; '.join(lacking)}."
+
+
+# Figures
 
 
 def _panels(frame: pd.DataFrame, height: float) -> tuple[Figure, Any, Iterator[tuple[Axes, pd.DataFrame]]]:
@@ -299,10 +261,8 @@ def draw_profiles(answer: Table, frame: pd.DataFrame, shown: Evidence) -> Figure
     shared_legend(figure, axes.flat)
     entitle(figure, shown.title)
     where = f"At {shown.label}. " if shown.label else ""
-    has_band = frame.loc[frame["rule"] == EXACT, f"{contact}_low"].notna().any()
-    band = f"Band: {CONFIDENCE:.0%} confidence of the blue line, cut at the edge. " if has_band else ""
-    said = f"{where}Grey: every motion, exact. Lines: mean over the motions, exact and by rules. {band}"
-    caption(figure, f"{said}{motion_sentence(shown.records)}")
+    said = f"{where}Grey: every motion, exact. Lines: mean over the motions. Band: {CONFIDENCE:.0%} confidence."
+    caption(figure, f"{said} {motion_sentence(shown.records)}")
     return figure
 
 
@@ -338,12 +298,11 @@ def cite_gap(resolved: Mapping[str, Any], used: Use) -> None:
     """The references of the rules that stand beside the exact separations."""
     used("jeng1992", "the rule DDC")
     used("derkiureghian1981", "the correlation of two oscillators in DDC")
-    asked = resolved.get("gap") or {}
     buildings = [resolved["buildings"][name] for name in resolved["group"]]
     yields = [building["yield"] for building in buildings if building["yield_shear"] is None]
     if any(each.get("Cd") and each.get("Ie") for each in yields):
         used("asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3")
     if any(each.get("qd") for each in yields):
         used("en1998", "the separation of EN 1998-1, 4.4.2.7")
-    if asked.get("gb50011"):
+    if (resolved.get("gap") or {}).get("gb50011"):
         used("gb50011-2010", "the joint width of clause 6.1.4")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -45,14 +45,12 @@ class Optimum:
     keys : a row of the table for each
     tried : every point; units : of its columns
     design : what the buildings do at the optimum and with the study as written, a row for each quantity
-    resolved : the study with every default filled in
     """
 
     keys: list[Key]
     tried: pd.DataFrame
     units: Mapping[str, Unit]
     design: list[Key]
-    resolved: Mapping[str, Any]
 
     @property
     def first(self) -> Key:
@@ -60,19 +58,9 @@ class Optimum:
         return self.keys[0]
 
     @property
-    def direction(self) -> str:
-        """least or most."""
-        return str(self.first["sought"]).partition(" ")[0]
-
-    @property
     def sought(self) -> str:
-        """What is sought least or most."""
-        return str(self.first["sought"]).partition(" ")[2]
-
-    @property
-    def unit(self) -> str:
-        """The unit of the number sought behind a blank; "" of a pure number."""
-        return f" {self.units['value'].name}".rstrip()
+        """What is sought least or most, with its unit."""
+        return self.units["value"].label(str(self.first["sought"]).partition(" ")[2])
 
     def text(self, key: Key, name: str) -> str:
         """A value of a key in the unit of the study, without it; NOTHING where there is none."""
@@ -103,12 +91,9 @@ class Optimum:
 def optimise_report(results: Results) -> Report:
     """What the search for an optimum says."""
     whole, results = results, results.first_sample()
-    tried = results.answer(POINTS)
-    found = Optimum(
-        results.answer(OPTIMUM).frame.to_dict("records"), tried.frame,
-        {name: column.unit for name, column in tried.columns.items()},
-        results.answer(DESIGN).frame.to_dict("records"), results.resolved,
-    )  # fmt: skip
+    tried, keys, design = (results.answer(name) for name in (POINTS, OPTIMUM, DESIGN))
+    units = {name: column.unit for name, column in tried.columns.items()}
+    found = Optimum(keys.frame.to_dict("records"), tried.frame, units, design.frame.to_dict("records"))
     shown, said, tables, pictures = nominal(results), sentences(found), list[Table](), list[Picture]()
     if found.first["outcome"] != NO_OPTIMUM:
         tables = [_optimum(found), _design(found)]
@@ -118,107 +103,25 @@ def optimise_report(results: Results) -> Report:
     scene = whole.scene()
     return Report(
         **frame_of(results, shown, scene, len(scene[axis_keys(scene)].drop_duplicates())),
-        answer=Section("", said, tables, pictures, notes(found)),
+        answer=Section("", said, tables, pictures, list(notes(found))),
         more=lambda: background(whole, shown, scene, ("records",)),
     )
 
 
-@styled
-def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
-    """A panel for each key, and the map."""
-    keys, mapped = found.keys[:MOST_KEYS], [key for key in found.keys if key["mapped"]]
-    count = len(keys) + bool(mapped)
-    columns = 2 if count == 4 else min(count, 3)
-    lines = -(-count // columns)
-    figure = new_figure(3.3 * columns + 0.6, 2.7 * lines + 0.9)
-    axes = figure.subplots(lines, columns, squeeze=False).ravel()
-    near = found.tried[found.tried["stage"].isin(["slices", "map", "as written"])]["value"].dropna()
-    values = [*(near if len(near) else found.tried["value"].dropna()), found.first["optimum"]]
-    room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values[-1]) or 1.0
-    for number, (ax, key) in enumerate(zip(axes, keys, strict=False)):
-        _along(ax, found, key)
-        ax.set_ylim(min(values) - room, max(values) + room)
-        if number % columns == 0:
-            ax.set_ylabel(f"{found.sought}{f' [{found.unit.strip()}]' if found.unit else ''}", fontsize=7.5)
-    if mapped:
-        _map(figure, axes[len(keys)], found, mapped)
-    for ax in axes[count:]:
-        ax.axis("off")
-    handles = {h.get_label(): h for ax in axes[:count] for h in ax.get_legend_handles_labels()[0]}
-    below_title = (0.005, 1.0 - 0.27 / figure.get_figheight())
-    figure.legend(handles.values(), handles.keys(), loc="upper left", bbox_to_anchor=below_title, ncols=5, fontsize=8)
-    entitle(figure, f"{shown.title}\n")  # the second line is the legend's
-    caption(figure, f"{' '.join(sentences(found))} {motion_sentence(shown.records)}")
-    return figure
-
-
-def _name(ax: Axes, which: str, found: Optimum, key: Key) -> None:
-    name_axis(ax, which, [key["key"]], [found.units[key["key"]]], found.resolved, 7.5, 32)
-    ax.tick_params(labelsize=7.5)
-
-
-def _along(ax: Axes, found: Optimum, key: Key) -> None:
-    """The number sought along one key through the optimum, every point behind it."""
-    name, frame, line = key["key"], found.tried, found.through(key)
-    dots: dict[str, Any] = {"ls": "", "marker": ".", "ms": 2.5, "color": "0.65", "label": "point tried"}
-    through: dict[str, Any] = {"color": _LINE, "label": "through the optimum"}
-    if key["option"]:
-        numbers, options = pd.factorize(frame[name].to_numpy())
-        shift = np.random.default_rng(1).uniform(-0.25, 0.25, len(numbers))
-        ax.plot(numbers + shift, frame["value"], **dots)
-        best = line.groupby(name)["value"].agg("min" if found.direction == "least" else "max")
-        number = {option: place for place, option in enumerate(options)}
-        ax.plot([number[each] for each in best.index], best, ls="", marker="_", ms=16, mew=2, **through)
-        ax.set_xticks(range(len(options)), options)
-        at, written = float(number[key["option"]]), float(number.get(key["written_option"], np.nan))
-    else:
-        if key["flat_from"] == key["flat_from"]:
-            flat = found.scaled(key, [key["flat_from"], key["flat_to"]])
-            ax.axvspan(*flat, color=_FLAT, lw=0, label="as good by itself")
-        ax.plot(found.scaled(key, frame[name]), frame["value"], **dots)
-        line = line.sort_values(name)
-        ax.plot(found.scaled(key, line[name]), line["value"], lw=1.6, **through)
-        ax.set_xscale(key["spacing"])
-        at, written = (float(found.scaled(key, key[which])) for which in ("value", "written"))
-    if found.first["as_written"] == found.first["as_written"]:
-        mark: dict[str, Any] = {"marker": "D", "ms": 6, "color": _WRITTEN, "mec": "k", "label": "as written"}
-        ax.plot([written], [found.first["as_written"]], ls="", **mark)
-    ax.plot([at], [found.first["optimum"]], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6, label="optimum")
-    _name(ax, "x", found, key)
-
-
-def _map(figure: Figure, ax: Axes, found: Optimum, keys: list[Key]) -> None:
-    """Contours of the number over two keys, the others at the optimum; every point that lies there."""
-    frame = found.through(*keys)
-    frame = frame[frame["stage"].isin(["map", "slices"])]
-    x, y = (found.scaled(key, frame[key["key"]]) for key in keys)
-    on_paper = [np.log(v) if key["spacing"] == "log" else v for v, key in zip((x, y), keys, strict=True)]
-    corners = Triangulation(x, y, Triangulation(*((v - v.min()) / np.ptp(v) for v in on_paper)).triangles)
-    drawn = ax.tricontourf(corners, frame["value"].to_numpy(float), levels=14, cmap=COLOURS)
-    bar = figure.colorbar(drawn, ax=ax, pad=0.02, aspect=22)
-    bar.ax.tick_params(labelsize=7.5)
-    bar.set_label(found.sought, fontsize=7.5)
-    ax.plot(x, y, ls="", marker=".", ms=1.5, color="0.85")
-    at = [found.scaled(key, [key["value"]]) for key in keys]
-    ax.plot(*at, ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6)
-    ax.set(xscale=keys[0]["spacing"], yscale=keys[1]["spacing"])
-    ax.grid(False)
-    for which, key in zip("xy", keys, strict=True):
-        _name(ax, which, found, key)
+# In words
 
 
 def _optimum(found: Optimum) -> Table:
     """A row for each key."""
-    is_written = any(found.text(key, "written") != NOTHING for key in found.keys)
     rows = []
     for key in found.keys:
-        row = {"key": found.units[key["key"]].label(key["key"]), "best": found.text(key, "value")}
-        if is_written:
-            row["as written"] = found.text(key, "written")
-        row |= {"as good by itself": found.span(key, "flat"), "as good with others": found.span(key, "together")}
         options = ", ".join(dict.fromkeys(map(str, found.tried[key["key"]]))) if key["option"] else ""
-        rows.append(row | {"searched": options or found.span(key, "range")})
-    return from_rows("The optimum", list(rows[0]), [list(row.values()) for row in rows])
+        values = [found.text(key, name) for name in ("value", "written")]
+        spans = [found.span(key, name) for name in ("flat", "together")]
+        searched = options or found.span(key, "range")
+        rows.append([found.units[key["key"]].label(key["key"]), *values, *spans, searched])
+    heads = ("key", "best", "as written", "as good by itself", "as good with others", "searched")
+    return from_rows("The optimum", heads, rows)
 
 
 def _design(found: Optimum) -> Table:
@@ -241,17 +144,19 @@ def _design(found: Optimum) -> Table:
 
 def sentences(found: Optimum) -> list[str]:
     """The answer, and what is left of contacts and flags at the optimum."""
-    first = found.first
-    what = f"{found.direction.capitalize()} of {found.sought}"
+    first, unit = found.first, f" {found.units['value'].name}".rstrip()
+    direction, _, sought = str(first["sought"]).partition(" ")
+    what = f"{direction.capitalize()} of {sought}"
     if first["outcome"] == NO_OPTIMUM:
         return [f"{what}: no point gave a number that means something, so there is no answer."]
     worth = f" ± {first['error']:.1g}" if first["error"] > 0 else ""
-    said = f"{what}: {first['optimum']:.5g}{worth}{found.unit}"
+    said = f"{what}: {first['optimum']:.5g}{worth}{unit}"
     if first["as_written"] == first["as_written"]:
-        said += f"; with the study as written: {first['as_written']:.5g}{found.unit}"
-    left = {row["quantity"]: row["optimum"] for row in found.design}
-    flags = [name.partition(": ")[2] for name, count in left.items() if name.startswith("scenes flagged: ") and count]
-    count, of = next((r["optimum"], r["of"]) for r in found.design if r["quantity"] == "scenes with contact")
+        said += f"; with the study as written: {first['as_written']:.5g}{unit}"
+    flags = [
+        row["quantity"].partition(": ")[2] for row in found.design if "flagged: " in row["quantity"] and row["optimum"]
+    ]
+    count, of = next((row["optimum"], row["of"]) for row in found.design if row["quantity"] == "scenes with contact")
     contact = "no contact is left" if count == 0 else f"contact is left in {count:.0f} of {counted(of, 'scene')}"
     if count != count:
         contact = "contacts are not known, since a scene failed"
@@ -259,47 +164,113 @@ def sentences(found: Optimum) -> list[str]:
     return [f"{said}.", f"At the optimum {contact}; {flagged}."]
 
 
-def notes(found: Optimum) -> list[str]:
+def notes(found: Optimum) -> Iterator[str]:
     """What a reader should know of the numbers."""
-    first, said, asked = found.first, list[str](), found.resolved.get("optimise") or {}
-    if first["outcome"] != NO_OPTIMUM:
-        said.append(
-            f"As good: the number stays within {first['tolerance']:.2g}{found.unit} of the optimum (1 % of it, or its "
-            "error); by itself: of the other keys at their best; with others: among all points that were tried."
-        )
-        if first["error"] != first["error"]:
-            said.append("The numerical error is not known: no scene near the optimum was assessed (`estimate:`).")
-        for key in found.keys:
-            ends = np.array([key["range_from"], key["range_to"]], float)
-            near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
-            if near.any():
-                end = f"{found.text(key, 'range_from' if near[0] else 'range_to')} {found.units[key['key']].name}"
-                said.append(
-                    f"{key['key']} is best at the end of its range, {end.rstrip()}: a better value may lie beyond."
-                )
-        over = asked.get("over_motions", "mean")
-        said.append(
-            f"What the buildings do: of every storey, floor or link the {over} over the motions, and of these the "
-            "largest."
-        )
+    first = found.first
+    if first["outcome"] != NO_OPTIMUM and first["error"] != first["error"]:
+        yield "The numerical error is not known: no scene near the optimum was assessed (`estimate:`)."
+    for key in found.keys if first["outcome"] != NO_OPTIMUM else ():
+        ends = np.array([key["range_from"], key["range_to"]], float)
+        near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
+        if near.any():
+            end = f"{found.text(key, 'range_from' if near[0] else 'range_to')} {found.units[key['key']].name}"
+            yield f"{key['key']} is best at the end of its range, {end.rstrip()}: a better value may lie beyond."
     if first["outcome"] == UNSETTLED:
-        said.append(
-            f"The search ended after {counted(int(asked.get('generations', 0)), 'generation')}, before the points of "
-            "one were nearly as good: write more `generations:`."
-        )
+        yield ("The search ended before the points of a generation were nearly as good: write more `generations:`.")
     of = int(first["points"])
     if first["failed"]:
-        said.append(
-            f"{counted(int(first['failed']), 'point')} of {of} gave no number: a scene failed, also in a second "
-            "solution with a hundred times finer accuracy, or has no such number."
-        )
+        yield f"{counted(int(first['failed']), 'point')} of {of} gave no number: a scene failed, or has no such number."
     if first["meaningless"]:
-        said.append(
+        yield (
             f"{counted(int(first['meaningless']), 'point')} of {of} were excluded: a link left the range in which its "
-            "law has a meaning (floors that would have struck, an infill beyond its thickness): `pound show FILE.h5 "
-            "flagged`."
+            "law has a meaning (`pound show FILE.h5 flagged`)."
         )
-    return said
+
+
+# Figures
+
+
+@styled
+def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
+    """A panel for each key, and the map."""
+    keys, mapped = found.keys[:MOST_KEYS], [key for key in found.keys if key["mapped"]]
+    count = len(keys) + bool(mapped)
+    columns = 2 if count == 4 else min(count, 3)
+    lines = -(-count // columns)
+    figure = new_figure(3.3 * columns + 0.6, 2.7 * lines + 0.9)
+    axes = figure.subplots(lines, columns, squeeze=False).ravel()
+    near = found.tried[found.tried["stage"].isin(["slices", "map", "as written"])]["value"].dropna()
+    values = [*(near if len(near) else found.tried["value"].dropna()), found.first["optimum"]]
+    room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values[-1]) or 1.0
+    for number, (ax, key) in enumerate(zip(axes, keys, strict=False)):
+        _along(ax, found, key, shown)
+        ax.set_ylim(min(values) - room, max(values) + room)
+        if number % columns == 0:
+            ax.set_ylabel(found.sought, fontsize=7.5)
+    if mapped:
+        _map(figure, axes[len(keys)], found, mapped, shown)
+    for ax in axes[count:]:
+        ax.axis("off")
+    handles = {h.get_label(): h for ax in axes[:count] for h in ax.get_legend_handles_labels()[0]}
+    below_title = (0.005, 1.0 - 0.27 / figure.get_figheight())
+    figure.legend(handles.values(), handles.keys(), loc="upper left", bbox_to_anchor=below_title, ncols=5, fontsize=8)
+    entitle(figure, f"{shown.title}\n")  # the second line is the legend's
+    caption(figure, f"{' '.join(sentences(found))} {motion_sentence(shown.records)}")
+    return figure
+
+
+def _name(ax: Axes, which: str, found: Optimum, key: Key, shown: Evidence) -> None:
+    name_axis(ax, which, [key["key"]], [found.units[key["key"]]], shown.resolved, 7.5, 32)
+    ax.tick_params(labelsize=7.5)
+
+
+def _along(ax: Axes, found: Optimum, key: Key, shown: Evidence) -> None:
+    """The number sought along one key through the optimum, every point behind it."""
+    name, frame, line = key["key"], found.tried, found.through(key)
+    dots: dict[str, Any] = {"ls": "", "marker": ".", "ms": 2.5, "color": "0.65", "label": "point tried"}
+    through: dict[str, Any] = {"color": _LINE, "label": "through the optimum"}
+    if key["option"]:
+        numbers, options = pd.factorize(frame[name].to_numpy())
+        shift = np.random.default_rng(1).uniform(-0.25, 0.25, len(numbers))
+        ax.plot(numbers + shift, frame["value"], **dots)
+        number = {option: place for place, option in enumerate(options)}
+        ax.plot([number[option] for option in line[name]], line["value"], ls="", marker="_", ms=16, mew=2, **through)
+        ax.set_xticks(range(len(options)), options)
+        at, written = float(number[key["option"]]), float(number.get(key["written_option"], np.nan))
+    else:
+        if key["flat_from"] == key["flat_from"]:
+            flat = found.scaled(key, [key["flat_from"], key["flat_to"]])
+            ax.axvspan(*flat, color=_FLAT, lw=0, label="as good by itself")
+        ax.plot(found.scaled(key, frame[name]), frame["value"], **dots)
+        line = line.sort_values(name)
+        ax.plot(found.scaled(key, line[name]), line["value"], lw=1.6, **through)
+        ax.set_xscale(key["spacing"])
+        at, written = (float(found.scaled(key, key[which])) for which in ("value", "written"))
+    if found.first["as_written"] == found.first["as_written"]:
+        mark: dict[str, Any] = {"marker": "D", "ms": 6, "color": _WRITTEN, "mec": "k", "label": "as written"}
+        ax.plot([written], [found.first["as_written"]], ls="", **mark)
+    ax.plot([at], [found.first["optimum"]], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6, label="optimum")
+    _name(ax, "x", found, key, shown)
+
+
+def _map(figure: Figure, ax: Axes, found: Optimum, keys: list[Key], shown: Evidence) -> None:
+    """Contours of the number over two keys, the others at the optimum; every point that lies there."""
+    frame = found.through(*keys)
+    frame = frame[frame["stage"].isin(["map", "slices"])]
+    x, y = (found.scaled(key, frame[key["key"]]) for key in keys)
+    on_paper = [np.log(v) if key["spacing"] == "log" else v for v, key in zip((x, y), keys, strict=True)]
+    corners = Triangulation(x, y, Triangulation(*((v - v.min()) / np.ptp(v) for v in on_paper)).triangles)
+    drawn = ax.tricontourf(corners, frame["value"].to_numpy(float), levels=14, cmap=COLOURS)
+    bar = figure.colorbar(drawn, ax=ax, pad=0.02, aspect=22)
+    bar.ax.tick_params(labelsize=7.5)
+    bar.set_label(found.sought, fontsize=7.5)
+    ax.plot(x, y, ls="", marker=".", ms=1.5, color="0.85")
+    at = [found.scaled(key, [key["value"]]) for key in keys]
+    ax.plot(*at, ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6)
+    ax.set(xscale=keys[0]["spacing"], yscale=keys[1]["spacing"])
+    ax.grid(False)
+    for which, key in zip("xy", keys, strict=True):
+        _name(ax, which, found, key, shown)
 
 
 def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence
-from pounding_cli.report.figures import plain_log
 from pounding_cli.report.style import entitle, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
-from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, RATES
-from pounding_cli.workflows.gap_rate import NAME
+from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, LINKED, RATES
+from pounding_cli.workflows.gap_rate import RATE
 from pounding_cli.workflows.hazard import YEARS
 
 if TYPE_CHECKING:
@@ -25,13 +26,12 @@ if TYPE_CHECKING:
 MUCH_BEYOND = 0.1
 """Part of a rate from beyond the last intensity of the hazard curve that is told [-]."""
 
-_HEADS = (
-    "rate alone [1/year]",
-    "with pounding [1/year]",
-    f"in {YEARS:g} years alone",
-    "with pounding",
-    "ratio of rates",
-)
+
+def told_place(results: Results, frame: pd.DataFrame, row: Mapping[Any, Any], names: Sequence[str]) -> dict[str, str]:
+    """Where a row of an answer stands, by heading: swept keys in the units of the study, and some columns that are not
+    the same in all rows."""
+    place = {results.axis_label(key): results.value_label(key, row[key]) for key in results.axes if key in frame}
+    return place | {name: str(row[name]) for name in names if len(frame[name].unique()) > 1}
 
 
 def rate_table(results: Results, shown: Evidence) -> tuple[list[Table], list[Picture], list[str]]:
@@ -39,34 +39,29 @@ def rate_table(results: Results, shown: Evidence) -> tuple[list[Table], list[Pic
     curve."""
     if RATES not in results.answers:
         return [], [], []
-    rows = results.answer(RATES).frame
-    keys = [key for key in results.axes if key in rows]
-    words = ["limit", "building", *(name for name in ("case", "analysis") if len(set(rows[name])) > 1)]
-    found = []
-    for row in rows.to_dict("records"):
-        cells = [results.value_label(key, row[key]) for key in keys] + [str(row[name]) for name in words]
-        cells += [
-            interval(row, "rate", ALONE),
-            interval(row, "rate"),
-            _percent(row["probability" + ALONE]),
-            _percent(row["probability"]),
-        ]
-        found.append([*cells, interval(row, "rate_ratio")])
-    heads = [*(results.axis_label(key) for key in keys), *words, *_HEADS]
-    notes = [
-        "Annual rate: how often a year the limit is passed on average, by the curve and the hazard curve of the study; "
-        "below the lowest intensity of the hazard curve nothing is counted."
-    ]
-    beyond = max(rows[name].max() for name in ("beyond", "beyond" + ALONE))
+    frame, rows = results.answer(RATES).frame, []
+    for row in frame.to_dict("records"):
+        cells = {"limit": row["limit"], "building": row["building"]}
+        cells |= told_place(results, frame, row, ("case", "analysis"))
+        for end, what in ((ALONE, "alone"), (LINKED, "with pounding")):
+            cells[f"rate {what} [1/year]"] = interval(row, "rate", end)
+            cells[f"in {YEARS:g} years {what}"] = _percent(row[f"probability{end}"])
+        rows.append(cells | {"ratio of rates": interval(row, "rate_ratio")})
+    beyond = max(frame[name].max() for name in ("beyond", "beyond" + ALONE))
+    notes = []
     if beyond > MUCH_BEYOND:
         notes.append(
             f"Up to {beyond:.0%} of a rate comes from intensities above the last one of the hazard curve, where its "
             "last line goes on: give the curve further."
         )
-    draw = partial(draw_contributions, results, shown)
     text = "Annual rates at which limits are passed, by the intensity at which they are."
+    draw = partial(draw_contributions, results, shown)
     pictures = [Picture("fragility-rates", "What contributes to the annual rates", text, draw)]
-    return [from_rows("Annual rates of the limits", heads, found)], pictures, notes
+    return (
+        [from_rows("Annual rates of the limits", list(rows[0]), [list(row.values()) for row in rows])],
+        pictures,
+        notes,
+    )
 
 
 def _percent(value: float) -> str:
@@ -96,7 +91,6 @@ def draw_contributions(results: Results, shown: Evidence) -> Figure:
             ax.plot(at, own["rate"] / width, color=look.color, ls=look.line, lw=1.8, label=f"with pounding: {case}")
         ax.set_title(f"{building}, {limit}", loc="left")
         ax.set_xscale("log")
-        plain_log(ax.xaxis)
         ax.set_ylim(bottom=0)
         ax.set_xlabel(f"intensity [{unit.name}]" if unit.name else "intensity")
     for ax in axes[:, 0]:
@@ -108,23 +102,15 @@ def draw_contributions(results: Results, shown: Evidence) -> Figure:
 
 def gap_for_rate(results: Results) -> tuple[list[Table], list[str]]:
     """The gap for an annual rate of contact, of every pair; nothing without a hazard curve."""
-    if NAME not in results.answers:
+    if RATE not in results.answers:
         return [], []
-    answer = results.answer(NAME)
-    rows, unit = answer.frame, answer.columns["gap"].unit
-    keys = [key for key in results.axes if key in rows]
-    found = []
-    for row in rows.to_dict("records"):
-        cells = [*(results.value_label(key, row[key]) for key in keys), f"{row['left']} | {row['right']}"]
-        found.append([*cells, str(row["analysis"]), interval(row, "gap", factor=unit.factor)])
-    heads = [*(results.axis_label(key) for key in keys), "between", "analysis", f"gap [{unit.name}]"]
-    first = rows.iloc[0]
-    caption = (
-        f"Gap that closes {digits(first['rate'], 3)} times a year, {_percent(first['probability'])} in {YEARS:g} years"
-    )
+    answer = results.answer(RATE)
+    frame, unit, rows = answer.frame, answer.columns["gap"].unit, []
+    for row in frame.to_dict("records"):
+        cells = {"between": f"{row['left']} | {row['right']}"} | told_place(results, frame, row, ("analysis",))
+        rows.append(cells | {f"gap [{unit.name}]": interval(row, "gap", factor=unit.factor)})
+    first = frame.iloc[0]
+    often = f"{digits(first['rate'], 3)} times a year, {_percent(first['probability'])} in {YEARS:g} years"
     few = counted(int(first["intensities"]), "intensity", "intensities")
-    notes = [
-        f"The gap for a rate rests on {few} of {counted(int(first['motions']), 'motion')} and the hazard curve of the "
-        "study; between them the closings are lognormal, below the lowest one in proportion to it."
-    ]
-    return [from_rows(caption, heads, found)], notes
+    notes = [f"The gap for a rate rests on {few} of {counted(int(first['motions']), 'motion')}."]
+    return [from_rows(f"Gap that closes {often}", list(rows[0]), [list(row.values()) for row in rows])], notes

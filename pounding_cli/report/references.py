@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -68,37 +69,23 @@ def read(text: str) -> dict[str, Reference]:
             raise ValueError(f"{key}: a line is no `  field = {{value}},`")
         found[key] = Reference(key, fields, entry[0])
     if len(found) != text.count("\n@"):
-        raise ValueError(
-            "a key is there twice, or an entry does not begin with `@kind{key,` or end with `}` on a line of its own"
-        )
+        raise ValueError("a key is there twice, or an entry does not end with `}` on a line of its own")
     return found
 
 
-REFERENCES = read(
-    Path(__file__).with_name("references.bib").read_text(encoding="utf-8").replace("VERSION", __version__)
-)
+_FILE = Path(__file__).with_name("references.bib")
+REFERENCES = read(_FILE.read_text(encoding="utf-8").replace("VERSION", __version__))
 """Every reference by its key."""
-
 
 Use = Callable[[str, str], None]
 """use(key of REFERENCES, what it is used for)"""
 
 
-@dataclass(frozen=True)
-class Citation:
-    """A reference and what a study used it for, one sentence a use."""
-
-    reference: Reference
-    uses: tuple[str, ...]
-
-
 def citations(
-    resolved: Mapping[str, Any],
-    sources: Mapping[str, str],
-    methods: Collection[str] = (),
+    resolved: Mapping[str, Any], sources: Mapping[str, str], methods: Collection[str] = (),
     cite: Callable[[Mapping[str, Any], Use], None] | None = None,
-) -> list[Citation]:
-    """What to cite for a study.
+) -> dict[str, list[str]]:  # fmt: skip
+    """What to cite for a study: keys of REFERENCES, and what each was used for.
 
     Parameters
     ----------
@@ -107,78 +94,58 @@ def citations(
     methods : keys in METHODS that solve its scenes, buildings alone included
     cite : what its question uses besides
     """
-    uses: dict[str, dict[str, None]] = {}
+    uses = defaultdict[str, list[str]](list)
 
     def used(key: str, what: str) -> None:
-        uses.setdefault(key, {})[what] = None
+        uses[key].append(what)
 
-    used("pounding_cli", "the computations")
-    _groups(resolved, sources, used)
-    _methods(methods, resolved["estimate"] != "none", used)
-    if cite is not None:
-        cite(resolved, used)
-    return [Citation(reference, tuple(uses[key])) for key, reference in REFERENCES.items() if key in uses]
-
-
-def motions(sources: Mapping[str, str]) -> list[str]:
-    """Where the motions come from, as far as the catalogue knows, one line each; `sources` as for `citations`."""
-    return [f"{name} ({kind}): {_origin(name, kind)}" for name, kind in sources.items()]
-
-
-def _origin(name: str, kind: str) -> str:
-    entry = catalogue().get(name)
-    if kind.startswith("user") or entry is None:
-        return "your own file: cite its source"
-    what = f"{entry.title}: {entry.event}, {entry.date}, magnitude {entry.magnitude}"
-    what = f"{what}, {entry.station}, {entry.component}"
-    if kind.startswith("real"):
-        return f"{what}; your own file: cite its source"
-    return f"{what}; synthesized by pounding_cli from: {'; '.join(entry.sources)}"
-
-
-def _groups(resolved: Mapping[str, Any], sources: Mapping[str, str], used) -> None:
-    used("spiliopoulos1996", "the model of the buildings, eqs (1) to (4)")
-    kinds = {word for case in resolved["cases"].values() for word in _links(case)}
-    for law in link_laws().values():
-        for key, what in law.citation if law.name in kinds else ():
-            used(key, what)
-    bases = [resolved["buildings"][name].get("foundation") for name in resolved["group"]]
-    if any(isinstance(base, dict) and (base.get("isolation") or {}).get("friction") for base in bases):
-        for key, what in FrictionPendulum.citation:
-            used(key, what)
-    storeys = {resolved["buildings"][name].get("storey_law") for name in resolved["group"]}
-    for storey_law in storey_laws().values():
-        for key, what in storey_law.citation if storey_law.name in storeys else ():
-            used(key, what)
-    for name in dict.fromkeys(resolved["group"]):
-        building = resolved["buildings"][name]
-        if building["yield_shear"] is None and "code" in building["yield"]:
-            used(f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation")
-    _scaling(resolved["records"]["scale"], used)
+    for key, what in _of_scenes(resolved, methods):
+        used(key, what)
     if "stand-in" in sources.values():
         used("lilhanand1988", "the synthesis of the stand-in motions")
+    if cite is not None:
+        cite(resolved, used)
+    return {key: list(dict.fromkeys(uses[key])) for key in REFERENCES if key in uses}
 
 
-def _links(case: Mapping[str, Any]) -> Iterable[str]:
-    """Every kind of link of a case; of pounding by another law, pounding."""
-    words = (str(link["link"]) for link in case["links"])
-    return ("pounding" if word.startswith("pounding of ") else word for word in words)
-
-
-def _scaling(scale: Any, used) -> None:
+def _of_scenes(resolved: Mapping[str, Any], methods: Collection[str]) -> Iterator[tuple[str, str]]:
+    """What the scenes of a study rest on: keys of references, and what each is used for."""
+    yield "pounding_cli", "the computations"
+    yield "spiliopoulos1996", "the model of the buildings, eqs (1) to (4)"
+    buildings = {name: resolved["buildings"][name] for name in resolved["group"]}
+    kinds = {link["link"].partition(" of ")[0] for case in resolved["cases"].values() for link in case["links"]}
+    storeys = {building.get("storey_law") for building in buildings.values()}
+    for laws, acting in ((link_laws(), kinds), (storey_laws(), storeys)):
+        for law in (law for law in laws.values() if law.name in acting):
+            yield from law.citation
+    bases = [building.get("foundation") for building in buildings.values()]
+    if any(isinstance(base, dict) and (base.get("isolation") or {}).get("friction") for base in bases):
+        yield from FrictionPendulum.citation
+    for name, building in buildings.items():
+        if building["yield_shear"] is None and "code" in building["yield"]:
+            yield f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation"
+    scale = resolved["records"]["scale"]
     if scale == "table1":
-        used("spiliopoulos1996", "the scales of Table 1")
+        yield "spiliopoulos1996", "the scales of Table 1"
     if scale == "table1" or (isinstance(scale, Mapping) and "arias" in scale):
-        used("arias1970", "the intensity by which the motions are scaled")
+        yield "arias1970", "the intensity by which the motions are scaled"
+    for method in (METHODS[name] for name in methods):
+        yield from ((key, f"the method of solution, {method.title}") for key, _ in method.citation)
+        if resolved["estimate"] != "none":
+            judge = METHODS["taylor"] if method.takes_step else method  # as solver.estimate has it
+            yield from ((key, "the finer runs for error and sensitivity") for key, _ in judge.citation)
 
 
-def _methods(names: Collection[str], estimated: bool, used) -> None:
-    for method in (METHODS[name] for name in names):
-        for key, _ in method.citation:
-            used(key, f"the method of solution, {method.title}")
-        judge = METHODS["taylor"] if method.takes_step else method  # as solve.assess has it
-        for key, _ in judge.citation if estimated else ():
-            used(key, "the finer runs for error and sensitivity")
+def motions(sources: Mapping[str, str]) -> Iterator[str]:
+    """Where the motions come from, as far as the catalogue knows, one line each; `sources` as for `citations`."""
+    for name, kind in sources.items():
+        known = catalogue().get(name)
+        said = "your own file: cite its source"
+        if known is not None and not kind.startswith("user"):
+            what = f"{known.title}: {known.event}, {known.date}, magnitude {known.magnitude}, {known.station}"
+            made = f"synthesized by pounding_cli from: {'; '.join(known.sources)}"
+            said = f"{what}, {known.component}; {said if kind.startswith('real') else made}"
+        yield f"{name} ({kind}): {said}"
 
 
 def method_sources(names: Iterable[str]) -> list[str]:

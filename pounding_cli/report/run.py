@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.laws import drawn
-from pounding_cli.numbers import counted, listed
+from pounding_cli.numbers import counted
 from pounding_cli.report.background import background, frame_of, limits, trust
 from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
-from pounding_cli.report.evidence import MARK, Evidence, nominal
+from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
 from pounding_cli.report.explorer import explored
-from pounding_cli.report.figures import RESPONSES, drawn_part, profiles
+from pounding_cli.report.figures import RESPONSES, profiles
 from pounding_cli.report.isolators import loop_pictures
 from pounding_cli.report.player import players
 from pounding_cli.report.sweep import Asked, sweep_pictures
@@ -39,13 +39,11 @@ def run_report(results: Results, asked: Asked | None = None) -> Report:
     InputError : something asked for over the sweep is not there
     """
     shown = nominal(results)
-    part = drawn_part(shown)
+    tables = [largest(results), means(shown)]
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section(
-            "", sentences(shown), [largest(results), means(shown)], profiles(part)[:1], notes(results, shown)
-        ),
-        more=partial(_more, results, part, asked),
+        answer=Section("", sentences(shown), tables, profiles(shown)[:1], notes(results, shown)),
+        more=partial(_more, results, shown, asked),
     )
 
 
@@ -69,7 +67,7 @@ def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Sectio
 def sentences(shown: Evidence) -> list[str]:
     """What the run means: between which cases the mean ratios of the main building lie."""
     said = []
-    for analysis, ratio, _ in RESPONSES:
+    for analysis, ratio in RESPONSES:
         means = {case: shown.means(case, analysis, shown.main, ratio) for case in shown.cases}
         known = sorted((case for case, of in means.items() if len(of)), key=lambda case: means[case].max())
         ends = [
@@ -85,22 +83,20 @@ def sentences(shown: Evidence) -> list[str]:
 
 def notes(results: Results, shown: Evidence) -> list[str]:
     """How far the numbers go, and what a reader should know of them."""
-    sources = shown.records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(list)
+    scene = results.scene()
     said = [
-        f"{trust(results.scene(), results.units)} Motions, "
-        f"{'; '.join(f'{source}: {listed(named)}' for source, named in sources.items())}.",
+        f"{trust(scene, results.units)} {motion_sentence(shown.records)}",
         "μ: ductility; over alone: μ/μ₀ of inelastic, V/V₀ of elastic storeys, to the building alone under the same "
         "motion; drift in % of the storey height; closing: largest approach of two floors, which touch beyond the gap.",
     ]
     if results.assumed_heights:
         said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
-    if len(shown.cases) > len(drawn_part(shown).cases):
-        said.append(f"Figures show {len(drawn_part(shown).cases)} of the {len(shown.cases)} cases.")
-    never = int(results.scene()["dropped"].str.contains(NEVER_CLOSES, regex=False).sum())
-    if never:
+    if len(shown.cases) > len(shown.plotted):
+        said.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
+    if never := int(scene["dropped"].str.contains(NEVER_CLOSES, regex=False).sum()):
         which = counted(never, "run has a gap that never closes", "runs have a gap that never closes")
         said.append(f"{which}: of scenes that differ in such gaps alone, one was simulated.")
-    for group in flag_groups_of(results.scene(), results.units):
+    for group in flag_groups_of(scene, results.units):
         said.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
     limited = limits(results)
     return [*said, *(limited.sentences[len(results.warnings) :] if limited else [])]
@@ -109,7 +105,7 @@ def notes(results: Results, shown: Evidence) -> list[str]:
 def largest(results: Results) -> Table:
     """The largest demand, ratio to the building alone, drift, acceleration, closing and shear of struck columns of
     every case and analysis over buildings, storeys, motions and points of the sweep, each with its place."""
-    scene, storey, struck, link = results.scene(), results.storey(), results.struck(), results.link()
+    scene, storey, struck = results.scene(), results.storey(), results.struck()
     inelastic = storey["analysis"] == "inelastic"
     analyses = scene["analysis"].unique().tolist()
     both = "μ/μ₀ (V/V₀ elastic)" if len(analyses) > 1 else "V/V₀" if analyses == ["elastic"] else "μ/μ₀"
@@ -120,14 +116,14 @@ def largest(results: Results) -> Table:
         "acceleration": (results.floor(), "acceleration"),
         "struck columns": (struck[struck["impacts"] > 0], "shear_demand"),
     }
-    place = [*results.axes, "case", "analysis", "record"]
     flagged = flagged_scenes(scene)
-    void = pd.MultiIndex.from_frame(flagged.loc[flagged["meaningless"], place])
+    flagged = flagged[flagged["meaningless"]]
+    void = pd.MultiIndex.from_frame(flagged[[*results.axes, "case", "analysis", "record"]])
     cells = {head: _cells(results, name, frame, void) for head, (frame, name) in wanted.items() if name in frame}
-    table = pd.DataFrame(cells | {"closing / gap": _closing(results, link), "flags": _flags(scene)})
+    table = pd.DataFrame(cells | {"closing / gap": _closing(results), "flags": _flags(scene)})
     order = pd.MultiIndex.from_frame(scene[["case", "analysis"]].drop_duplicates())
     table = table.reindex(order).dropna(axis=1, how="all").fillna(NOTHING).reset_index()
-    marked = set(flagged.loc[flagged["meaningless"], ["case", "analysis"]].itertuples(index=False, name=None))
+    marked = set(flagged[["case", "analysis"]].itertuples(index=False, name=None))
     rows = [
         [f"{case} {MARK}" if (case, analysis) in marked else case, analysis, *others]
         for case, analysis, *others in table.itertuples(index=False, name=None)
@@ -145,18 +141,17 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
         where = [row["building"], f"{level} {row[level]}", *([row["record"]] if several else [])]
         point = ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes)
         mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
-        unit = f" {how.unit.name}" if how.unit.name else ""
-        number = f"{digits(row[name] / how.unit.factor, 3)}{unit}{mark}"
+        number = f"{digits(row[name] / how.unit.factor, 3)} {how.unit.name}".rstrip() + mark
         found[row["case"], row["analysis"]] = "\n".join(filter(None, (number, ", ".join(where), point)))
     return found
 
 
-def _closing(results: Results, link: pd.DataFrame) -> dict[tuple[str, str], str]:
+def _closing(results: Results) -> dict[tuple[str, str], str]:
     """By case and analysis the largest closing of the link that comes closest to its gap or goes furthest beyond."""
-    link, found = link[link["max_closing"].notna()], {}
+    link, found = results.link(), {}
     unit = results.units.get("gap") or results.units["max_closing"]
     place: Any
-    for place, here in link.groupby(["case", "analysis"], sort=False):
+    for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
         row = here.iloc[int((here["max_closing"] - here["gap"]).argmax())]
         struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
         contact = f"contact in {struck.sum()} of {counted(len(struck), 'run')}" if struck.any() else "no contact"
@@ -184,7 +179,7 @@ def means(shown: Evidence) -> Table:
     for case in shown.cases:
         for building in shown.built:
             row: dict[str, Any] = {"case": shown.marked(case), "building": building}
-            for analysis, ratio, _ in RESPONSES:
+            for analysis, ratio in RESPONSES:
                 of, name = shown.means(case, analysis, building, ratio), f"{column_of(ratio).label} {analysis}"
                 row[f"{name}, roof"] = digits(of.iloc[-1]) if len(of) else np.nan
                 row[f"{name}, largest (storey)"] = f"{digits(of.max())} ({of.idxmax()})" if len(of) else np.nan

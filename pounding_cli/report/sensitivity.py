@@ -39,22 +39,14 @@ _SHOWN = {
 def sensitivity_report(results: Results) -> Report:
     """What a sensitivity study says; figures and sentences at one point of the other swept keys."""
     whole, results = results, results.first_sample()
-    answer, shown, tables, said, pictures = (
-        results.answer(INDICES),
-        nominal(results),
-        list[Table](),
-        list[str](),
-        list(),
-    )
+    answer, shown = results.answer(INDICES), nominal(results)
+    tables, said, pictures = list[Table](), list[str](), list[Picture]()
     frame = answer.frame[answer.frame["case"] != ""]  # claims rest on all cases: their probabilities say what decides
     is_sobol, stated = "total" in frame, set[str]()
     if PROBABILITIES in results.answers:
         held = results.answer(PROBABILITIES).frame
         stated = set(held["statement"])
         tables.append(_probabilities(results, held))
-        draw = partial(draw_probabilities, _at(results, held, shown), shown)
-        text = "The part of the samples in which each statement holds, with its interval."
-        pictures.append(Picture("sensitivity-probabilities", "How likely statements hold", text, draw))
     if (frame["outcome"] == FOUND).any():
         tables.append(_indices(results, frame))
     drawn = []
@@ -68,16 +60,15 @@ def sensitivity_report(results: Results) -> Report:
         said += [spread_sentence(row) for row in outputs.to_dict("records")]
     if drawn := drawn[:MOST]:
         samples, text = results.answer(SAMPLES), " ".join(sentence(*each) for each in drawn)
-        pictures.append(
-            Picture("sensitivity", "What decides the outputs", text, partial(draw_indices, is_sobol, drawn, shown))
-        )
+        draw = partial(draw_indices, is_sobol, drawn, shown)
+        pictures.append(Picture("sensitivity", "What decides the outputs", text, draw))
         draw = partial(draw_samples, samples, _at(results, samples.frame, shown), drawn, shown)
         text = "Every dot is a sample; the line is the mean of the output along the key."
         pictures.append(Picture("sensitivity-samples", "The samples", text, draw))
     scene = whole.scene()
     return Report(
         **frame_of(results, shown, scene, len(scene[axis_keys(scene)].drop_duplicates())),
-        answer=Section("", said, tables, pictures, _notes(results, answer.frame, is_sobol)),
+        answer=Section("", said, tables, pictures, list(_notes(results, answer.frame))),
         more=lambda: background(whole, shown, scene, ("records",)),
     )
 
@@ -154,45 +145,20 @@ def spread_sentence(row: Mapping[Any, Any]) -> str:
     return f"{what}: mean {interval(row, 'mean')}{unit}; {high - low} % of the samples from {between}{unit}."
 
 
-def _notes(results: Results, frame: pd.DataFrame, is_sobol: bool) -> list[str]:
-    """What the columns mean, and what has no index."""
-    spec = results.resolved.get("sensitivity") or {}
-    said = [
-        f"In brackets: {100 * float(spec.get('confidence', 0.95)):.4g} % interval; of indices of "
-        f"{spec.get('draws', 1000)} bootstrap draws of the {int(frame['samples'].iloc[0])} samples, of probabilities "
-        "the exact one (Clopper-Pearson) of the independent samples.",
-        "First order: part of the variance that the key explains by itself; total: with all its interactions. At its "
-        "ends: mean of the output over the lowest and the highest fifth of the key, of a choice at the options where "
-        "it is least and most, with the standard error."
-        if is_sobol
-        else "Mean effect: mean size of the change of the output over the whole range of the key; a standard deviation "
-        "as large as the mean indicates interactions or a nonlinear effect.",
-    ]
-    if (frame["case"] == "").any():
-        said.append("Claims of the paper and their thresholds: `pound report` of a run, or docs/reproduction.md.")
-    if failed := int(frame["failed"].max()):
-        said.append(
-            f"Where samples gave no number (up to {counted(failed, 'sample')}) there is no index: leaving them out "
-            "would bias it. Their scenes failed again in a second solution with a hundred times finer accuracy, or "
-            "have no such number."
-        )
-    return said
-
-
-@styled
-def draw_probabilities(frame: pd.DataFrame, shown: Evidence) -> Figure:
-    """A dot for every statement at the probability that it holds, with its interval."""
-    figure = new_figure(7.5, 1.3 + 0.3 * len(frame))
-    ax, y = figure.subplots(), np.arange(len(frame))[::-1]
-    _dots(ax, frame, y, "probability", _LOW, "")
-    where = [", ".join(filter(None, place)) for place in zip(frame["case"], frame["analysis"], strict=True)]
-    ax.set_yticks(
-        y, ["\n".join(filter(None, said)) for said in zip(frame["statement"], where, strict=True)], fontsize=7
+def _notes(results: Results, frame: pd.DataFrame) -> Iterator[str]:
+    """What brackets are, and what has no index."""
+    spec = results.resolved["sensitivity"]
+    yield (
+        f"In brackets: {100 * spec['confidence']:.4g} % interval, of indices from {spec['draws']} bootstrap draws of "
+        f"the {int(frame['samples'].iloc[0])} samples."
     )
-    ax.set(xlim=(-0.02, 1.02), ylim=(-0.6, len(frame) - 0.4), xlabel="probability")
-    entitle(figure, shown.title)
-    caption(figure, f"Whiskers: interval of the probability. {motion_sentence(shown.records)}")
-    return figure
+    if (frame["case"] == "").any():
+        yield "Claims of the paper and their thresholds: `pound report` of a run, or docs/reproduction.md."
+    if failed := int(frame["failed"].max()):
+        yield (
+            f"Where samples gave no number (up to {counted(failed, 'sample')}) there is no index: leaving them out "
+            "would bias it."
+        )
 
 
 @styled

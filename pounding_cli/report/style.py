@@ -5,19 +5,19 @@ from __future__ import annotations
 import base64
 import io
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.mathtext import MathTextParser
-from matplotlib.text import Text
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from pounding_cli.texts import file_name, write_markdown
 
@@ -68,9 +68,6 @@ _REST = (
     Look("#CC79A7", "-", "*"),
 )
 
-VOID = "0.6"
-"""Grey of what is drawn though it means nothing."""
-
 
 def looks(cases: Sequence[str]) -> dict[str, Look]:
     """A look for every case: the paper's four keep theirs, others take the rest in turn."""
@@ -79,40 +76,36 @@ def looks(cases: Sequence[str]) -> dict[str, Look]:
     return {case: _NAMED.get(case) or given[case] for case in cases}
 
 
-styled = mpl.rc_context(RC)
-"""Decorator of every function that draws: the settings hold while it draws and nowhere else."""
+_SETTINGS = RC | {"text.parse_math": False}  # a text of a study is no formula
+_Drawing = ParamSpec("_Drawing")
 
-_given: ContextVar[Figure | None] = ContextVar("given", default=None)
+
+def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
+    """Decorator of every function that draws: the settings hold while it draws and nowhere else; logarithmic axes get
+    plain numbers at 1, 2 and 5."""
+
+    @wraps(draw)
+    def drawn(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
+        with mpl.rc_context(_SETTINGS):
+            figure = draw(*args, **named)
+            for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if axis.get_scale() == "log"):
+                axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+                axis.set_minor_formatter(NullFormatter())
+        return figure
+
+    return drawn
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [in] that lays itself out; drawn without any window system unless within `drawn_on`."""
-    given = _given.get()
-    if given is None:
-        return Figure(figsize=(width, height), layout="constrained")
-    given.set_size_inches(width, height)
-    given.set_layout_engine("constrained")
-    return given
+    """An empty figure [in] that lays itself out; drawn without any window system."""
+    return Figure(figsize=(width, height), layout="constrained")
 
 
 def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **shared: Any) -> tuple[Figure, Any]:
     """A figure of rows x columns panels of so many inches, with room for a legend, and its axes."""
     figure = new_figure(width * columns + 1.7, height * rows + 0.8)
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
-
-
-@contextmanager
-def drawn_on(figure: Figure) -> Iterator[None]:
-    """The next figure is drawn on this one: one of pyplot, which a notebook or a window shows.
-
-    It is made before the settings of `styled` hold: pyplot starts its backend with the first figure, and what that sets
-    would be undone with them.
-    """
-    token = _given.set(figure)
-    try:
-        yield
-    finally:
-        _given.reset(token)
 
 
 def legend(ax: Axes, cases: Mapping[str, str], **keywords: Any) -> None:
@@ -130,22 +123,22 @@ def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside ri
     figure.legend(handles.values(), handles.keys(), loc=where, fontsize=8, ncols=columns)
 
 
-_captions: ContextVar[dict[Figure, str] | None] = ContextVar("captions", default=None)
+_paper = ContextVar("paper", default=False)
 
 
 @contextmanager
 def for_paper() -> Iterator[None]:
     """Figures drawn within have no title and no caption; `save` writes the captions beside them."""
-    token = _captions.set({})
+    token = _paper.set(True)
     try:
         yield
     finally:
-        _captions.reset(token)
+        _paper.reset(token)
 
 
 def is_for_paper() -> bool:
     """Whether figures are drawn without titles."""
-    return _captions.get() is not None
+    return _paper.get()
 
 
 def entitle(figure: Figure, title: str, weight: str = "normal") -> None:
@@ -155,12 +148,11 @@ def entitle(figure: Figure, title: str, weight: str = "normal") -> None:
 
 
 def caption(figure: Figure, text: str) -> None:
-    """A caption under the figure, wrapped to its width."""
-    if (captions := _captions.get()) is not None:
-        captions[figure] = text
-        return
-    lines = textwrap.wrap(text, int(17 * figure.get_figwidth()), break_on_hyphens=False)
-    figure.supxlabel("\n".join(lines), x=0.015, ha="left", fontsize=7.5, color="0.25")
+    """A caption under the figure, wrapped to its width; of one for a paper it is kept for `save`."""
+    figure.set_label(text)
+    if not is_for_paper():
+        lines = textwrap.wrap(text, int(17 * figure.get_figwidth()), break_on_hyphens=False)
+        figure.supxlabel("\n".join(lines), x=0.015, ha="left", fontsize=7.5, color="0.25")
 
 
 def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
@@ -171,8 +163,8 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = F
         for suffix in formats:
             files.append(folder / f"{file_name(name)}.{suffix}")
             _write(figure, files[-1], suffix)
-    if figures and (captions := _captions.get()) is not None:
-        said = [f"**{name}**: {captions[figure]}\n" for name, figure in figures.items() if figure in captions]
+    if figures and is_for_paper():
+        said = [f"**{name}**: {figure.get_label()}\n" for name, figure in figures.items()]
         files.append(write_markdown(folder / "captions.md", said))
     return files
 
@@ -185,27 +177,18 @@ def data_address(figure: Figure) -> str:
     return f"data:image/svg+xml;base64,{base64.b64encode(held.getvalue()).decode('ascii')}"
 
 
-def _write(figure: Figure, target: Path | io.BytesIO, suffix: str) -> None:
-    """Without a date in it, a figure that did not change is the same file."""
-    dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-    with mpl.rc_context(RC):
-        figure.savefig(target, format=suffix, metadata=dated)
-
-
 def _settle(figure: Figure) -> None:
-    """Lay a figure out once for all formats; texts whose dollar signs enclose no formula are shown as they are."""
-    for text in figure.findobj(Text):
-        if isinstance(text, Text) and "$" in text.get_text() and text.get_parse_math():
-            try:
-                _FORMULAS.parse(text.get_text())
-            except ValueError:
-                text.set_parse_math(False)
-    with mpl.rc_context(RC):
+    """Lay a figure out once for all formats."""
+    with mpl.rc_context(_SETTINGS):
         figure.draw_without_rendering()
     figure.set_layout_engine("none")
 
 
-_FORMULAS = MathTextParser("path")
+def _write(figure: Figure, target: Path | io.BytesIO, suffix: str) -> None:
+    """Without a date in it, a figure that did not change is the same file."""
+    dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+    with mpl.rc_context(_SETTINGS):
+        figure.savefig(target, format=suffix, metadata=dated)
 
 
 # what keys of a study are called
@@ -239,26 +222,15 @@ def key_words(key: str, resolved: Mapping[str, Any]) -> str:
 
 
 def name_axis(
-    ax: Axes,
-    which: str,
-    keys: Sequence[str],
-    units: Sequence[Any],
-    resolved: Mapping[str, Any],
-    size: float = 9.5,
+    ax: Axes, which: str, keys: Sequence[str], units: Sequence[Any], resolved: Mapping[str, Any], size: float = 9.5,
     room: int = 0,
-) -> None:
-    """Entitle an axis ("x" or "y") with what keys are, and in small with the keys; figures for a paper leave these out.
+) -> None:  # fmt: skip
+    """Entitle an axis ("x" or "y") with what keys are, and below with the keys; figures for a paper leave these out.
 
     size : of the words [pt]; room : characters in a line, 0: any number
-    """  # fmt: skip
-    words = ", ".join(unit.label(key_words(key, resolved)) for key, unit in zip(keys, units, strict=True))
-    label = ax.set_xlabel if which == "x" else ax.set_ylabel
-    drawn = label(textwrap.fill(words, room) if room else words, fontsize=size)
+    """
+    lines = [", ".join(unit.label(key_words(key, resolved)) for key, unit in zip(keys, units, strict=True))]
     if not is_for_paper() and any(key_words(key, resolved) != key for key in keys):
-        at, away, turn, sides = (
-            ((0.5, 0), (0, -1), 0, ("center", "top")) if which == "x" else ((0, 0.5), (-1, 0), 90, ("right", "center"))
-        )
-        ax.annotate(
-            ", ".join(keys), at, away, drawn, "offset points", ha=sides[0], va=sides[1], rotation=turn,
-            fontsize=max(size - 3, 5.5), color="0.35",
-        )  # fmt: skip
+        lines.append(", ".join(keys))
+    label = "\n".join(textwrap.fill(line, room) if room else line for line in lines)
+    (ax.set_xlabel if which == "x" else ax.set_ylabel)(label, fontsize=size)

@@ -22,19 +22,21 @@ from pounding_cli.numbers import counted
 from pounding_cli.results.file import unit_attributes
 from pounding_cli.results.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
 from pounding_cli.results.solved import SENTENCES, TEXTS, Solved, most_storeys, points
-from pounding_cli.results.statistics import statistics
 from pounding_cli.solver.response import COLLAPSED, DONE
 from pounding_cli.study.plan import Plan
 from pounding_cli.variables import (
+    BUILDING,
     BUILDINGS,
     COORDINATES,
     LINKS,
     OF_COLUMNS,
+    RATIOS,
     RECORDS,
     RESPONSES,
     SCENES,
     VARIABLES,
     WRITTEN,
+    Variable,
 )
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py", "xarray")
@@ -50,173 +52,182 @@ def dataset(plan: Plan, solved: Solved) -> xr.Dataset:
     """What a plan came to, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
     scene nobody asked for have no numbers, and no status."""
     axes = tuple(axis.names[0] for axis in plan.axes)
-    found = _links(plan, axes) | _facts(plan, axes)
-    found |= _responses(plan, solved, axes, found["height"])
-    found |= statistics(found, solved.values["error_estimate"][plan.numbers[..., 1:]])
-    for name, v in found.items():
+    kept = [v for v in (*RESPONSES, *SCENES, *LINKS) if _has(plan, v)]
+    with np.errstate(all="ignore"):
+        found = {v.name: _variable((*axes, *v.dims), getattr(plan.links, v.name)) for v in kept if v in LINKS}
+        found |= _facts(plan, axes) | _solved(plan, solved, axes, kept)
+        found["drift_ratio"] = found["drift"] / found["height"]
+        for v in kept:
+            if v.ratio:
+                value, base = (found[name] for name in v.ratio)
+                found[v.name] = value / base.where(base > 0)
+            elif v.formula is not None:
+                found[v.name] = _variable((*axes, *v.dims), v.formula({n: each.values for n, each in found.items()}))
+        errors = _variable((*axes, *BUILDING), solved.values["error_estimate"][plan.numbers[..., 1:]])
+        found |= statistics(found, errors)
+    _flag(plan, solved, found)
+    for name, each in found.items():
         unit = {"units": VARIABLES[name].unit} if VARIABLES[name].unit else {}
-        v.attrs = {**unit, "long_name": VARIABLES[name].text}
+        each.attrs = {**unit, "long_name": VARIABLES[name].text}
     for name, quantity in WRITTEN.items():
         if name in found:
             found[name].attrs |= unit_attributes(plan.study.unit(quantity))
     beside = {v.name: found.pop(v.name) for v in RECORDS}
-    coords = _coordinates(plan, solved.values["building.shear"].shape[-1]) | beside
-    return xr.Dataset(found | _study(plan), coords, _attributes(plan, solved))
+    return xr.Dataset(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
 
 
-def _responses(plan: Plan, solved: Solved, axes: tuple[str, ...], height: xr.Variable) -> Variables:
-    """The variables of RESPONSES and SCENES."""
-    rows = plan.numbers.reshape(-1, plan.numbers.shape[-1])
-    scene, alone = rows[:, 0], rows[:, 1:]
+def _has(plan: Plan, v: Variable) -> bool:
+    """Whether a variable says anything in a study: some have no links, few have links that strike columns."""
+    if v.name in OF_COLUMNS:
+        return any(map(ends_on_columns, plan.links.places))
+    return "link" not in v.dims or bool(plan.links.places)
+
+
+def _solved(plan: Plan, solved: Solved, axes: tuple[str, ...], kept: list[Variable]) -> Variables:
+    """What responses say themselves."""
+    scene, alone = plan.numbers[..., 0], plan.numbers[..., 1:]
+    done = solved.done
+    digests = np.array([digest.tobytes().hex() for digest in plan.digests] + [""], object)
+    collapsed = solved.values["collapse_building"]
     found: Variables = {}
-
-    def put(name: str, array: np.ndarray) -> None:
-        found[name] = _variable((*axes, *VARIABLES[name].dims), array.reshape(*plan.shape, *array.shape[1:]))
-
-    done = solved.done.reshape(-1)
-    for v in RESPONSES:
-        if not v.of or not _has(plan, v.name, v.dims):
-            continue
-        whole = solved.values[v.of]
-        whole = np.where(done.reshape(-1, *(1,) * (whole.ndim - 1)), whole, np.nan)  # peaks are of whole motions
-        put(
-            v.name,
-            np.stack([whole[alone[:, b], 0] for b in range(alone.shape[1])], axis=1) if v.alone else whole[scene],
-        )
-    for name, at in (("collapsed", scene[:, None]), ("collapsed0", alone)):
-        building, storey = (solved.values[f"collapse_{what}"][at] for what in ("building", "storey"))
-        mine = building == (np.arange(alone.shape[1]) if name == "collapsed" else 0)
-        put(name, np.where(mine, storey, 0).astype(np.int64) + np.zeros(alone.shape, np.int64))
-    for v in SCENES:
-        if v.name in (*TEXTS, *SENTENCES):
-            put(v.name, solved.texts(v.name)[scene])
+    for v in kept:
+        if v.of:
+            whole = solved.values[v.of]
+            whole = np.where(done.reshape(-1, *(1,) * (whole.ndim - 1)), whole, np.nan)  # peaks are of whole motions
+            array = whole[alone, 0] if v.alone else whole[scene]
+        elif v.name in ("collapsed", "collapsed0"):
+            at, place = (alone, 0) if v.alone else (scene[..., None], np.arange(alone.shape[-1]))
+            array = np.where(collapsed[at] == place, solved.values["collapse_storey"][at], 0).astype(np.int64)
+        elif v.name in (*TEXTS, *SENTENCES):
+            array = solved.texts(v.name)[scene]
         elif v.name == "scene":
-            digests = [digest.tobytes().hex() for digest in plan.digests] + [""]
-            put(v.name, np.where(solved.there[scene], np.array(digests, object)[scene], ""))
+            array = np.where(solved.there[scene], digests[scene], "")
+        elif v.name in solved.values:
+            array = solved.values[v.name][scene]
+            array = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
         else:
-            values = solved.values[v.name][scene]
-            put(v.name, np.nan_to_num(values).astype(np.int64) if v.kind == "i" else values)
-    flags = found["flags"].values.reshape(-1)
-    _flag_baselines(flags, plan, solved, scene, alone)
-    _add_formulas(found, plan, flags, height)
-    if "shear_demand" in found:
-        _flag_columns(flags, plan, found)
+            continue
+        found[v.name] = _variable((*axes, *v.dims), array)
     return found
 
 
-def _has(plan: Plan, name: str, dims: tuple[str, ...]) -> bool:
-    """Whether a variable says anything in a study: some have no links, few have links that strike columns."""
-    if name in OF_COLUMNS:
-        return any(map(ends_on_columns, plan.links.places))
-    return "link" not in dims or bool(plan.links.places)
+def statistics(found: Variables, alone_errors: xr.Variable) -> Variables:
+    """The variables of `variables.STATISTICS`.
+
+    Mean, standard deviation (n - 1; NaN for one motion), smallest, largest and number of the motions that have a
+    ratio; error and sensitivity of the mean over the motions that were assessed, NaN where none was.
+
+    alone_errors : relative errors of the buildings alone [-]
+    """
+    # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these, whatever their signs
+    errors, sensitivities = alone_errors + found["error_estimate"], found["sensitivity"]
+    kept: Variables = {}
+    for name in RATIOS:
+        ratio = found[name]
+        count, mean, size = ratio.count("record"), ratio.mean("record"), abs(ratio)
+        away, weighted = (ratio - mean) ** 2, size * sensitivities
+        each = {
+            "mean": mean,
+            "std": np.sqrt(away.sum("record") / (count - 1).where(count > 1)),
+            "min": ratio.min("record"),
+            "max": ratio.max("record"),
+            "count": count,
+            "mean_error": (size * errors).mean("record"),
+            "mean_sensitivity": weighted.sum("record") / size.where(weighted.notnull()).sum("record"),
+        }
+        dims = [dim for dim in ratio.dims if dim != "record"]
+        kept |= {f"{name}_{word}": v.transpose(*dims) for word, v in each.items()}
+    return kept
 
 
-def _add_formulas(found: Variables, plan: Plan, flags: np.ndarray, height: xr.Variable) -> None:
-    """Ratios, and what else follows from other variables; ratios that are refused are flagged."""
-    for v in RESPONSES:
-        if v.ratio:
-            value, base = (found[name] for name in v.ratio)
-            with np.errstate(all="ignore"):
-                ratio = np.where(base.values > 0, value.values / base.values, np.nan)
-            found[v.name] = _variable(base.dims, ratio)
-            zero = (base.values == 0).any(axis=(-2, -1))
-            if v.ratio[1] == "mu0":  # no storey of an elastic analysis yields: nobody asks for its ductility
-                zero &= np.array([each == Analysis.INELASTIC for each in plan.analyses])[:, None]
-            _flag(flags, zero.ravel(), f"{v.ratio[1]} = 0: ratio refused")
-        elif v.formula is not None and _has(plan, v.name, v.dims):
-            axes = tuple(axis.names[0] for axis in plan.axes)
-            with np.errstate(all="ignore"):
-                found[v.name] = _variable((*axes, *v.dims), v.formula({n: each.values for n, each in found.items()}))
-    drift = found["drift"]
-    heights = height.set_dims(drift.sizes).transpose(*drift.dims)
-    found["drift_ratio"] = _variable(drift.dims, drift.values / heights.values)
+# What a reader should know of the numbers
 
 
-def _flag_baselines(flags: np.ndarray, plan: Plan, solved: Solved, scene: np.ndarray, alone: np.ndarray) -> None:
-    """Say in a scene's flags which building gave no baseline."""
-    status = solved.texts("status")
-    for place, building in enumerate(plan.buildings):
-        here = np.where(solved.there[scene], status[alone[:, place]], "")
-        for word in np.unique(here[(here != DONE) & (here != "")].astype(str)):
+def _flag(plan: Plan, solved: Solved, found: Variables) -> None:
+    """Add to the flags of scenes: buildings that gave no baseline, ratios to zero, columns beyond their strength."""
+    flags, status = found["flags"].values, solved.texts("status")
+
+    def add(where: Any, sentence: str) -> None:
+        flags[where] = [f"{flag}\n{sentence}" if flag else sentence for flag in flags[where]]
+
+    for place, name in enumerate(plan.buildings):
+        of_alone = np.where(solved.there[plan.numbers[..., 0]], status[plan.numbers[..., 1 + place]], "")
+        for word in sorted({*of_alone.ravel().tolist()} - {DONE, ""}):
             said = " collapsed, its ratios are left out" if word == COLLAPSED else f": {word}, ratios refused"
-            _flag(flags, here == word, f"{building} alone{said}")
-
-
-def _flag_columns(flags: np.ndarray, plan: Plan, found: Variables) -> None:
-    """Say in a scene's flags which columns a blow takes beyond their strength."""
-    demand, impacts = (found[name].values.reshape(flags.size, -1) for name in ("shear_demand", "impacts"))
-    demand = np.where(impacts > 0, demand, np.nan)  # a storey that yields has 1 by itself
-    for row in np.flatnonzero((demand > 1).any(axis=-1)).tolist():
-        struck = [columns_struck(plan.links.places[link]) for link in np.flatnonzero(demand[row] > 1).tolist()]
-        worst = int(np.nanargmax(demand[row]))
+            add(of_alone == word, f"{name} alone{said}")
+    for name in RATIOS:
+        base = VARIABLES[name].ratio[1]
+        zero = (found[base].values == 0).any(axis=(-2, -1))
+        if base == "mu0":  # no storey of an elastic analysis yields: nobody asks for its ductility
+            zero &= np.array([each == Analysis.INELASTIC for each in plan.analyses])[:, None]
+        add(zero, f"{base} = 0: ratio refused")
+    if "shear_demand" not in found:
+        return
+    demand = np.where(found["impacts"].values > 0, found["shear_demand"].values, np.nan)  # one that yields has 1 anyway
+    for at in np.argwhere((demand > 1).any(axis=-1)):
+        mine = demand[tuple(at)]
+        struck = {columns_struck(plan.links.places[link]) for link in np.flatnonzero(mine > 1).tolist()}
+        worst = int(np.nanargmax(mine))
         building, storey = columns_struck(plan.links.places[worst])
-        more = len(set(struck)) - 1
-        sentence = (
-            f"columns overloaded by a blow: {plan.buildings[building]} storey {storey}, {demand[row, worst]:.3g} times "
-            f"their share of the yield shear" + (f", and {counted(more, 'more storey')}" if more else "")
-        )
-        flags[row] = f"{flags[row]}\n{sentence}" if flags[row] else sentence
+        more = f", and {counted(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
+        where = f"{plan.buildings[building]} storey {storey}"
+        times = f"{mine[worst]:.3g} times their share of the yield shear"
+        add(tuple(at[:, None]), f"columns overloaded by a blow: {where}, {times}{more}")
 
 
-def _flag(flags: np.ndarray, where: np.ndarray, sentence: str) -> None:
-    for place in np.flatnonzero(where).tolist():
-        flags[place] = f"{flags[place]}\n{sentence}" if flags[place] else sentence
+# Coordinates, buildings and motions
 
 
-def _coordinates(plan: Plan, storeys: int) -> dict[str, xr.Variable]:
-    found: dict[str, xr.Variable] = {}
+def _coordinates(plan: Plan) -> Variables:
+    found: Variables = {}
     for axis in plan.axes:
         for column, name in enumerate(axis.names):
-            values = [value[column] for value in axis.values]
-            is_numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
-            array = np.array(values, float) if is_numeric else np.array(list(map(str, values)), object)
+            given = [value[column] for value in axis.values]
+            is_numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in given)
+            array = np.array(given, float) if is_numeric else np.array(list(map(str, given)), object)
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
-            unit = axis.unit(column)
-            attrs = {"long_name": text} | unit_attributes(unit if is_numeric else replace(unit, si=""))
-            found[name] = _variable(axis.names[0], array, attrs)
-    names = {"case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": plan.buildings}
-    arrays = {name: (name, np.array(values, object)) for name, values in names.items()}
-    arrays |= {name: (name, np.arange(1, storeys + 1)) for name in ("storey", "floor")}
-    if plan.links.places:
-        left, left_floor, right_floor, _ = zip(*plan.links.places, strict=True)
-        of_links = {
-            "link": np.array([link_label(plan.buildings, place) for place in plan.links.places], object),
-            "link_left": np.array([plan.buildings[place] for place in left], object),
-            "link_right": np.array([plan.buildings[place + 1] for place in left], object),
+            written = axis.unit(column) if is_numeric else replace(axis.unit(column), si="")
+            found[name] = _variable(axis.names[0], array, {"long_name": text} | unit_attributes(written))
+    storeys, places = np.arange(1, most_storeys(plan) + 1), plan.links.places
+    values: dict[str, Any] = {
+        "case": plan.cases,
+        "analysis": plan.analyses,
+        "record": plan.records,
+        "building": plan.buildings,
+        "storey": storeys,
+        "floor": storeys,
+    }
+    if places:
+        left, left_floor, right_floor, _ = zip(*places, strict=True)
+        values |= {
+            "link": [link_label(plan.buildings, place) for place in places],
+            "link_left": [plan.buildings[place] for place in left],
+            "link_right": [plan.buildings[place + 1] for place in left],
             "link_floor": np.array(left_floor),
             "link_right_floor": np.array(right_floor),
         }
-        arrays |= {name: ("link", array) for name, array in of_links.items()}
-    for name, (dim, array) in arrays.items():
-        si, text = COORDINATES[name]
-        found[name] = _variable(dim, array, ({"units": si} if si else {}) | {"long_name": text})
+    for name, each in values.items():
+        unit, text = COORDINATES[name]
+        array = each if isinstance(each, np.ndarray) else np.array(each, object)
+        found[name] = _variable(name.split("_")[0], array, ({"units": unit} if unit else {}) | {"long_name": text})
     return found
-
-
-def _links(plan: Plan, axes: tuple[str, ...]) -> Variables:
-    """Laws, gaps and ends of links by point and case."""
-    names = (v.name for v in LINKS if _has(plan, v.name, v.dims))
-    return {name: _variable((*axes, "case", "link"), getattr(plan.links, name)) for name in names}
 
 
 def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
     """Buildings and motions, over the axes that change them."""
     study, storeys = plan.study, most_storeys(plan)
 
-    def over(section: str, dims: dict[str, tuple[str, ...]], value: Callable[[Any], dict[str, Any]]) -> Variables:
+    def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> Variables:
         """What `value` says at every combination of the values of the axes that touch a section of the study."""
         touched = [k for k, mine in enumerate(study.touching(section)) if mine]
-        each = [value(at) for at in points(plan, section)]
-        arrays = {name: np.array([one[name] for one in each]) for name in dims}
         sizes = [len(plan.axes[k].values) for k in touched]
-        found = {
-            name: _variable((*(axes[k] for k in touched), *own), arrays[name].reshape(*sizes, *arrays[name].shape[1:]))
-            for name, own in dims.items()
-        }
+        each, found = [value(at) for at in points(plan, section)], {}
+        for v in declared:
+            array = np.array([one[v.name] for one in each], object if v.kind == "s" else float)
+            found[v.name] = _variable((*(axes[k] for k in touched), *v.dims), array.reshape(*sizes, *array.shape[1:]))
         for axis in (axes[k] for k in touched):  # without those that change nothing after all
-            first = {name: v.isel({axis: 0}) for name, v in found.items()}
-            if all(first[name].set_dims(v.sizes).transpose(*v.dims).equals(v) for name, v in found.items()):
-                found = first
+            if all(v.isel({axis: [0] * v.sizes[axis]}).equals(v) for v in found.values()):
+                found = {name: v.isel({axis: 0}) for name, v in found.items()}
         return found
 
     def group(point: Any) -> dict[str, Any]:
@@ -224,9 +235,9 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
         assert placed is not None  # the study was validated at every point
         row = placed.buildings
         found: dict[str, Any] = {
-            "period": np.array([building.periods[0] for building in row]),
-            "base_shear_ratio": np.array([building.base_shear_ratio for building in row]),
-            "slab": np.array([building.slab for building in row]),
+            "period": [building.periods[0] for building in row],
+            "base_shear_ratio": [building.base_shear_ratio for building in row],
+            "slab": [building.slab for building in row],
             "separation": study.separations(point),
         }
         for name in ("mass", "height", "stiffness", "yield_shear"):
@@ -238,25 +249,21 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
 
     def motions(point: Any) -> dict[str, Any]:
         uses = [study.motions(point)[name].use for name in plan.records]
-        kinds = {v.name: object if v.kind == "s" else float for v in RECORDS}
-        return {
-            name: np.array([getattr(use, name.removeprefix("record_")) for use in uses], kind)
-            for name, kind in kinds.items()
-        }
+        return {v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in RECORDS}
 
-    buildings = over("buildings", {v.name: v.dims for v in BUILDINGS}, group)
-    return buildings | over("records", {v.name: v.dims for v in RECORDS}, motions)
+    return over("buildings", BUILDINGS, group) | over("records", RECORDS, motions)
+
+
+# The study and the program
 
 
 def _study(plan: Plan) -> Variables:
     """The study in texts."""
     study, match = plan.study, plan.study.spectrum_match()
+    resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
     texts = {
         "study_text": (study.text, "study as written"),
-        "study_resolved": (
-            json.dumps(study.resolved(), default=str, sort_keys=True),
-            "study with every default, SI; JSON",
-        ),
+        "study_resolved": (resolved, "study with every default, SI; JSON"),
         "study_warnings": (json.dumps([vars(each) for each in study.warnings]), "what pound check says of it; JSON"),
     }
     if match is not None:

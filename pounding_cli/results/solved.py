@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -26,67 +26,73 @@ LINK = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
 
 Row = tuple[str, bytes]
-"""A response: its kind as JSON (`Kind`), and its numbers, doubles in the order of `Kind.spans`."""
+"""A response: its kind as JSON (`Kind`), and its numbers, a record of `Kind.layout`."""
+
+
+def layout(buildings: int, storeys: int, links: int) -> np.dtype:
+    """The numbers of a scene: "building.drift" (buildings, storeys), "building.sway" (buildings,), "link.impacts" and
+    "columns.demand" (links,), "steps", "energy_input", ... each one."""
+    fields: list[Any] = [(name, "f8") for name in (*SCALARS, *(f"energy_{name}" for name in ENERGIES))]
+    fields += [(f"building.{name}", "f8", (buildings, storeys)) for name in STOREYS]
+    fields += [(f"building.{name}", "f8", (buildings,)) for name in BASE]
+    fields += [(f"link.{name}", "f8", (links,)) for name in LINK]
+    return np.dtype(fields + [(f"columns.{name}", "f8", (links,)) for name in COLUMNS])
 
 
 class Kind(NamedTuple):
-    """What many responses share: texts, sentences, storeys of the buildings, links, those that strike columns."""
+    """What many responses share.
+
+    texts : TEXTS, and SENTENCES one a line
+    size : arguments of `layout`
+    """
 
     texts: tuple[str, ...]
-    sentences: tuple[tuple[str, ...], ...]
-    storeys: tuple[int, ...]
-    links: int
-    struck: tuple[int, ...]
+    size: tuple[int, int, int]
 
     @property
-    def sizes(self) -> dict[str, int]:
-        """Numbers of every quantity, in their order; "shear 1" is that of the second building."""
-        found = dict.fromkeys((*SCALARS, *(f"energy_{name}" for name in ENERGIES)), 1)
-        for place, storeys in enumerate(self.storeys):
-            found |= {f"{name} {place}": storeys for name in STOREYS} | {f"{name} {place}": 1 for name in BASE}
-        found |= {f"link.{name}": self.links for name in LINK}
-        return found | {f"columns.{name}": len(self.struck) for name in COLUMNS}
+    def status(self) -> str:
+        """The outcome."""
+        return self.texts[0]
+
+    @property
+    def layout(self) -> np.dtype:
+        """The numbers of a row."""
+        return layout(*self.size)
 
 
 def encode(response: Response) -> Row:
     """A response as a row; its end state is not kept."""
     r = response
-    texts = tuple(str(getattr(r, name)) for name in TEXTS)
-    sentences = tuple(tuple(map(str, getattr(r, name))) for name in SENTENCES)
-    storeys = tuple(building.shear.size for building in r.buildings)
-    struck = tuple(int(link) for link in r.columns.link)
-    parts: list[Any] = [[getattr(r, name) for name in SCALARS], [r.energy.get(name, np.nan) for name in ENERGIES]]
-    for building in r.buildings:
-        parts += [getattr(building, name) for name in STOREYS]
-        parts.append([getattr(building, name) for name in BASE])
-    parts += [getattr(r.links, name) for name in LINK] + [getattr(r.columns, name) for name in COLUMNS]
-    return _said(texts, sentences, storeys, r.links.impacts.size, struck), np.concatenate(parts, dtype=float).tobytes()
+    texts = [str(getattr(r, name)) for name in TEXTS] + ["\n".join(map(str, getattr(r, name))) for name in SENTENCES]
+    kind = Kind(tuple(texts), (len(r.buildings), max(b.shear.size for b in r.buildings), r.links.impacts.size))
+    row = np.full(1, np.nan, kind.layout)[0]
+    for name in SCALARS:
+        row[name] = getattr(r, name)
+    for name in ENERGIES:
+        row[f"energy_{name}"] = r.energy.get(name, np.nan)
+    if r.has_result:
+        for place, building in enumerate(r.buildings):
+            for name in STOREYS:
+                row[f"building.{name}"][place, : building.shear.size] = getattr(building, name)
+            for name in BASE:
+                row[f"building.{name}"][place] = getattr(building, name)
+        for name in LINK:
+            row[f"link.{name}"] = getattr(r.links, name)
+        for name in COLUMNS:
+            row[f"columns.{name}"][r.columns.link] = getattr(r.columns, name)
+    return json.dumps(kind), row.tobytes()
 
 
 @lru_cache(maxsize=1024)
-def _said(*kind: object) -> str:
-    return json.dumps(kind)
-
-
-@lru_cache(maxsize=1024)
-def read_kind(text: str) -> tuple[Kind, dict[str, slice], int]:
-    """A kind, where each of its quantities stands among the numbers, and how many these are."""
-    texts, sentences, storeys, links, struck = json.loads(text)
-    kind = Kind(tuple(texts), tuple(map(tuple, sentences)), tuple(storeys), links, tuple(struck))
-    ends = np.cumsum(list(kind.sizes.values())).tolist()
-    spans = {name: slice(end - size, end) for (name, size), end in zip(kind.sizes.items(), ends, strict=True)}
-    return kind, spans, ends[-1]
+def kind_of(text: str) -> Kind:
+    """A kind as it was written."""
+    texts, size = json.loads(text)
+    return Kind(tuple(texts), tuple(size))
 
 
 def has_result(row: Row) -> bool:
     """Whether the scene ended with its motion, or with a collapse."""
-    return read_kind(row[0])[0].texts[0] in OUTCOMES
-
-
-def said(row: Row) -> tuple[str, str]:
-    """Status and advice."""
-    status, advice, _ = read_kind(row[0])[0].texts
-    return status, advice
+    return kind_of(row[0]).status in OUTCOMES
 
 
 def seconds_of(row: Row) -> float:
@@ -99,64 +105,38 @@ class Solved:
     asked for: it has no numbers.
 
     there : whether a scene was solved, shape (scenes + 1,)
-    done, ended : whether it ended with its motion; with that or with a collapse
-    values : "building.drift" (scenes + 1, buildings, storeys), a building alone at place 0; "building.sway"
-        (scenes + 1, buildings); "link.impacts", "columns.demand" (scenes + 1, links of `plan.links`);
-        "error_estimate", "collapse_storey", ... (scenes + 1,); NaN where there is nothing
+    values : the numbers of `layout`, each with the scenes first, (scenes + 1, ...); a building alone is at place 0,
+        links are those of `plan.links`; NaN where there is nothing
     """
 
-    def __init__(self, plan: Plan) -> None:
-        count, buildings, links, storeys = (
-            len(plan) + 1,
-            len(plan.buildings),
-            len(plan.links.places),
-            most_storeys(plan),
-        )
+    def __init__(self, plan: Plan, rows: Mapping[int, Row]) -> None:
+        count, links = len(plan) + 1, len(plan.links.places)
+        whole = layout(len(plan.buildings), most_storeys(plan), links)
         self.plan, self.there = plan, np.zeros(count, bool)
-        shapes: dict[str, tuple[int, ...]] = dict.fromkeys((*SCALARS, *(f"energy_{name}" for name in ENERGIES)), ())
-        shapes |= {f"building.{name}": (buildings, storeys) for name in STOREYS}
-        shapes |= {f"building.{name}": (buildings,) for name in BASE}
-        shapes |= {f"link.{name}": (links,) for name in LINK} | {f"columns.{name}": (links,) for name in COLUMNS}
-        self.values = {name: np.full((count, *shape), np.nan) for name, shape in shapes.items()}
-        self._words: dict[str, int] = {"": 0}
+        self.values = {name: np.full((count, *whole[name].shape), np.nan) for name in whole.names or ()}
+        self._words = {"": 0}
         self._codes = {name: np.zeros(count, np.int32) for name in (*TEXTS, *SENTENCES)}
-        self._order = _orders(plan)
+        alike: dict[str, list[int]] = {}
+        for number, (text, _) in rows.items():
+            alike.setdefault(text, []).append(number)
+        order = _orders(plan)
+        for text, numbers in alike.items():
+            kind = kind_of(text)
+            records = np.frombuffer(b"".join(rows[number][1] for number in numbers), kind.layout)
+            self._put(kind, np.array(numbers), records, order[numbers])
 
-    def fill(self, numbers: Iterable[int], rows: Iterable[Row]) -> None:
-        """Take in the responses of scenes by number."""
-        alike: dict[tuple[str, bytes], tuple[list[int], list[bytes]]] = {}
-        for number, (text, content) in zip(numbers, rows, strict=True):
-            places, contents = alike.setdefault((text, self._order[number].tobytes()), ([], []))
-            places.append(number)
-            contents.append(content)
-        for (text, order), (places, contents) in alike.items():
-            kind, spans, size = read_kind(text)
-            values = np.frombuffer(b"".join(contents)).reshape(-1, size)
-            self._put(kind, spans, np.frombuffer(order, np.int16), np.array(places), values)
-
-    def _put(self, kind: Kind, spans: dict[str, slice], order: np.ndarray, at: np.ndarray, numbers: np.ndarray) -> None:
-        """Rows of one kind, whose links stand in one order in the tables."""
+    def _put(self, kind: Kind, at: np.ndarray, records: np.ndarray, order: np.ndarray) -> None:
+        """Take in scenes of one kind by number; order : of their links, shape (scenes, links of the plan)."""
         self.there[at] = True
-        for name, text in zip((*TEXTS, *SENTENCES), (*kind.texts, *map("\n".join, kind.sentences)), strict=True):
+        for name, text in zip(self._codes, kind.texts, strict=True):
             self._codes[name][at] = self._words.setdefault(text, len(self._words))
-        for name in (*SCALARS, *(f"energy_{name}" for name in ENERGIES)):
-            self.values[name][at] = numbers[:, spans[name].start]
-        if kind.texts[0] not in OUTCOMES:
-            return
-        for place, storeys in enumerate(kind.storeys):
-            for name in STOREYS:
-                self.values[f"building.{name}"][at, place, :storeys] = numbers[:, spans[f"{name} {place}"]]
-            for name in BASE:
-                self.values[f"building.{name}"][at, place] = numbers[:, spans[f"{name} {place}"].start]
-        if not kind.links:
-            return
-        column = np.argsort(np.where(order < 0, order.size, order), kind="stable")[: kind.links]
-        for name in LINK:
-            self.values[f"link.{name}"][at[:, None], column] = numbers[:, spans[f"link.{name}"]]
-        for name in COLUMNS:
-            self.values[f"columns.{name}"][at[:, None], column[list(kind.struck)]] = numbers[
-                :, spans[f"columns.{name}"]
-            ]
+        for name, values in self.values.items():
+            part = records[name]
+            if not name.startswith(("link.", "columns.")):
+                where: tuple[Any, ...] = (at, *map(slice, part.shape[1:]))
+                values[where] = part
+            elif part.size:
+                values[at] = np.where(order < 0, np.nan, np.take_along_axis(part, np.maximum(order, 0), axis=1))
 
     @property
     def done(self) -> np.ndarray:
@@ -178,7 +158,7 @@ def _orders(plan: Plan) -> np.ndarray:
     rows, columns = plan.first
     each = len(plan.analyses) * len(plan.records)
     order = plan.links.order.reshape(math.prod(plan.shape[:-2]), -1)[rows // each]
-    return np.where(columns[:, None] > 0, np.int16(-1), order)
+    return np.where(columns[:, None] > 0, -1, order)
 
 
 def most_storeys(plan: Plan) -> int:

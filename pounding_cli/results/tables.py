@@ -30,7 +30,13 @@ TABLES = (
 
 ANSWERS: dict[str, tuple[str, ...]] = {
     "gap": ("gap", "gap_cases", "property_line", "gap_rate"),
-    "fragility": ("fragility", "fragility_motions", "fragility_rates", "fragility_contributions"),
+    "fragility": (
+        "fragility",
+        "fragility_motions",
+        "fragility_curves",
+        "fragility_rates",
+        "fragility_contributions",
+    ),
     "sensitivity": (
         "sensitivity",
         "sensitivity_outputs",

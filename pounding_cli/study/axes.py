@@ -64,27 +64,29 @@ class SweepAxis:
         return replace(self, given=[self.given[n] for n in places], marks=[self.marks[n] for n in places])
 
 
+def sweep_maps(root: Any) -> list[Map]:
+    """The mappings of keys to values under `sweep:`."""
+    sweep = get(root, "sweep")
+    return [node for node in (sweep if isinstance(sweep, Items) else [sweep]) if isinstance(node, Map)]
+
+
 def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> tuple[SweepAxis, ...]:
     """The axes under `sweep:`, each key of a mapping one; what is wrong is noted."""
     sweep, mark = root.get("sweep"), root.marks.get("sweep", (root.mark, root.mark))[1]
     if sweep is None:
         return ()
-    if not isinstance(sweep, Map | Items):
-        problems.add(mark, "'sweep' is not a mapping", "write `sweep: {impact.restitution: [0.4, 0.5]}`")
+    maps = sweep_maps(root)
+    if not isinstance(sweep, Map) and (not isinstance(sweep, Items) or len(maps) < len(sweep) or not all(maps)):
+        hint = "write `sweep: {impact.restitution: [0.4, 0.5]}`, or a list of such mappings"
+        problems.add(mark, "'sweep' is not a mapping of keys to values", hint)
         return ()
-    entries = [(sweep, [name]) for name in sweep] if isinstance(sweep, Map) else []
-    for number, node in enumerate(sweep if isinstance(sweep, Items) else ()):
-        if isinstance(node, Map) and node:
-            entries.append((node, list(node)))
-        elif isinstance(sweep, Items):
-            what = "an axis is a mapping of keys to lists"
-            problems.add(sweep.marks[number], what, "write `- {impact.restitution: [0.4, 0.5]}`")
+    entries = [(sweep, [name]) for name in sweep] if isinstance(sweep, Map) else [(node, list(node)) for node in maps]
     if len(entries) > MOST_AXES:
         problems.add(mark, f"the sweep has {len(entries)} axes", f"keep it to {MOST_AXES}")
         return ()
     axes, seen = list[SweepAxis](), dict[str, Mark]()
     for holder, names in entries:
-        columns = []
+        columns = list[Values]()
         for name in names:
             there = holder.marks[name][0]
             sound = can_vary(name, there, root, problems, model=model)
@@ -97,7 +99,7 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
             seen.setdefault(name, there)
         if len(columns) < len(names):
             continue
-        if len({len(column[0]) for column in columns}) > 1:
+        if len({len(given) for given, _, _ in columns}) > 1:
             lengths = ", ".join(f"{name} has {len(column[0])}" for name, column in zip(names, columns, strict=True))
             message = f"keys that move together need as many values each: {lengths}"
             problems.add(holder.mark, message, "give as many values of each")
@@ -122,15 +124,11 @@ def can_vary(
 ) -> bool:
     """Whether a dotted key can differ from point to point; why not is noted."""
     path, whole = name.split("."), model is schema.Study
-    fixed = path[0] in (schema.ONCE if whole else ("title", "sweep"))
-    meant = _meant(path, root) if whole else ""
-    if fixed and len(path) > 1 and meant:  # a case or a building called as a section, e.g. gap
-        problems.add(mark, f"{what} '{name}': no such key", f"did you mean '{meant}'?")
-        return False
-    if fixed or (whole and (path[:2] == ["records", "use"] or path[-1] == "like")):
-        cannot = "be an axis" if what == "sweep axis" else "vary"
-        hint = "run one study for each value"
-        problems.add(mark, f"'{name}' cannot {cannot}: it is one for the whole study", hint)
+    once = schema.ONCE if whole else {"title", "sweep"}
+    if path[0] in once or (whole and (path[:2] == ["records", "use"] or path[-1] == "like")):
+        problems.add(
+            mark, f"{what} '{name}' cannot vary: it is one for the whole study", "run one study for each value"
+        )
         return False
     for place, step in enumerate(path):
         above, known = get(root, *path[:place]), _known(path[:place], root, model)
@@ -143,8 +141,9 @@ def can_vary(
             problems.add(mark, message, f"give '{before}' as a mapping with '{step}' in it, or remove it there")
             return False
         if step not in known:
-            hint = f"did you mean '{meant}'?" if meant and not place else nearest(step, known)
-            problems.add(mark, f"{what} '{name}': no key '{step}'{f' under {before!r}' * bool(before)}", hint)
+            message = f"{what} '{name}': no key '{step}'{f' under {before!r}' * bool(before)}"
+            whole_key = "" if place else "write the whole key, e.g. `buildings.soft.period`; "
+            problems.add(mark, message, whole_key + nearest(step, known))
             return False
     below = _known(path, root, model)
     least = {"buildings": 3, "cases": 3, "laws": 3, "tail": 1}.get(path[0], 2)
@@ -162,21 +161,6 @@ def _known(path: list[str], root: Map, model: type[BaseModel]) -> list[str]:
     return keys_at(model, path, root)
 
 
-def _meant(path: list[str], root: Map) -> str:
-    """The key that ends in what was written where its beginning was left out: soft.period, restitution, pga; or ""."""
-    named = [
-        [section, name]
-        for section in ("buildings", "cases")
-        if isinstance(node := root.get(section), Map)
-        for name in node
-    ]
-    for before in (["buildings"], ["cases"], ["impact"], *named, ["records", "scale"], ["records"]):
-        whole = [*before, *path]
-        if all(step in _known(whole[:place], root, schema.Study) for place, step in enumerate(whole)):
-            return ".".join(whole)
-    return ""
-
-
 def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> Values | None:
     """The values of a swept key; None where something is wrong, which is noted."""
     given, mark, quantity = holder[name], holder.marks[name][1], quantity_at(model, tuple(name.split(".")))
@@ -186,25 +170,20 @@ def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel]
         for key in given.keys() - {*_BRACKET}:
             problems.add(given.marks[key][0], f"unknown key '{key}' of an axis", nearest(key, _BRACKET))
         mark, given = given.marks["values"][1], given["values"]
-    if not isinstance(given, Items):
-        hint = f"write `{name}: [first, second]`, or a range: `{name}: {FORM}`"
-        problems.add(mark, f"the values of '{name}' are not a list", hint)
-    elif not given:
-        problems.add(mark, f"the axis '{name}' has no values", "give at least one")
-    elif len(given) > MOST_VALUES:
-        problems.add(mark, f"the axis '{name}' has {len(given)} values", f"give at most {MOST_VALUES}")
-    else:
-        return given, given.marks, unit_of(given, quantity)
-    return None
+    if not isinstance(given, Items) or not 0 < len(given) <= MOST_VALUES:
+        what = f"has {len(given)} values" if isinstance(given, Items) else "has no list of values"
+        hint = f"write `{name}: [first, second]`, at most {MOST_VALUES}, or a range: `{name}: {FORM}`"
+        problems.add(mark, f"the axis '{name}' {what}", hint)
+        return None
+    return given, given.marks, unit_of(given, quantity)
 
 
 def with_middles(root: Map, problems: Problems) -> tuple[Map, tuple[str, ...]]:
     """The tree with the middle of every unknown value (`{values: [...], middle: ...}`) where its key stands, and the
     keys that have one: it comes first in tables and figures."""
     keys = list[str]()
-    sweep: Any = root.get("sweep")
-    for holder in sweep if isinstance(sweep, Items) else [sweep]:
-        for name, node in list(holder.items()) if isinstance(holder, Map) else ():
+    for holder in sweep_maps(root):
+        for name, node in holder.items():
             if isinstance(node, Map) and "middle" in node and _is_middle(name, node, root, problems):
                 keys.append(name)
                 if can_vary(name, holder.marks[name][0], root, Problems("")):  # else the axis says what is wrong
@@ -217,16 +196,14 @@ def _is_middle(name: str, node: Map, root: Map, problems: Problems) -> bool:
     quantity = quantity_at(schema.Study, tuple(name.split(".")))
     if not isinstance(values, Items) or len(values) < 3 or len(values) % 2 == 0:
         message = f"'{name}' with a middle takes an odd number of values, three at least"
-        hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"
-        problems.add(node.marks["values"][1] if "values" in node else node.mark, message, hint)
     elif same(values[len(values) // 2], quantity) != same(middle, quantity):
         message = f"the middle of the values of '{name}' is {values[len(values) // 2]}, not {middle}"
-        problems.add(node.marks["middle"][1], message, "write low, middle and high in this order")
     elif own is not None and same(own, quantity) != same(middle, quantity):
-        message = f"'{name}' is {own} here and {middle} in the middle of its values"
-        problems.at(root, tuple(name.split(".")), message, "leave it to the sweep, or write the middle")
+        message = f"'{name}' is {own} in this study and {middle} in the middle of its values"
     else:
         return True
+    hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"
+    problems.add(node.marks["middle"][1], message, hint)
     return False
 
 
@@ -258,101 +235,79 @@ def in_unit(number: float, unit: Unit) -> Any:
     return f"{plain} {unit.name}" if unit.name else plain
 
 
+# Ranges
+
+
 def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Values | None:
     """The values of `{from, to, count | step, spacing}`."""
-    before = len(problems.found)
-    for message, hint, key, at_key in _wrong_range(name, node, quantity):
-        problems.add(node.marks[key][0 if at_key else 1] if key else node.mark, message, hint)
-    if len(problems.found) > before:
+    wrong = list(_wrong_keys(name, node))
+    numbers: dict[str, float] = {}
+    if not wrong:
+        numbers, wrong = _numbers(node, quantity)
+    wrong = wrong or list(_wrong_range(node, numbers, quantity))
+    for message, hint, key in wrong:
+        problems.add(node.marks[key][key in _RANGE] if key else node.mark, message, hint)
+    if wrong:
         return None
-    first, last = quantity.read(node["from"]), quantity.read(node["to"])
-    log, count = node.get("spacing") == "log", node.get("count") or round((last - first) / _step(node, quantity)) + 1
+    first, last, log = numbers["from"], numbers["to"], node.get("spacing") == "log"
+    count = node.get("count") or round((last - first) / numbers["step"]) + 1
     unit = unit_of([node[key] for key in ("from", "to", "step") if key in node], quantity)
-    shares = [place / (count - 1) for place in range(count)]
-    numbers = [first * (last / first) ** s if log else first + (last - first) * s for s in shares[:-1]]
-    return [in_unit(number, unit) for number in (*numbers, last)], [node.mark] * count, unit
+    shares = [place / (count - 1) for place in range(count - 1)]
+    values = [first * (last / first) ** s if log else first + (last - first) * s for s in shares]
+    return [in_unit(number, unit) for number in (*values, last)], [node.mark] * count, unit
 
 
-def _step(node: Map, quantity: Quantity) -> float:
-    return float(Quantity(f"step of a {quantity.name}", quantity.si, quantity.example).read(node["step"]))
-
-
-Wrong = tuple[str, str, str, bool]
-"""Message, hint, key of the range ("" for all of it), whether it stands at the key."""
-
-
-def _wrong_range(name: str, node: Map, quantity: Quantity) -> Iterator[Wrong]:
-    """What is wrong with a range; nothing further is looked at where its keys are."""
-    found = list(_wrong_keys(name, node)) or list(_wrong_ends(node, quantity))
-    yield from found
-    if found:
-        return
-    first, last = quantity.read(node["from"]), quantity.read(node["to"])
-    if node.get("spacing") == "log" and not first * last > 0:
-        yield "a logarithmic range cannot reach zero", "begin above zero, e.g. `from: 0.1 s`", "spacing", False
-    elif "step" in node:
-        yield from _wrong_step(first, last, _step(node, quantity), node)
-    elif isinstance(count := node["count"], bool) or not isinstance(count, int):
-        yield f"count: '{count}' is not a whole number", "write how many values, e.g. 15", "count", False
-    elif not 2 <= count <= MOST_VALUES:
-        hint = "write a list of one value" if count == 1 else "write a smaller count"
-        message = f"count: {count}; a range has 2 to {MOST_VALUES} values"
-        yield message, hint if count > 0 else "write how many values, e.g. 15", "count", False
+Wrong = tuple[str, str, str]
+"""Message, hint, key of the range ("" for all of it)."""
 
 
 def _wrong_keys(name: str, node: Map) -> Iterator[Wrong]:
     for key in node:
         if key not in _RANGE:
-            yield f"unknown key '{key}' in a range", nearest(key, _RANGE), key, True
-    for key in [key for key in ("from", "to") if key not in node][:1]:
-        yield f"the range lacks '{key}'", f"write e.g. `{name}: {FORM}`", "", False
-    if ("count" in node) == ("step" in node):
-        what = "has both 'count' and 'step'" if "count" in node else "has neither 'count' nor 'step'"
-        hint = "write one of them: how many values, or the step from one to the next"
-        yield f"the range {what}", hint, "", False
-    if node.get("spacing", "linear") not in ("linear", "log"):
-        yield f"spacing: '{node['spacing']}' is not known", "write linear or log", "spacing", False
-    if node.get("spacing") == "log" and "step" in node:
-        yield "a logarithmic range has no step", "write `count:` in its place", "step", True
+            yield f"unknown key '{key}' in a range", nearest(key, _RANGE), key
+    if not {"from", "to"} <= node.keys() or ("count" in node) == ("step" in node):
+        what = f"a range has `from`, `to` and either `count` or `step`, not {', '.join(node)}"
+        yield what, f"write e.g. `{name}: {FORM}`", ""
+    if node.get("spacing", "linear") not in ("linear", "log") or (node.get("spacing") == "log" and "step" in node):
+        yield f"spacing: '{node['spacing']}' is not known here", "write linear, or log beside `count:`", "spacing"
 
 
-def _wrong_ends(node: Map, quantity: Quantity) -> Iterator[Wrong]:
-    ends: dict[str, float] = {}
+def _numbers(node: Map, quantity: Quantity) -> tuple[dict[str, float], list[Wrong]]:
+    """Ends and step in SI, and what is wrong with them."""
+    found, wrong = dict[str, float](), list[Wrong]()
     step = Quantity(f"step of a {quantity.name}", quantity.si, quantity.example)
     for key, kind in (("from", quantity), ("to", quantity), ("step", step)):
-        if key not in node:
-            continue
         try:
-            value = kind.read(node[key])
+            value = kind.read(node[key]) if key in node else 0.0
         except PydanticCustomError as error:
             context: dict[str, Any] = error.context or {}
-            yield context["message"], context["hint"], key, False
+            wrong.append((context["message"], context["hint"], key))
             continue
         if isinstance(value, float):
-            ends[key] = value
+            found[key] = value
         else:
-            yield f"'{node[key]}' is not a number: a range runs between numbers", quantity.wanted, key, False
-    if len(ends) < 2 + ("step" in node):
-        return
-    written = {key: bool(written_unit(node[key])) for key, value in ends.items() if value}
-    if len(set(written.values())) > 1:
-        bare = next(key for key, has in written.items() if not has)
+            wrong.append((f"'{node[key]}' is not a number: a range runs between numbers", quantity.wanted, key))
+    return found, wrong
+
+
+def _wrong_range(node: Map, numbers: dict[str, float], quantity: Quantity) -> Iterator[Wrong]:
+    """What is wrong with a range of sound numbers."""
+    first, last, step = numbers["from"], numbers["to"], numbers["step"]
+    written = {key: bool(written_unit(node[key])) for key, value in numbers.items() if value}
+    bare = next((key for key, has in written.items() if not has), "")
+    if bare and any(written.values()):
         hint = f"write its unit too; without one it is {node[bare]} {quantity.si}".rstrip()
-        yield f"{node[bare]} has no unit, but the other end of the range has one", hint, bare, False
-    elif ends["from"] == ends["to"]:
-        yield "the range ends where it begins", "write `to:` apart from `from:`, or a single value", "to", False
-
-
-def _wrong_step(first: float, last: float, step: float, node: Map) -> Iterator[Wrong]:
-    steps = (last - first) / step if step else -1.0
-    if steps < 0:
-        away = f"{node['step']} leads away from 'to'" if step else "zero leads nowhere"
-        yield f"a step of {away}", "give the step from `from:` towards `to:`, e.g. 0.1 s", "step", False
-    elif steps > MOST_VALUES:
-        hint = f"an axis has at most {MOST_VALUES}: write a larger step"
-        yield f"steps of {node['step']} make {steps:.3g} values", hint, "step", False
-    elif round(steps) == 0 or not math.isclose(steps, round(steps), rel_tol=1e-9):
-        fits = max(math.floor(steps + 1e-9), 1) + 1
-        ends = f"from {node['from']} to {node['to']}"
-        message = f"steps of {node['step']} do not lead {ends}: that is {steps:.4g} steps"
-        yield message, f"change an end or the step, or write `count: {max(fits, 2)}`", "step", False
+        yield f"{node[bare]} has no unit, but the other end of the range has one", hint, bare
+    elif first == last:
+        yield "the range ends where it begins", "write `to:` apart from `from:`, or a single value", "to"
+    elif node.get("spacing") == "log" and not first * last > 0:
+        yield "a logarithmic range cannot reach zero", "begin above zero, e.g. `from: 0.1 s`", "spacing"
+    elif "count" in node:
+        count = node["count"]
+        if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES:
+            yield f"count: {count}; a range has 2 to {MOST_VALUES} values", "write how many values, e.g. 15", "count"
+    else:
+        steps = (last - first) / step if step else -1.0
+        if not 0.5 < steps < MOST_VALUES or not math.isclose(steps, round(steps), rel_tol=1e-9):
+            what = f"steps of {node['step']} do not lead from {node['from']} to {node['to']}: that is {steps:.4g} steps"
+            yield what, f"change an end or the step, at most {MOST_VALUES} values, or write `count:`", "step"

@@ -320,15 +320,14 @@ def check_group(names: Sequence[str], defined: Sequence[str], root: Any, problem
     return len(problems.found) == before
 
 
-def check_meetings(group: Group, slips: Mapping[str, str], root: Any, problems: Problems) -> bool:
-    """Whether all neighbours can strike each other; slips : what is unlikely about the heights of a building."""
+def check_meetings(group: Group, root: Any, problems: Problems) -> bool:
+    """Whether all neighbours can strike each other; what is wrong is noted."""
     before = len(problems.found)
     for place, (floors, strikes) in enumerate(zip(group.common, group.strikes, strict=True)):
         if floors or strikes:
             continue
         one, other = group.buildings[place : place + 2]
         told = (", ".join(f"{each:g}" for each in b.elevation[:6]) + ", ..." * (b.storeys > 6) for b in (one, other))
-        slip = slips.get(one.name) or slips.get(other.name) or "let the storey heights agree somewhere"
         message = f"{one.name} and {other.name} have no floor at one elevation: {' against '.join(told)} m"
-        problems.at(root, ("group", place + 1), message, f"{slip}; {COLUMNS}")
+        problems.at(root, ("group", place + 1), message, f"let the storey heights agree somewhere; {COLUMNS}")
     return len(problems.found) == before

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -112,7 +113,7 @@ def links_between(
     names = [building.name for building in buildings]
     group = build.Group.of_buildings(tuple(buildings), dict(zip(names, buildings, strict=True)), names)
     with _told_below("cases.case.") as problems:
-        build.check_meetings(group, {}, Map({}, ("", 0)), problems)
+        build.check_meetings(group, Map({}, ("", 0)), problems)
         problems.check()
         root = tree_of({"cases": {"case": dict(case)}, "impact": dict(impact)})
         refuse_old(root, problems)
@@ -121,11 +122,7 @@ def links_between(
         element = _valid(Impact, root["impact"], root, ("impact",), problems)
         spec = _valid(Case, root["cases"]["case"], root, ("cases", "case"), problems)
         check_contact(element.law, {}, root, problems)
-
-        def note(path: tuple[str | int, ...], message: str, hint: str) -> None:
-            problems.at(root, path, message, hint)
-
-        links = scene_links(spec, group, element, {}, ("cases", "case"), note)
+        links = scene_links(spec, group, element, {}, ("cases", "case"), partial(problems.at, root))
         problems.check()
         return tuple(links or ())
 

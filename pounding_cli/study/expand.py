@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from itertools import product
-from operator import add
+from operator import or_
 from typing import Any
 
 import numpy as np
@@ -55,21 +56,22 @@ class _Expansion:
         self._content = bytearray()  # digests as they are found, one behind the other
         self._problems: dict[Problem, None] = {}
         self._endings: dict[Point, list[bytes]] = {}
-        self._links: dict[tuple[str, Point], tuple[Link, ...]] = {}
         self._begun: dict[int, tuple[Scene, list[Motion]]] = {}
 
     def plan(self, asks: Asks | None) -> Plan:
         """The plan.  Raises `InputError`."""
         study, model = self.study, self.study.model
-        study.met.clear()
-        links: list[list[Any]] = [[] for _ in self.cases]
+        touched = [study.touches(*BETWEEN, ("cases", case)) for case in self.cases]
         rows = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
-        numbers = np.empty((*rows, 1 + len(model.group)), np.int32)
+        numbers, links = np.empty((*rows, 1 + len(model.group)), np.int32), list[list[Any]]()
         for place, case in enumerate(self.cases):
-            numbers[..., place, :, :, 0] = self._case(case, links[place])
+            table: list[Any] = []
+            numbers[..., place, :, :, 0] = self._grid(touched[place], partial(self._begin, case, table))
+            links.append(table)
         self._refuse()
         for place in range(len(model.group)):
-            numbers[..., 1 + place] = self._alone(place)[..., None, :, :]
+            alone = self._grid(study.touching("buildings", place), partial(self._begin_alone, place))
+            numbers[..., 1 + place] = alone[..., None, :, :]
         if asks is not None:
             points = product(*map(range, self.sizes))
             wanted = (asks(*row) for row in product(points, self.cases, self.analyses, self.records))
@@ -85,7 +87,7 @@ class _Expansion:
             buildings=places(model.group),
             digests=digests,
             numbers=numbers,
-            links=_table(links, self.sizes, [study.touches(*BETWEEN, ("cases", case)) for case in self.cases]),
+            links=_table(links, self.sizes, touched),
             build=self.scene,
             accuracy=model.accuracy,
             method=model.method,
@@ -101,67 +103,48 @@ class _Expansion:
         if number not in self._begun:
             *point, case = map(int, np.unravel_index(number, (*self.sizes, len(self.cases))))
             at, study = tuple(point), self.study
-            group, used = study.group(at), study.motions(at)
+            group, used, links = study.group(at), study.motions(at), self.links_of(at, self.cases[case])
             assert group is not None  # the study was validated at every point
+            assert links is not None
             motions = [used[name].motion for name in self.records]
-            links = self._links_at(at, self.cases[case])
             first = Scene(tuple(group.buildings), links, motions[0], self.analyses[0], study.section(at, "tail"))
             keep(self._begun, number, (first, motions))
         first, motions = self._begun[number]
         return first.under(motions[record], self.analyses[analysis])
 
-    def _case(self, case: str, table: list[Any]) -> np.ndarray:
-        """The scenes of a case, see `_grid`; what tables say of its links is added to `table`."""
+    def _begin(self, case: str, table: list[Any], point: Point) -> Digests | None:
+        """What the digests of a case at a point begin with, None where something is wrong there; what tables say of its
+        links is added to `table`."""
+        group, sound = self.study.group(point), self.study.links(point, case)
+        if sound is None or group is None or self.study.problems.found:
+            return None
+        links = sound if self.links_of == self.study.links else self.links_of(point, case)
+        assert links is not None
+        table.append(_in_columns(links))
+        return Digests(group.buildings, links)
 
-        def begin(point: Point) -> Digests | None:
-            self.study.links(point, case)  # what is wrong with them, and with what they stand between
-            group = self.study.group(point)
-            if self._met() or group is None:
-                return None
-            links = self._links_at(point, case)
-            table.append(_in_columns(links))
-            return Digests(group.buildings, links)
-
-        return self._grid(self.study.touches(*BETWEEN, ("cases", case)), begin)
-
-    def _alone(self, place: int) -> np.ndarray:
-        """The scenes of a building alone, see `_grid`."""
-        own = self.study.touching("buildings", place)
-        return self._grid(own, lambda point: Digests((self.study.building(point, place),), ()))
+    def _begin_alone(self, place: int, point: Point) -> Digests:
+        return Digests((self.study.building(point, place),), ())
 
     def _grid(self, own: tuple[bool, ...], begin: Callable[[Point], Digests | None]) -> np.ndarray:
         """Numbers in `_content` of the scenes of what the axes `own` touch, on every motion, in every analysis; shape:
         values of every axis (1 where it touches neither that nor the motions), analyses, motions."""
-        rest = tuple(around and not mine for around, mine in zip(self._around, own, strict=True))
-        first = len(self._content) // DIGEST
-        for point in self._points(own):
-            begun = begin(point)
-            for other in self._points(rest):
-                endings = self._endings_at(tuple(map(add, point, other)))
-                if begun is None or self._met():
-                    if len(self._problems) >= MOST_PROBLEMS:
-                        self._refuse()
-                    continue
+        shape = _sizes(self.sizes, tuple(map(or_, own, self._around)))
+        begun, first = dict[Point, Digests | None](), len(self._content) // DIGEST
+        for point in product(*map(range, shape)):
+            place = tuple([at if mine else 0 for at, mine in zip(point, own, strict=True)])
+            if place not in begun:
+                begun[place] = begin(place)
+            digests, endings = begun[place], self._endings_at(point)
+            if digests is None or not endings:
+                self._note()
+            else:
                 for ending in endings:
-                    self._content += begun.ended(ending)
+                    self._content += digests.ended(ending)
         if self._problems:
-            return np.zeros((1,) * (len(self.sizes) + 2), np.int32)
+            return np.zeros((1,) * (len(shape) + 2), np.int32)
         numbers = np.arange(first, len(self._content) // DIGEST, dtype=np.int32)
-        each = len(self.analyses), len(self.records)
-        count = len(self.sizes)
-        both = [size for sizes in zip(self._kept(own), self._kept(rest), strict=True) for size in sizes]
-        # points of the own axes came slowest, then those of the rest: side by side, axis by axis
-        apart = numbers.reshape(*both[::2], *both[1::2], *each)
-        order = [axis for place in range(count) for axis in (place, count + place)]
-        whole = [own_size * rest_size for own_size, rest_size in zip(both[::2], both[1::2], strict=True)]
-        return apart.transpose(*order, -2, -1).reshape(*whole, *each)
-
-    def _points(self, touched: tuple[bool, ...]) -> Iterator[Point]:
-        """Every combination of the values of some axes, the others at their first."""
-        return product(*map(range, self._kept(touched)))
-
-    def _kept(self, touched: tuple[bool, ...]) -> tuple[int, ...]:
-        return tuple(size if mine else 1 for size, mine in zip(self.sizes, touched, strict=True))
+        return numbers.reshape(*shape, len(self.analyses), len(self.records))
 
     def _endings_at(self, point: Point) -> list[bytes]:
         """How the digests of all analyses and motions at a point end; empty where something is wrong."""
@@ -172,26 +155,23 @@ class _Expansion:
             keep(self._endings, key, [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked])
         return self._endings[key]
 
-    def _links_at(self, point: Point, case: str) -> tuple[Link, ...]:
-        """The links of a case at a point."""
-        key = case, self.study.key(point, (*BETWEEN, ("cases", case)))
-        if key not in self._links:
-            found = self.links_of(point, case)
-            assert found is not None  # the study was validated there
-            keep(self._links, key, found)
-        return self._links[key]
-
-    def _met(self) -> bool:
-        """Take over what is wrong at the points asked so far; whether anything is."""
-        for problem, point in self.study.met.items():
+    def _note(self) -> None:
+        """Take over what is wrong at the points asked so far.  Raises `InputError` where that is much."""
+        for problem, point in self.study.problems.found.items():
             self._problems.setdefault(_at_point(problem, self.study.axes, point))
-        self.study.met.clear()
-        return bool(self._problems)
+        self.study.problems.found.clear()
+        if len(self._problems) >= MOST_PROBLEMS:
+            self._refuse()
 
     def _refuse(self) -> None:
         """Raises `InputError` where something is wrong."""
         if self._problems:
             raise InputError(sorted(self._problems, key=lambda p: (p.line, p.column, p.message)))
+
+
+def _sizes(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> tuple[int, ...]:
+    """Sizes of the axes that touch something; 1 of the others."""
+    return tuple(size if mine else 1 for size, mine in zip(sizes, touched, strict=True))
 
 
 @functools.lru_cache(maxsize=1024)  # the cases of a study and many of its points share links
@@ -214,7 +194,7 @@ def _table(cases: list[list[Any]], sizes: tuple[int, ...], touched: list[tuple[b
     kinds = np.int16, object, float, float, float
     whole = [np.full((*sizes, len(cases), len(columns)), each, kind) for each, kind in zip(absent, kinds, strict=True)]
     for case, points in enumerate(cases):
-        small = tuple(size if mine else 1 for size, mine in zip(sizes, touched[case], strict=True))
+        small = _sizes(sizes, touched[case])
         rows = np.array([point for point, (places, *_) in enumerate(points) for _ in places], int)
         at = rows, np.array([number[place] for places, *_ in points for place in places], int)
         found = [(range(len(places)), *rest) for places, *rest in points]

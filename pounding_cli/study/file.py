@@ -388,7 +388,7 @@ class Problems:
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self.found: dict[Problem, None] = {}
+        self.found: dict[Problem, Any] = {}
 
     def add(self, mark: Mark, message: str, hint: str = "") -> None:
         """Note a problem at a line and column, or at a key of Python data."""

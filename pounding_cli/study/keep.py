@@ -34,9 +34,9 @@ def wanted(model: Any) -> Histories | None:
     return spec if isinstance(spec, Histories) else Histories()
 
 
-def check_keep(study: Study, problems: Problems) -> None:
+def check_keep(study: Study, model: Any, problems: Problems) -> None:
     """Note every name under `keep` that the study does not have."""
-    model, root, path = study.model, study.root, ("keep", "histories")
+    root, path = study.root, ("keep", "histories")
     spec = wanted(model)
     if spec is None:
         return

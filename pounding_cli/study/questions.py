@@ -222,6 +222,12 @@ class SensitivitySpec(Model):
     )
     seed: SEED = key(1, "seed of samples and draws")
 
+    def wrong(self) -> Iterator[Wrong]:
+        if self.method == "sobol" and self.samples is not None and self.samples & (self.samples - 1):
+            low = 1 << (self.samples.bit_length() - 1)
+            what = f"{self.samples} samples: Sobol's sequence is even only at powers of 2"
+            yield ("samples",), what, f"write {low} or {2 * low}"
+
 
 _END = {"type": ["number", "string"]}
 _OVER_FORM = {
@@ -272,3 +278,10 @@ class OptimiseSpec(Model):
     slice_points: Annotated[int, Whole(5, 1001)] = key(21, "points along each key through the optimum")
     map_points: Annotated[int, Whole(5, 201)] = key(15, "points along each of the two keys of the map")
     seed: SEED = key(1, "seed of the search")
+
+    def wrong(self) -> Iterator[Wrong]:
+        if self.least is not None and self.most is not None:
+            yield ("most",), "'least' and 'most' both stand here: give one of them", "remove one of the two", True
+        if (points := self.generations * (self.population or 0)) > 200_000:
+            what = f"generations and population make {points} points"
+            yield ("generations",), what, "keep it to 200000: write fewer"

@@ -46,17 +46,20 @@ def _refuse_alternatives(node: Any, kind: str, problems: Problems) -> None:
 
 
 def inherited(buildings: Any, problems: Problems) -> Any:
-    """The buildings with every `like:` carried out; unknown names and circles are noted and left out."""
+    """The buildings with every `like:` carried out; those that lead to unknown names or in circles are noted and left
+    out."""
     if not isinstance(buildings, Map):
         return buildings
     own = {name: _own(node, problems) for name, node in buildings.items()}
     done: dict[str, Any] = {}
     for name in own:
         for each in reversed(_chain(name, own, done, problems)):
-            like = like_of(own[each]) or ""
-            parent = done.get(like, own.get(like))  # as it is written only where that is told as a fault
-            done[each] = own[each] if parent is None else _merged(parent, own[each], "building")
-    return Map({name: done[name] for name in own}, buildings.mark, buildings.marks)
+            like = like_of(own[each])
+            if like is None:
+                done[each] = own[each]
+            elif like in done:
+                done[each] = _merged(done[like], own[each], "building")
+    return Map({name: done[name] for name in own if name in done}, buildings.mark, buildings.marks)
 
 
 def like_of(building: Any) -> str | None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
@@ -20,19 +20,18 @@ from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
 from pounding_cli.study.axes import UNWRITTEN, SweepAxis, read_axes, with_middles
-from pounding_cli.study.file import Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
+from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
 from pounding_cli.study.keep import check_keep
-from pounding_cli.study.laws import link_models
 from pounding_cli.study.links import OwnLaw, check_contact, content, own_laws
 from pounding_cli.study.links import links_of as scene_links
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
 from pounding_cli.study.motions import MotionReader, Used, motions_of
 from pounding_cli.study.old_links import refuse_old
-from pounding_cli.study.plain import shown
+from pounding_cli.study.plain import shown, unit_in
 from pounding_cli.study.plan import Axis
 from pounding_cli.study.spell import inherited, like_of, links_of
-from pounding_cli.study.words import fields_of, value_at
+from pounding_cli.study.words import value_at
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -50,6 +49,44 @@ BETWEEN: tuple[Subject, ...] = ("buildings", "group", "impact", "laws")
 """What all links depend on: between which buildings they stand, and how these strike."""
 
 _adapter = functools.cache(TypeAdapter)
+T = TypeVar("T")
+
+
+def answer(subjects: Callable[..., tuple[Subject, ...]]) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Decorates a method that answers at a point: it is worked out once for all points that do not differ in what it
+    depends on, where the other axes are set aside. What is wrong there is noted in `Study.problems` each time.
+
+    subjects : of the names that the method takes, what it depends on
+    """
+
+    def decorated(work: Callable[..., T]) -> Callable[..., T]:
+        @functools.wraps(work)
+        def asked(self: Study, point: Point, *names: str) -> T:
+            place = self.key(point, subjects(*names))
+            key = work, names, place
+            kept = self._kept.get(key)
+            if kept is None:
+                outer, self.problems = self.problems, Problems(self.file)
+                try:
+                    found = work(self, place, *names)
+                    kept = found, {problem: at or place for problem, at in self.problems.found.items()}
+                finally:
+                    self.problems = outer
+                keep(self._kept, key, kept)
+            for problem, at in kept[1].items():
+                self.problems.found.setdefault(problem, at)
+            return kept[0]
+
+        return asked
+
+    return decorated
+
+
+def keep(answers: dict[Any, Any], key: Any, found: Any) -> None:
+    """Keep an answer, and the latest ones before it."""
+    if len(answers) >= MOST_KEPT:
+        del answers[next(iter(answers))]
+    answers[key] = found
 
 
 class Study:
@@ -66,6 +103,8 @@ class Study:
     root : its tree, with the middle of every unknown value where its key stands
     from_data : it is Python data; no file holds it
     written : the study it was made from, whose units people read; None unless it was made from one
+    problems : what is wrong at the points asked so far, each with the point where the axes are set aside that it does
+        not depend on
     """
 
     def __init__(
@@ -73,48 +112,33 @@ class Study:
         path: Path,
         text: str,
         root: Map,
-        sampled: SweepAxis | None = None,
+        axes: Sequence[SweepAxis] | None = None,
         reader: MotionReader | None = None,
         written: Study | None = None,
     ) -> None:
-        self.model: Any
-        self.from_data: bool
+        """axes : in place of those that the file has."""
         self.path, self.text, self.file, self.written = path, text, shortened(path), written
-        self.from_data = written.from_data if written is not None else isinstance(root.mark[0], str)
+        self.from_data: bool = isinstance(root.mark[0], str) if written is None else written.from_data
         refuse_other_kinds(root, self.file)
-        problems, self.notes = Problems(self.file), Problems(self.file)
-        _refuse_unnamed(root, problems)
-        self.old_cases = refuse_old(root, problems)
-        root = Map({key: node for key, node in root.items() if key != "bracket"}, root.mark, root.marks)
-        self.root, self.middles = with_middles(root, problems)
+        self.problems, self.notes = Problems(self.file), Problems(self.file)
+        _refuse_unnamed(root, self.problems)
+        refuse_old(root, self.problems)
+        self.problems.check()
+        self.root, self.middles = with_middles(root, self.problems)
         self.reader = reader or MotionReader(path.resolve().parent)
-        self._over((*read_axes(self.root, problems), *((sampled,) if sampled is not None else ())))
-        self._check(problems)
-        self.title = self.model.title or shortened(path.stem)
-        self._say_axes()
-        _refuse_twins(self.axes, self.swept[: len(self.swept) - (sampled is not None)], problems)
-        problems.check()
-        self.warnings: tuple[Problem, ...] = written.warnings if written is not None else plausible.warnings(self)
-
-    def _over(self, axes: Sequence[SweepAxis]) -> None:
-        """Take the axes, and forget what was known of others."""
-        self.swept = tuple(axes)
+        self.swept = read_axes(self.root, self.problems) if axes is None else tuple(axes)
         self.base: Point = (-1,) * len(self.swept)
-        self.met: dict[Problem, Point] = {}
         self._touched = [touched_by(axis.names, self.root) for axis in self.swept]
         self._masks: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
-        self._kept: dict[Any, tuple[Any, tuple[Problem, ...]]] = {}
+        self._kept: dict[Any, tuple[Any, dict[Problem, Point]]] = {}
         self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
-        self._latest: tuple[Point, Map] | None = None  # the tree that was asked for last
-        self._last: tuple[Point, build.Group] | None = None  # the group that was asked for last, if it is sound
-
-    def _say_axes(self) -> None:
+        self.model: Any = self._checked()
+        self.title = self.model.title or shortened(path.stem)
         self.axes = tuple(Axis(axis.names, tuple(_values(axis)), axis.units) for axis in self.swept)
-
-    def narrow(self, axes: Sequence[SweepAxis]) -> None:
-        """Keep some of the points of the sweep."""
-        self._over(axes)
-        self._say_axes()
+        if axes is None:
+            _refuse_twins(self.axes, self.swept, self.problems)
+            self.problems.check()
+        self.warnings: tuple[Problem, ...] = written.warnings if written is not None else plausible.warnings(self)
 
     # What stands at a point
 
@@ -135,26 +159,7 @@ class Study:
     def key(self, point: Point, subjects: tuple[Subject, ...]) -> Point:
         """A point with the axes set aside that touch none of some subjects."""
         mask = self._masks.get(subjects) or self.touches(*subjects)
-        if True not in mask:
-            return self.base
-        if False not in mask:
-            return point
         return tuple([place if mine else -1 for place, mine in zip(point, mask, strict=True)])
-
-    def once(
-        self, name: Any, point: Point, subjects: tuple[Subject, ...], work: Callable[[Point, Problems], Any]
-    ) -> Any:
-        """An answer at a point, worked out once for all points that do not differ in what it depends on; what is wrong
-        is in `met`, with the point where the other axes are set aside."""
-        place = self.key(point, subjects)
-        found = self._kept.get((name, place))
-        if found is None:
-            own = Problems(self.file)
-            found = work(place, own), tuple(own.found)
-            keep(self._kept, (name, place), found)
-        if found[1]:
-            self.met |= dict.fromkeys(found[1], place)
-        return found[0]
 
     def _patched(self, point: Point, *sections: str) -> Map:
         """The tree with the swept values of some sections, all unless given, at a point."""
@@ -169,8 +174,6 @@ class Study:
 
     def tree(self, point: Point) -> Map:
         """The whole tree at a point, `like:` and links as the schema takes them; made to place problems."""
-        if self._latest is not None and self._latest[0] == point:
-            return self._latest[1]
         root = self._patched(point)
         found = Map(root, root.mark, root.marks)
         if "buildings" in found:
@@ -178,171 +181,110 @@ class Study:
         if isinstance(cases := root.get("cases"), Map):
             impact, laws = root.get("impact"), root.get("laws") or ()
             found["cases"] = Map({n: links_of(c, impact, laws) for n, c in cases.items()}, cases.mark, cases.marks)
-        self._latest = point, found
         return found
 
     def at(self, point: Point) -> Callable[[], Map]:
         """As `tree`, made when it is first asked for: most points have no problems."""
         return functools.cache(lambda: self.tree(point))
 
-    def _valid(self, kind: Any, value: Any, path: tuple[str, ...], point: Point, problems: Problems) -> Any:
+    def _valid(self, kind: Any, value: Any, path: tuple[str, ...], point: Point) -> Any:
+        """A part of the file validated; None where it is faulty."""
         try:
             return _adapter(kind).validate_python(value)
         except ValidationError as error:
-            problems.validation(self.tree(point), error, path, schema.Study)
+            root = self._patched(point, path[0])
+            self.problems.validation(put(root, path, value, locate(root, path)), error, path, schema.Study)
             return None
 
+    @answer(lambda name: (name,))
     def section(self, point: Point, name: str) -> Any:
         """A validated section other than buildings and cases, or its default; None where it is faulty."""
-        return self.once(("section", name), point, (name,), lambda at, problems: self._section(at, name, problems))
-
-    def _section(self, at: Point, name: str, problems: Problems) -> Any:
-        field, root = schema.Study.model_fields[name], self._patched(at, name)
-        if root.get(name) is None:
+        field, value = schema.Study.model_fields[name], self._patched(point, name).get(name)
+        if value is None:
             return None if field.is_required() else field.get_default()
-        kind, value = field.rebuild_annotation(), root[name]
-        found = self._valid(kind, value, (name,), at, problems)
-        if found is not None or not isinstance(value, Map):
-            return found
-        # What remains without the faulty entries: the rest is looked at too.
+        return self._valid(field.rebuild_annotation(), value, (name,), point)
+
+    @answer(lambda: ("buildings",))
+    def _buildings(self, point: Point) -> Map:
+        """The section `buildings` with every `like:` carried out; empty where it is no mapping."""
+        found = inherited(self._patched(point, "buildings").get("buildings"), self.problems)
+        return found if isinstance(found, Map) else Map()
+
+    @answer(lambda name: (("buildings", name),))
+    def building_spec(self, point: Point, name: str) -> BuildingSpec | None:
+        """The validated keys of a building type; None where they are faulty."""
+        return self._valid(BuildingSpec, self._buildings(point)[name], ("buildings", name), point)
+
+    @answer(lambda name: (("buildings", name),))
+    def type(self, point: Point, name: str) -> Building | None:
+        """A building type; None where it is not sound."""
+        spec, path = self.building_spec(point, name), ("buildings", name)
         try:
-            _adapter(kind).validate_python(value)
-        except ValidationError as error:
-            faulty = {str(item["loc"][0]) for item in error.errors() if item["loc"]}
-            harmless = {"duration": "whole", "scale": 1.0} if name == "records" else {}
-            kept = {key: each for key, each in value.items() if key not in faulty}
-            return self._valid(
-                kind, {**{key: harmless[key] for key in faulty & harmless.keys()}, **kept}, (), at, Problems("")
-            )
+            return None if spec is None else build.building(name, spec)
+        except UnstableError as error:
+            hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
+            self.problems.at(self.tree(point), (*path, "p_delta"), str(error), hint)
+        except (ValueError, FloatingPointError) as error:
+            hint = "check the building's masses, heights, period and stiffness"
+            self.problems.at(self.tree(point), path, str(error), hint)
+        return None
 
     def types(self, point: Point) -> dict[str, Building]:
         """The building types by name, those that are sound."""
-        buildings = self.root.get("buildings")
-        found = ((name, self.type(point, name)) for name in (buildings if isinstance(buildings, Map) else ()))
+        found = ((name, self.type(point, name)) for name in self._buildings(self.base))
         return {name: built for name, built in found if built is not None}
 
-    def _buildings(self, point: Point) -> Any:
-        """The section `buildings` with every `like:` carried out."""
-
-        def work(at: Point, problems: Problems) -> Any:
-            return inherited(self._patched(at, "buildings").get("buildings"), problems)
-
-        return self.once("buildings", point, ("buildings",), work)
-
-    def building_spec(self, point: Point, name: str) -> BuildingSpec | None:
-        """The validated keys of a building type."""
-        tree = self._buildings(self.key(point, (("buildings", name),)))
-
-        def work(at: Point, problems: Problems) -> Any:
-            own = Problems(self.file)
-            spec = self._valid(BuildingSpec, tree[name], ("buildings", name), at, own)
-            like = like_of(get(self.root, "buildings", name))
-            if own.found and like is not None and not _is_valid(BuildingSpec, tree.get(like)):
-                whole = locate(tree, (name,))  # what the whole lacks is told of the one it is like
-                own.found = {each: None for each in own.found if (each.line, each.column) != whole}
-            problems.extend(own.found)
-            return spec
-
-        if not isinstance(tree, Map) or name not in tree:
-            return None
-        return self.once(("spec", name), point, (("buildings", name),), work)
-
-    def type(self, point: Point, name: str) -> Building | None:
-        """A building type."""
-        spec = self.building_spec(point, name)
-
-        def work(at: Point, problems: Problems) -> Building | None:
-            path = ("buildings", name)
-            try:
-                return build.building(name, spec)
-            except UnstableError as error:
-                hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
-                problems.at(self.at(at), (*path, "p_delta"), str(error), hint)
-            except (ValueError, FloatingPointError) as error:
-                hint = "check the building's masses, heights, period and stiffness"
-                problems.at(self.at(at), path, str(error), hint)
-            return None
-
-        return None if spec is None else self.once(("type", name), point, (("buildings", name),), work)
-
+    @answer(lambda: ("buildings", "group"))
     def group(self, point: Point) -> build.Group | None:
         """The buildings by place and what meets between them; None where it is not sound."""
-        place = self.key(point, ("buildings", "group"))
-        if self._last is not None and self._last[0] == place:
-            return self._last[1]
-        types, names = self.types(point), self.section(point, "group")
+        names, types, defined = self.section(point, "group"), self.types(point), list(get(self.root, "buildings") or ())
+        if names is None or not defined or not build.check_group(names, defined, self.root, self.problems):
+            return None
+        if any(name not in types for name in names):
+            return None
+        group = build.Group.of(names, types, defined)
+        return group if build.check_meetings(group, self.root, self.problems) else None
 
-        def work(at: Point, problems: Problems) -> build.Group | None:
-            defined = list(self.root["buildings"]) if isinstance(self.root.get("buildings"), Map) else []
-            if not defined or not build.check_group(names, defined, self.root, problems):
-                return None
-            if any(name not in types for name in names):
-                return None
-            group = build.Group.of(names, types, defined)
-            slips = {
-                building.name: plausible.slip_of_height(building, self.at(at), ("buildings", name))
-                for name, building in zip(names, group.buildings, strict=True)
-                if not all(common or strikes for common, strikes in zip(group.common, group.strikes, strict=True))
-            }
-            return group if build.check_meetings(group, slips, self.at(at), problems) else None
-
-        group = None if names is None else self.once("group", point, ("buildings", "group"), work)
-        self._last = None if group is None else (place, group)
-        return group
-
+    @answer(lambda: ("laws",))
     def laws(self, point: Point) -> dict[str, OwnLaw]:
         """The laws of the study's own by name."""
-        specs = self.section(point, "laws") or {}
-        return self.once("laws", point, ("laws",), lambda at, problems: own_laws(specs, self.at(at), problems))
+        return own_laws(self.section(point, "laws") or {}, self.at(point), self.problems)
 
+    @answer(lambda: ("impact", "laws"))
+    def impact(self, point: Point) -> Any:
+        """The validated impact element; None where it is faulty."""
+        impact, laws = self.section(point, "impact"), self.laws(point)
+        is_sound = impact is not None and check_contact(impact.law, laws, self.at(point), self.problems)
+        return impact if is_sound else None
+
+    @answer(lambda name: ("impact", ("cases", name)))
     def case(self, point: Point, name: str) -> Case | None:
-        """A validated case."""
+        """A validated case; None where it is faulty."""
+        root = self._patched(point, "cases", "impact")
+        case = links_of(root["cases"][name], root.get("impact"), self.root.get("laws") or ())
+        return self._valid(Case, case, ("cases", name), point)
 
-        def work(at: Point, problems: Problems) -> Case | None:
-            root = self._patched(at, "cases", "impact")
-            case = links_of(root["cases"][name], root.get("impact"), self.root.get("laws") or ())
-            return self._valid(Case, case, ("cases", name), at, problems)
-
-        return None if name in self.old_cases else self.once(("case", name), point, (("cases", name), "impact"), work)
-
+    @answer(lambda name: (*BETWEEN, ("cases", name)))
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
-        """The links of a case; None where something is wrong."""
-        subjects = (*BETWEEN, ("cases", name))
-        kept = self._kept.get((("links", name), self.key(point, subjects)))
-        if kept is not None and kept[0] is not None:  # sound, and so is all that it follows from
-            return kept[0]
-        case, group, laws, impact = (
-            self.case(point, name),
-            self.group(point),
-            self.laws(point),
-            self.section(point, "impact"),
-        )
-        if case is None or impact is None or not check_contact(impact.law, laws, self.root, Problems("")):
+        """The links of a case; None where something is wrong with them."""
+        case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
+        if case is None or impact is None:
             return None
-        if group is None:
-            defined = list(self.root["buildings"]) if isinstance(self.root.get("buildings"), Map) else []
-            group = build.Group((), self.types(point), (), (), defined)
+        if group is None:  # so that what is wrong with the links is told beside what is wrong with the group
+            group = build.Group((), self.types(point), (), (), list(get(self.root, "buildings") or ()))
+        root, key = self.at(point), content(case, group, impact, laws)
+        if key is not None and key in self._alike:
+            return self._alike[key]
+        found = scene_links(case, group, impact, laws, ("cases", name), functools.partial(self.problems.at, root))
+        if key is not None and found is not None:
+            keep(self._alike, key, found)
+        return found
 
-        def work(at: Point, problems: Problems) -> tuple[Link, ...] | None:
-            def note(path: tuple[str | int, ...], message: str, hint: str) -> None:
-                problems.at(self.at(at), path, message, hint)
-
-            key = content(case, group, impact, laws)
-            found = self._alike.get(key) or scene_links(case, group, impact, laws, ("cases", name), note)
-            if key is not None and found is not None:
-                keep(self._alike, key, found)
-            return found
-
-        return self.once(("links", name), point, subjects, work)
-
+    @answer(lambda: ("records",))
     def motions(self, point: Point) -> Mapping[str, Used]:
         """The motions by name at a point of the sweep (one index an axis), cut and scaled."""
         spec = self.section(point, "records")
-
-        def work(at: Point, problems: Problems) -> dict[str, Used]:
-            return motions_of(spec, self.reader, self.at(at), problems, self.notes)
-
-        return {} if spec is None else self.once("motions", point, ("records",), work)
+        return {} if spec is None else motions_of(spec, self.reader, self.at(point), self.problems, self.notes)
 
     # What people and tables ask
 
@@ -362,8 +304,6 @@ class Study:
 
     def unit(self, quantity: str) -> Unit:
         """The unit the study writes a quantity in, to show it to people: one of `plain.PLACES`, e.g. gap."""
-        from pounding_cli.study.plain import unit_in
-
         source = self.written or self
         return unit_in(source._patched((0,) * len(source.swept)), quantity)
 
@@ -378,19 +318,17 @@ class Study:
         motions = {name: each.motion for name, each in used.items()}
         return records.spectrum_match(motions, target, scale.spectrum == "each", scale.at_least)
 
+    @answer(lambda name: (("buildings", name),))
     def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
         """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
-        spec: Any = self.building_spec(point, name)
         building: Any = self.type(point, name)
-        work = lambda at, problems: build.design_displacements(spec, building)  # noqa: E731
-        return self.once(("design", name), point, (("buildings", name),), work)
+        return build.design_displacements(self.building_spec(point, name), building)
 
+    @answer(lambda name: (("buildings", name),))
     def code_displacements(self, point: Point, name: str) -> Mapping[str, np.ndarray]:
         """Displacements of a building type that codes expect, by rule (`build.code_displacements`) [m]."""
-        spec: Any = self.building_spec(point, name)
         building: Any = self.type(point, name)
-        work = lambda at, problems: build.code_displacements(spec, building)  # noqa: E731
-        return self.once(("codes", name), point, (("buildings", name),), work)
+        return build.code_displacements(self.building_spec(point, name), building)
 
     def separations(self, point: Point) -> np.ndarray:
         """The code's separation of every building from the next one to the right [m], shape (buildings,).
@@ -426,61 +364,55 @@ class Study:
 
     # Checks
 
-    def _check(self, problems: Problems) -> None:
-        """Look at the study as written and at every value of every axis.  Raises `InputError`."""
-        root = self.tree(self.base)
+    def _checked(self) -> Any:
+        """The study as written, validated there and at every value of every axis.  Raises `InputError`."""
+        root, problems = self.tree(self.base), self.problems
         model = None
         try:
             model = schema.Study.model_validate(root)
         except ValidationError as error:
             problems.validation(root, error, (), schema.Study, told=("buildings", "cases"))
-        problems.extend(self._problems(self.base))
+        self._ask(self.base)
         if self.root.get("uncertain") is not None:
             from pounding_cli.study.vary import read_uncertain  # here: few studies have distributions
 
             read_uncertain(self.root, problems)
-        faulty = bool(problems.found)
+        as_written = dict(problems.found)
         for number, axis in enumerate(self.swept):
             for place in range(len(axis)):
-                point = (*self.base[:number], place, *self.base[number + 1 :])
-                problems.extend(_at_value(self._problems(point, self._touched[number]), axis, place, faulty))
+                self.problems = Problems(self.file)
+                self._ask((*self.base[:number], place, *self.base[number + 1 :]))
+                new = [problem for problem in self.problems.found if problem not in as_written]
+                problems.extend(_at_value(new, axis, place, bool(as_written)))
+                if len(problems.found) > MOST_TOLD:
+                    problems.check()
+        self.problems = problems
         if model is not None:
-            self.model = model
-            self._check_names(root, problems)
-            check_keep(self, problems)
+            self._check_names(model, root)
+            check_keep(self, model, problems)
         problems.check()
+        return model
 
-    def _problems(self, point: Point, touched: frozenset[Subject] | None = None) -> tuple[Problem, ...]:
-        """Everything wrong at a point with what some subjects may change, all unless given."""
-        self.met.clear()
-
-        def changes(*subjects: Subject) -> bool:
-            return touched is None or not touched.isdisjoint(subjects)
-
-        if changes("records"):
-            self.motions(point)
-        if changes("tail"):
-            self.section(point, "tail")
-        if changes("buildings", "group"):
-            self._buildings(point)
-            self.group(point)
-        if changes("impact", "laws") and (impact := self.section(point, "impact")) is not None:
-            laws = self.laws(point)
-            check = lambda at, problems: check_contact(impact.law, laws, self.at(at), problems)  # noqa: E731
-            self.once("contact", point, ("impact", "laws"), check)
+    def _ask(self, point: Point) -> None:
+        """Ask for all that scenes take at a point, to learn what is wrong."""
+        self.motions(point)
+        self.section(point, "tail")
+        self._buildings(point)
+        self.group(point)
+        self.impact(point)
         cases = self.root.get("cases")
         for name in cases if isinstance(cases, Map) else ():
-            if changes(*BETWEEN, ("cases", name)):
-                self.links(point, name)
-        return tuple(self.met)
+            self.links(point, name)
+            if len(self.problems.found) > MOST_TOLD:
+                break
 
-    def _check_names(self, root: Map, problems: Problems) -> None:
+    def _check_names(self, model: Any, root: Map) -> None:
         """Names that the whole study must know."""
-        spec = self.model
-        for place, case in enumerate(spec.report.plot or ()):
-            if case not in spec.cases:
-                problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, spec.cases))
-        known, wanted = dict.fromkeys((*build.places(spec.group), *spec.group)), spec.report.building
+        problems = self.problems
+        for place, case in enumerate(model.report.plot or ()):
+            if case not in model.cases:
+                problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
+        known, wanted = dict.fromkeys((*build.places(model.group), *model.group)), model.report.building
         if wanted is not None and wanted not in known:
             problems.at(root, ("report", "building"), f"no building '{wanted}' in the group", nearest(wanted, known))
 
@@ -493,21 +425,6 @@ def load_study(path: str | Path) -> Study:
     """
     path = Path(path)
     return Study(path, *read_study(path))
-
-
-def keep(answers: dict[Any, Any], key: Any, answer: Any) -> None:
-    """Keep an answer, and the latest ones before it."""
-    if len(answers) >= MOST_KEPT:
-        del answers[next(iter(answers))]
-    answers[key] = answer
-
-
-def _is_valid(kind: Any, value: Any) -> bool:
-    try:
-        _adapter(kind).validate_python(value)
-    except ValidationError:
-        return False
-    return True
 
 
 def touched_by(names: Sequence[str], root: Map) -> frozenset[Subject]:
@@ -527,37 +444,22 @@ def _inherits(name: str, path: Sequence[str], buildings: Map) -> bool:
     """Whether building `name` takes the key at `path` (building, key, ...) from there, itself or through `like:`."""
     seen: set[str] = set()
     while name != path[0]:
-        if name in seen or get(buildings, name, *path[1:]) is not None:
+        like = like_of(buildings.get(name))
+        if name in seen or like is None or get(buildings, name, *path[1:]) is not None:
             return False
         seen.add(name)
-        like = like_of(buildings.get(name))
-        if like is None:
-            return False
         name = like
     return True
 
 
 def _refuse_unnamed(root: Map, problems: Problems) -> None:
     """Raise `InputError` where the keys of one case, or of one building, stand where names belong."""
-    varied = [key.split(".") for key in plausible.swept_keys(root)]
-    links = {"links", *(key for link in link_models().values() for key in fields_of(link))}
-    buildings = {info.alias or key for key, info in BuildingSpec.model_fields.items()}
-    for section, known, needed, what, name in (
-        ("cases", links, "link", "case", "pair"),
-        ("buildings", buildings, "storeys", "building", "A"),
-    ):
-        node = root.get(section)
-        if (
-            not isinstance(node, Map)
-            or needed not in node
-            or not known.issuperset(node)
-            or isinstance(node[needed], Map)
-        ):
-            continue
-        name = next((path[1] for path in varied if path[0] == section and len(path) > 2), name)
-        whole = f"{{{', '.join(f'{key}: {value}' for key, value in node.items())}}}"[:200]
-        hint = f"write e.g. `{section}: {{{name}: {whole}}}`; '{name}' names the {what}"
-        problems.add(root.marks[section][1], f"the {what} under `{section}:` has no name", hint)
+    for section, needed, name in (("cases", "link", "pair"), ("buildings", "storeys", "A")):
+        value = get(root, section, needed)
+        if isinstance(value, str | int):
+            what = section.removesuffix("s")
+            hint = f"write its keys below a name, e.g. `{section}: {{{name}: {{{needed}: {value}, ...}}}}`"
+            problems.add(root.marks[section][1], f"the {what} under `{section}:` has no name", hint)
     problems.check()
 
 
@@ -581,12 +483,9 @@ def _values(axis: SweepAxis) -> Iterator[tuple[float | str, ...]]:
 
 def _refuse_twins(said: Sequence[Axis], axes: Sequence[SweepAxis], problems: Problems) -> None:
     """Note points of an axis that are one and the same: 0.5 and 1/2."""
-    for axis, written in zip(said, axes, strict=False):
+    for axis, written in zip(said, axes, strict=True):
         first: dict[tuple[float | str, ...], int] = {}
         for place, values in enumerate(axis.values):
-            if values in first:
-                one, other = (", ".join(map(str, written.given[number])) for number in (first[values], place))
-                what = f"{one} occurs twice" if one == other else f"{one} and {other} are the same and stand"
-                where = ", ".join(axis.names)
-                problems.add(written.marks[place][0], f"{what} on the axis '{where}'", "remove one of the two")
-            first.setdefault(values, place)
+            if (same := first.setdefault(values, place)) != place:
+                what = f"{written.told(same)} and {written.told(place)} are the same point of this axis"
+                problems.add(written.marks[place][0], what, "remove one of the two")

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
-from pounding_cli.study.axes import can_vary, in_unit, same, unit_of
+from pounding_cli.study.axes import can_vary, in_unit, same, sweep_maps, unit_of
 from pounding_cli.study.file import Items, Map, Mark, Problems, nearest
 from pounding_cli.study.quantity import LINK_STIFFNESS, Quantity, Storey, lacks_unit, said_place
 from pounding_cli.study.words import quantity_at
@@ -34,7 +34,6 @@ NEEDED = {
 
 _MORE = {"uniform": ("spacing",), "normal": ("from", "to"), "lognormal": ("from", "to"), "triangular": ()}
 CHOICE, RANGE = "choice", "{from: 0.3, to: 0.6}"
-DISTRIBUTIONS = (*NEEDED, CHOICE)
 EXAMPLES = {
     "uniform": "{uniform: {from: 0.3, to: 0.6}}",
     "normal": "{normal: {mean: 0.5, sd: 0.1, from: 0.2, to: 0.8}}",
@@ -61,13 +60,17 @@ class Distribution:
     is_log: bool = False
     storey: Storey | None = None
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """`from` and `to`, infinite where they are not given."""
+        return self.fields.get("from", -np.inf), self.fields.get("to", np.inf)
+
     @cached_property
     def _frozen(self) -> Any:
         """The distribution of scipy, of the logarithm where that is normal."""
         from scipy import stats  # half a second to import, and few studies have distributions
 
-        given = self.fields
-        low, high = given.get("from", -np.inf), given.get("to", np.inf)
+        given, (low, high) = self.fields, self.ends
         if self.name == "uniform":
             return stats.loguniform(low, high) if self.is_log else stats.uniform(low, high - low)
         if self.name == "triangular":
@@ -82,15 +85,14 @@ class Distribution:
 
     def __call__(self, u: np.ndarray | float) -> np.ndarray:
         """Values at u in [0, 1], which covers what lies between `from` and `to`; same shape."""
-        u, given = np.asarray(u, dtype=float), self.fields
-        endless = self.name in ("normal", "lognormal") and not {"from", "to"} <= given.keys()
+        u = np.asarray(u, dtype=float)
+        endless = self.name in ("normal", "lognormal") and not {"from", "to"} <= self.fields.keys()
         found = self._frozen.ppf(np.clip(u, _LEAST, 1 - _LEAST) if endless else u)
-        found = np.exp(found) if self.name == "lognormal" else found
-        return np.clip(found, given.get("from", -np.inf), given.get("to", np.inf))
+        return np.clip(np.exp(found) if self.name == "lognormal" else found, *self.ends)
 
     def share_of(self, value: float) -> float | None:
         """The u of a uniform distribution at a value; None beyond its ends."""
-        low, high = self.fields["from"], self.fields["to"]
+        low, high = self.ends
         return float(self._frozen.cdf(value)) if low <= value <= high else None
 
 
@@ -145,19 +147,14 @@ class Factor:
 
     def place(self, written: Any) -> float | None:
         """The u of what the file says; None where it lies outside a range or among no options."""
+        value = same(written, self.quantity)
         if self.options:
             known = {same(option, self.quantity): number for number, option in enumerate(self.choices)}
-            number = known.get(same(written, self.quantity))
-            return None if number is None else (number + 0.5) / self.options
-        try:
-            value: Any = self.quantity.read(written) if self.quantity is not None else None
-        except PydanticCustomError:
-            return None
+            return (known[value] + 0.5) / self.options if value in known else None
         assert self.drawn is not None
-        storey = self.drawn.storey
-        if isinstance(value, Storey) or storey is not None:
-            is_same = isinstance(value, Storey) and storey is not None and replace(value, factor=1.0) == storey
-            value = value.factor if is_same else None
+        if _base(value) != self.drawn.storey:
+            return None
+        value = value.factor if isinstance(value, Storey) else value
         return self.drawn.share_of(value) if isinstance(value, int | float) else None
 
 
@@ -182,7 +179,7 @@ def read_uncertain(root: Map, problems: Problems) -> list[Factor]:
                 hint = "write `motion: any` (one of them) or `motion: bootstrap` (as many, drawn with replacement)"
                 problems.add(entry.marks[key][1], f"motion: '{entry[key]}' is not known", hint)
             elif can_vary(key, mark, root, problems, "the key"):
-                mine += _Reader(key, entry, problems).factor()
+                mine += _factor(key, entry, problems)
             seen.setdefault(key, mark)
         found += _together(mine, problems) if is_list else mine
     return found
@@ -194,7 +191,7 @@ def read_searched(root: Map, problems: Problems) -> list[Factor]:
     found = []
     for key, mark in _keys("over", over, at, root, problems, RANGE):
         if can_vary(key, mark, root, problems, "the key"):
-            found += _Reader(key, over, problems, is_range=True).factor()
+            found += _factor(key, over, problems, is_range=True)
     return found
 
 
@@ -203,9 +200,7 @@ def _keys(section: str, node: Any, at: Mark, root: Map, problems: Problems, exam
     if not isinstance(node, Map):
         problems.add(at, f"'{section}' is not a mapping of keys", f"write `impact.restitution: {example}`")
         return
-    sweep = root.get("sweep")
-    holders = sweep if isinstance(sweep, Items) else [sweep]
-    swept = {key: mark[0] for holder in holders if isinstance(holder, Map) for key, mark in holder.marks.items()}
+    swept = {key: mark[0] for holder in sweep_maps(root) for key, mark in holder.marks.items()}
     for key, (mark, _) in node.marks.items():
         if key in swept:
             message = f"'{key}' is also {said_place(swept[key])}, under `sweep:`"
@@ -230,168 +225,137 @@ def _together(factors: list[Factor], problems: Problems) -> list[Factor]:
     return [replace(first, together=tuple(others))]
 
 
-class _Reader:
-    """Reads how one key varies; what is wrong is noted in `problems`.
+def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False) -> list[Factor]:
+    """How one key varies; none where something is wrong, which is noted.
 
     is_range : whether it is searched over a range, which is read as the uniform distribution between its ends
     """
+    (mark, at), node, quantity = holder.marks[key], holder[key], quantity_at(schema.Study, tuple(key.split(".")))
+    if is_range and not (isinstance(node, Map) and CHOICE in node):
+        node = Map({"uniform": node}, at, {"uniform": (at, at)})
+    name = next(iter(node)) if isinstance(node, Map) and len(node) == 1 else ""
+    if name not in EXAMPLES:
+        what = f"has no distribution '{name}'" if name else "takes one distribution"
+        hint = f"write one of {', '.join(EXAMPLES)}, e.g. `{key}: {EXAMPLES['uniform']}`"
+        if is_range:
+            what, hint = "takes a range or a choice", f"write `{key}: {RANGE}` or `{key}: {EXAMPLES[CHOICE]}`"
+        problems.add(node.marks[name][0] if name else at, f"'{key}' {what}", hint)
+        return []
+    at, below, before = node.marks[name][1], node[name], len(problems.found)
+    if name == CHOICE:
+        _check_choice(key, below, at, quantity, problems)
+    elif quantity is None:
+        hint = f"write the values to choose from: `{key}: {{choice: [...]}}`"
+        problems.add(at, f"'{key}' takes no number that could be drawn from a range", hint)
+    else:
+        example = f"write `{key}: {RANGE if is_range else EXAMPLES[name]}`"
+        drawn = _distribution(key, name, below, at, quantity, problems, example)
+    if len(problems.found) > before:
+        return []
+    if name == CHOICE:
+        return [Factor(key, mark, unit_of(below, quantity), len(below), tuple(below), quantity=quantity)]
+    assert drawn is not None
+    unit, storey = unit_of(list(below.values()), quantity), drawn.storey
+    if storey is not None:
+        unit = Unit(str(storey).removeprefix("1 "))
+    spacing = ("log" if drawn.is_log else "linear") if is_range else ""
+    return [Factor(key, mark, unit, drawn=drawn, quantity=quantity, spacing=spacing)]
 
-    def __init__(self, key: str, holder: Map, problems: Problems, is_range: bool = False) -> None:
-        (self.mark, self.at), self.node = holder.marks[key], holder[key]
-        self.key, self.problems, self.is_range = key, problems, is_range
-        self.quantity = quantity_at(schema.Study, tuple(key.split(".")))
 
-    def factor(self) -> list[Factor]:
-        """The factor; none where something is wrong."""
-        node = self.node
-        if self.is_range and not (isinstance(node, Map) and CHOICE in node):
-            node = Map({"uniform": node}, self.at, {"uniform": (self.at, self.at)})
-        if not isinstance(node, Map) or len(node) != 1:
-            what = "has more than one distribution" if isinstance(node, Map) and node else "has no distribution"
-            hint = f"write one of {', '.join(DISTRIBUTIONS)}, e.g. `{self.key}: {EXAMPLES['uniform']}`"
-            if self.is_range:
-                what, hint = (
-                    "has more than its choice",
-                    f"write `{self.key}: {EXAMPLES[CHOICE]}` or `{self.key}: {RANGE}`",
-                )
-            self.problems.add(self.at, f"'{self.key}' {what}", hint)
-            return []
-        ((name, below),) = node.items()
-        name_at, self.at = node.marks[name]
-        if name not in DISTRIBUTIONS:
-            self.problems.add(name_at, f"no distribution '{name}' is known", nearest(name, DISTRIBUTIONS))
-            return []
-        return self._choice(below) if name == CHOICE else self._drawn(name, below)
+def _check_choice(key: str, options: Any, at: Mark, quantity: Quantity | None, problems: Problems) -> None:
+    """Note what is wrong with a list of values to choose from."""
+    if not isinstance(options, Items) or len(options) < 2:
+        what, hint = f"'{key}': a choice is a list of two values or more", f"write `{key}: {EXAMPLES[CHOICE]}`"
+        problems.add(at, what, hint)
+        return
+    seen: dict[Any, Any] = {}
+    for option, mark in zip(options, options.marks, strict=True):
+        alike = same(option, quantity)
+        if alike in seen:
+            problems.add(mark, f"'{key}': {option} and {seen[alike]} are one value", "remove one of the two")
+        elif quantity is not None and lacks_unit(option, quantity):
+            problems.add(mark, f"'{key}': {option} has no unit", f"write its unit too, e.g. {quantity.example}")
+        seen.setdefault(alike, option)
 
-    def _choice(self, options: Any) -> list[Factor]:
-        if not isinstance(options, Items) or len(options) < 2:
-            hint = f"write `{self.key}: {EXAMPLES[CHOICE]}`"
-            self.problems.add(self.at, f"'{self.key}': a choice is a list of two values or more", hint)
-            return []
-        seen: dict[Any, Any] = {}
-        for option, mark in zip(options, options.marks, strict=True):
-            alike = same(option, self.quantity)
-            if alike in seen:
-                message = f"'{self.key}': {option} and {seen[alike]} are one value"
-                self.problems.add(mark, message, "remove one of the two")
-                return []
-            if self.quantity is not None and lacks_unit(option, self.quantity):
-                hint = f"write its unit too, e.g. {self.quantity.example}"
-                self.problems.add(mark, f"'{self.key}': {option} has no unit", hint)
-                return []
-            seen[alike] = option
-        unit = unit_of(options, self.quantity)
-        return [Factor(self.key, self.mark, unit, len(options), tuple(options), quantity=self.quantity)]
 
-    def _drawn(self, name: str, node: Any) -> list[Factor]:
-        before = len(self.problems.found)
-        found = self._distribution(name, node)
-        if found is None or len(self.problems.found) > before:
-            return []
-        spacing = ("log" if found.is_log else "linear") if self.is_range else ""
-        storey = found.storey
-        if storey is None:
-            unit = unit_of(list(node.values()), self.quantity)
-        else:
-            unit = Unit(f"x {storey.which} storey" + (f" of {storey.building}" if storey.building else ""))
-        return [Factor(self.key, self.mark, unit, drawn=found, quantity=self.quantity, spacing=spacing)]
+def _distribution(
+    key: str, name: str, node: Any, at: Mark, quantity: Quantity, problems: Problems, example: str
+) -> Distribution | None:
+    """A distribution, or a range as the uniform one; None, or noted, where something is wrong."""
+    before, known = len(problems.found), (*NEEDED[name], *_MORE[name])
+    missing = [word for word in NEEDED[name] if not isinstance(node, Map) or word not in node]
+    for word in node if isinstance(node, Map) else ():
+        if word not in known:
+            problems.add(node.marks[word][0], f"unknown key '{word}' of {name}", nearest(word, known))
+            missing = []
+    if missing:
+        problems.add(at, f"'{key}' lacks '{missing[0]}'", example)
+    elif node.get("spacing", "linear") not in ("linear", "log"):
+        problems.add(node.marks["spacing"][1], f"spacing: '{node['spacing']}' is not known", "write linear or log")
+    if len(problems.found) > before:
+        return None
+    read = {word: _number(key, word, node, quantity, problems) for word in node if word != "spacing"}
+    if any(value is None for value in read.values()):
+        return None
+    storey, *others = {_base(value): None for word, value in read.items() if word != "spread"}
+    if others:
+        hint = "write each of them as a multiple of one storey's stiffness, or none"
+        problems.add(at, f"'{key}': {', '.join(map(str, node.values()))} are not multiples of the same", hint)
+        return None
+    fields = {word: value.factor if isinstance(value, Storey) else value for word, value in read.items()}
+    found = Distribution(name, fields, node.get("spacing") == "log", storey)
+    for word, message, hint in _wrong(key, found, quantity if storey is None else _MULTIPLE):
+        problems.add(node.marks[word][1] if word in node else at, message, hint)
+    return found
 
-    def _distribution(self, name: str, node: Any) -> Distribution | None:
-        """The distribution; None, or noted, where something is wrong."""
-        if not self._has_its_keys(name, node):
-            return None
-        if self.quantity is None:
-            how = "that could be searched over a range" if self.is_range else "that could be drawn from a distribution"
-            hint = f"write the values to choose from: `{self.key}: {{choice: [...]}}`"
-            self.problems.add(self.at, f"'{self.key}' takes no number {how}", hint)
-            return None
-        read = {word: self._number(word, node) for word in node if word != "spacing"}
-        if any(value is None for value in read.values()):
-            return None
-        placed = {word: value for word, value in read.items() if word != "spread"}
-        storeys = {replace(v, factor=1.0) if isinstance(v, Storey) else None for v in placed.values()}
-        if len(storeys) > 1:
-            self._refuse_mixed(placed, node)
-            return None
-        (storey,) = storeys
-        fields = {word: value.factor if isinstance(value, Storey) else value for word, value in read.items()}
-        found = Distribution(name, fields, node.get("spacing") == "log", storey)
-        return found if self._is_sound(found, node) else None
 
-    def _refuse_mixed(self, placed: dict[str, Any], node: Map) -> None:
-        """Note values that are not all multiples of one storey's stiffness."""
-        said = [word for word, value in placed.items() if isinstance(value, Storey)]
-        other = next((word for word in placed if word not in said), said[-1])
-        whole = "range" if self.is_range else "distribution"
-        what = f"'{self.key}': {node[other]} is no multiple of the same storey's stiffness"
-        what = f"{what}, but another value of this {whole} is"
-        self.problems.add(node.marks[other][1], what, f"write e.g. `{node[said[0]]}` for each of them")
+def _base(value: Any) -> Storey | None:
+    """The storey whose stiffness a value is a multiple of."""
+    return replace(value, factor=1.0) if isinstance(value, Storey) else None
 
-    def _has_its_keys(self, name: str, node: Any) -> bool:
-        before, known = len(self.problems.found), (*NEEDED[name], *_MORE[name])
-        what, where = ("the range", "a range") if self.is_range else (f"'{name}'", name)
-        example = f"write `{self.key}: {RANGE if self.is_range else EXAMPLES[name]}`"
-        if not isinstance(node, Map):
-            self.problems.add(self.at, f"{what} is not a mapping", example)
-            return False
-        for word in node.keys() - {*known}:
-            self.problems.add(node.marks[word][0], f"unknown key '{word}' in {where}", nearest(word, known))
-        for word in NEEDED[name] if node.keys() <= {*known} else ():
-            if word not in node:
-                self.problems.add(self.at, f"{what} lacks '{word}'", example)
-        if node.get("spacing", "linear") not in ("linear", "log"):
-            message = f"spacing: '{node['spacing']}' is not known"
-            self.problems.add(node.marks["spacing"][1], message, "write linear or log")
-        return len(self.problems.found) == before
 
-    def _number(self, word: str, node: Map) -> Any:
-        """A field in SI, or a multiple of a storey's stiffness; None where it is wrong, which is noted."""
-        assert self.quantity is not None
-        kind, mark, given = self.quantity, node.marks[word][1], node[word]
-        if word == "sd":
-            is_multiple = isinstance(given, str) and "stor" in given
-            name = "standard deviation"
-            kind = LINK_STIFFNESS if is_multiple else Quantity(name, kind.si, kind.example, 0.0, open_low=True)
-        elif word == "spread":
-            kind = Quantity("spread", "", "0.2", 0.0, open_low=True)
-        if lacks_unit(given, kind):
-            hint = f"write its unit too, e.g. {self.quantity.example}; without one it would be {given} {kind.si}"
-            self.problems.add(mark, f"'{self.key}': {given} has no unit", hint)
-            return None
-        try:
-            value = kind.read(given)
-        except PydanticCustomError as error:
-            context: dict[str, Any] = error.context or {}
-            self.problems.add(mark, context["message"], context["hint"])
-            return None
-        if isinstance(value, str):
-            self.problems.add(mark, f"'{value}' is not a number", self.quantity.wanted)
-            return None
-        return value
+def _number(key: str, word: str, node: Map, quantity: Quantity, problems: Problems) -> Any:
+    """A field in SI, or a multiple of a storey's stiffness; None where it is wrong, which is noted."""
+    kind, mark, given = quantity, node.marks[word][1], node[word]
+    if word == "sd":
+        is_multiple = isinstance(given, str) and "stor" in given
+        own = Quantity("standard deviation", kind.si, kind.example, 0.0, open_low=True)
+        kind = LINK_STIFFNESS if is_multiple else own
+    elif word == "spread":
+        kind = Quantity("spread", "", "0.2", 0.0, open_low=True)
+    if lacks_unit(given, kind):
+        hint = f"write its unit too, e.g. {quantity.example}; without one it would be {given} {kind.si}"
+        problems.add(mark, f"'{key}': {given} has no unit", hint)
+        return None
+    try:
+        value = kind.read(given)
+    except PydanticCustomError as error:
+        context: dict[str, Any] = error.context or {}
+        problems.add(mark, context["message"], context["hint"])
+        return None
+    if isinstance(value, str):
+        problems.add(mark, f"'{value}' is not a number", quantity.wanted)
+        return None
+    return value
 
-    def _is_sound(self, found: Distribution, node: Map) -> bool:
-        """Whether the fields fit together and the range keeps within the limits of the key."""
-        low, high = found.fields.get("from", -np.inf), found.fields.get("to", np.inf)
-        quantity = _MULTIPLE if found.storey is not None else self.quantity
-        assert quantity is not None
 
-        def note(word: str, message: str, hint: str) -> bool:
-            self.problems.add(node.marks[word][1] if word in node else self.at, message, hint)
-            return False
-
-        if not (max(low, 0.0) if found.name == "lognormal" else low) < high:
-            return note("to", "the range ends where it begins, or before", "write `to:` above `from:`")
-        if not low <= found.fields.get("mode", low) <= high:
-            return note("mode", "the mode lies outside the range", "write it between `from:` and `to:`")
-        if found.is_log and low <= 0:
-            return note("from", "a logarithmic range cannot reach zero", "begin above zero")
-        first, last = found(np.array([0.0, 1.0])).tolist()
-        for end, reached in (("from", first), ("to", last)):
-            beyond = reached < quantity.low if end == "from" else reached > quantity.high
-            limit, is_open = (quantity.low, quantity.open_low) if end == "from" else (quantity.high, quantity.open_high)
-            if beyond or (is_open and reached == limit):
-                message = f"'{self.key}': this {found.name} distribution reaches {reached:.3g} {quantity.si}".rstrip()
-                return note("", f"{message}, but the {quantity.name} must be {quantity.range}", f"write `{end}:` in it")
-        if np.isfinite([first, last]).all() and first < last:
-            return True
-        return note("", "the range has next to no probability", "move its ends towards the mean")
+def _wrong(key: str, drawn: Distribution, quantity: Quantity) -> Iterator[tuple[str, str, str]]:
+    """Where the fields of a distribution do not fit together, or leave the limits of the key: field or "", message,
+    hint."""
+    low, high = drawn.ends
+    if not (max(low, 0.0) if drawn.name == "lognormal" else low) < high:
+        yield "to", "the range ends where it begins, or before", "write `to:` above `from:`"
+    elif not low <= drawn.fields.get("mode", low) <= high:
+        yield "mode", "the mode lies outside the range", "write it between `from:` and `to:`"
+    elif drawn.is_log and low <= 0:
+        yield "from", "a logarithmic range cannot reach zero", "begin above zero"
+    else:
+        first, last = drawn(np.array([0.0, 1.0])).tolist()
+        too_low = first < quantity.low or (quantity.open_low and first == quantity.low)
+        too_high = last > quantity.high or (quantity.open_high and last == quantity.high)
+        if too_low or too_high:
+            reached = f"'{key}': this {drawn.name} distribution reaches {first if too_low else last:.3g} {quantity.si}"
+            what = f"{reached.rstrip()}, but the {quantity.name} must be {quantity.range}"
+            yield "", what, f"write `{'from' if too_low else 'to'}:` in it"
+        elif not (np.isfinite([first, last]).all() and first < last):
+            yield "", "the range has next to no probability", "move its ends towards the mean"

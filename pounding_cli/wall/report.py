@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -19,7 +18,7 @@ from pounding_cli.wall.study import Study
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
 _DRAWN = 8
-"""Points whose stresses are drawn and written for ParaView."""
+"""Points whose stresses are drawn."""
 
 SHOWN = ("peak_force", "peak_time", "separation", "wall_stress", "averaged_stress", "beam_stress", "column_stress",
          "wall_shear", "wall_moment")  # fmt: skip
@@ -168,18 +167,3 @@ def draw_sweep(title: str, points: Sequence[Point], axis: SweepAxis) -> Figure:
         panels[0, 0].legend(fontsize=7)
     entitle(figure, title, "bold")
     return figure
-
-
-def beside(points: Sequence[Point], folder: Path) -> list[Path]:
-    """Write the fields of points for ParaView, lengths in m, stresses in N/m2."""
-    import meshio
-
-    (folder / "fields").mkdir(exist_ok=True)
-    files = []
-    for point in points[:_DRAWN]:
-        corners, moved = (np.pad(point.data[name], ((0, 0), (0, 1))) for name in ("corners", "displacement"))
-        stresses = {name: [point.data[name].to_numpy()] for name in ("stress_peak", "stress_envelope")}
-        files.append(folder / "fields" / f"{_name(point)}.vtu")
-        quads = [("quad", point.data["quads"].to_numpy())]
-        meshio.Mesh(corners, quads, {"displacement": moved}, stresses).write(files[-1])
-    return files

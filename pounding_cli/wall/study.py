@@ -218,10 +218,3 @@ class Study(Model):
             yield ("time",), message, "write a smaller step, or a later end"
         if time.end / step > MOST_STEPS:
             yield ("time",), f"{time.end / step:.0f} time steps are too many", "write a larger step, or an earlier end"
-
-    def doubts(self) -> Iterator[Wrong]:
-        """Nothing beyond the ranges of single keys."""
-        yield from ()
-
-
-FIXED = ()

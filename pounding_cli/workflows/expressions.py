@@ -1,4 +1,4 @@
-"""Expressions of a study over its tables: checked, and their values at every point, case and analysis."""
+"""Expressions over the tables of a study, checked, and their values at every point; a study at chosen points."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 import xarray as xr
 
+from pounding_cli.study.axes import UNWRITTEN, SweepAxis
 from pounding_cli.study.build import places
 from pounding_cli.study.expression import (
     FLOOR,
@@ -22,6 +23,7 @@ from pounding_cli.study.expression import (
 from pounding_cli.study.file import Problems, get
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.study import Study
+from pounding_cli.study.vary import Factor
 from pounding_cli.variables import RATIOS, VARIABLES
 
 Get = Callable[[str], np.ndarray]
@@ -145,3 +147,44 @@ def _read(
                 problems.at(root, path, f"'{said}': the highest is {most}", f"write a number from 1 to {most}")
         found[said.text] = said
     return tuple(found.values())
+
+
+# A study at chosen points: one more axis, on which all keys that vary move together
+
+
+def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_written: bool = False) -> Study:
+    """The study with an axis, its last, of some points.
+
+    factors : the keys that vary
+    points : u of every factor, between 0 and 1, shape (points, factors); no two come to the same values
+    and_written : whether one more point, the last, stands for the study as it is written
+
+    Raises
+    ------
+    InputError : the study is not sound at one of them
+    """
+    members = [member for factor in factors for member in factor.members]
+    given = values_at(factors, points)
+    if and_written:
+        written = [get(study.root, *member.key.split(".")) for member in members]
+        given.append(tuple(UNWRITTEN if value is None else value for value in written))
+    marks = [tuple(member.mark for member in members)] * len(given)
+    axis = SweepAxis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
+    return Study(study.path, study.text, study.root, (*study.swept, axis), study.reader, written=study)
+
+
+def values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:
+    """What stands in the study at points, a value for every key; points as in `at_points`."""
+    return [
+        tuple(member.value(u) for factor, u in zip(factors, row, strict=True) for member in factor.members)
+        for row in points.tolist()
+    ]
+
+
+def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points that differ in what stands in the study, in the order in which they come first, shape (n, factors);
+    and of every point its place among them, shape (points,)."""
+    first: dict[str, int] = {}
+    places = np.array([first.setdefault(repr(values), len(first)) for values in values_at(factors, points)])
+    _, kept = np.unique(places, return_index=True)
+    return points[kept], places

@@ -4,14 +4,16 @@ means for the gaps of the cases; distances to a property line."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.model.building import Building
 from pounding_cli.model.links import APART, Link
 from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
 from pounding_cli.model.separation import (
@@ -39,10 +41,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pounding_cli.batch.solve import Solver
-    from pounding_cli.model.building import Building
 
 EXACT = "exact"
 """Name among the rules of what is required: the largest closing over time, located within the step it lies in."""
+
+OF_MOTIONS = (EXACT, "ABS", "SRSS", "DDC")
+"""Rules that depend on the motions."""
+
+UBC, GB50011 = "UBC", "GB 50011-2010"
 
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
@@ -50,10 +56,8 @@ CONFIDENCE = 0.90
 FEWEST = 5
 """Motions from which that interval is told: fewer do not tell how much the gap varies from motion to motion."""
 
-CASES, LINE = "gap_cases", "property_line"
-"""Names of the tables of the gaps of the cases and of the distances to a property line."""
-
-UBC = "UBC"
+REQUIRED, CASES, LINE = "gap", "gap_cases", "property_line"
+"""Names of the tables: what floors that face require, the gaps of the cases, distances to a property line."""
 
 _BETWEEN = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
@@ -61,9 +65,7 @@ _BETWEEN = ("cases", "impact", "laws")
 _ASIDE = (*_BETWEEN, "sweep", "keep", "report", "claims", "uncertain")
 """Sections without a meaning where the buildings stand alone."""
 
-_WHERE = ("left", "right", "building", "side", "floor", "right_floor", "columns", "height")
-"""Columns that say where a row stands."""
-
+_FACING = ("left", "right", "floor", "right_floor", "columns")
 _COLUMNS: Columns = {
     "left": ("", "building left of the gap"),
     "right": ("", "building right of the gap"),
@@ -90,18 +92,12 @@ _COLUMNS: Columns = {
     "enough_for": ("1", "motions for which it is"),
 }  # fmt: skip
 
+Where = dict[str, Any]
+"""Columns that say where something is required; `point` of the sweep by number."""
 
-class Rule(NamedTuple):
-    """Separations by one rule at some places.
-
-    values, errors : with their numerical errors [m], shape (places, analyses, motions), of a rule that does not need
-        motions (places, 1, 1); NaN where it says nothing
-    """
-
-    name: str
-    values: np.ndarray
-    errors: np.ndarray
-    needs_motions: bool = True
+Rules = dict[str, tuple[Any, Any]]
+"""By rule separations and their numerical errors [m], shape (analyses, motions), or one number of a rule that does not
+depend on the motions; NaN where it says nothing."""
 
 
 class Gap(Workflow):
@@ -119,24 +115,28 @@ class Gap(Workflow):
         buildings; swept keys of links are left out, those of buildings and motions stay."""
         self.check(study)
         apart = _with_nothing_between(study)
-        return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
+        plan = expand(apart, partial(_all_facing, apart))
+        if not plan.links.places:
+            raise InputError(
+                Problem("no floors face each other: no gap is required", "look at the heights", study.file)
+            )
+        return dataclasses.replace(plan, workflow="gap")
 
     def run(self, study: Study, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
         plan = self.plan(study)
         data = solver.dataset(plan)
-        places = _facing(plan)
-        rules = _rules(plan, data, places)
-        separations = _separations(plan, places, rules)
+        separations = _separations(plan, _between_floors(plan, data))
+        distances = _separations(plan, _to_lines(plan, data))
         tables = [
-            _required(plan, "gap", places, separations, rules),
-            _of_cases(plan, places, separations, rules),
-            _of_lines(plan, data),
+            _required(plan, REQUIRED, separations, [*_FACING, "height"]),
+            _of_cases(plan, separations),
+            _required(plan, LINE, distances, ["building", "side", "floor", "height"]),
         ]
         if study.model.gap.rate is not None:
-            exact = separations[separations["rule"] == 0].join(places["number"], on="row")
+            exact = separations[separations["rule"] == EXACT]
             keys = ["point", "analysis", "number", "motion"]
-            worst = exact.groupby(keys)["value"].agg(lambda each: each.max(skipna=False)).reset_index()
+            worst = exact.groupby(keys, observed=True)["value"].agg(lambda each: each.max(skipna=False)).reset_index()
             tables.append(of_rate(plan, worst, CONFIDENCE))
         return Found(plan, data, tables)
 
@@ -144,7 +144,145 @@ class Gap(Workflow):
 ASKED = Gap()
 
 
+# What is required where
+
+
+def _between_floors(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules]]:
+    """Floors, and slabs and columns, that face each other, with the rules that say something there.
+
+    `place` is their number among `plan.links`, `number` that of the left building.
+    """
+    study, links, edition = plan.study, plan.links, _edition(plan)
+    closings, errors, moves, bases = (
+        _by_point(plan, data, name) for name in ("max_closing", "error_estimate", "displacement", "sway")
+    )
+    moves = np.concatenate([bases[..., None], moves], axis=-1)
+    for point, at in enumerate(_points(plan)):
+        group = [study.building(at, each) for each in range(len(plan.buildings))]
+        codes, closing, error, moved = _codes(plan, at), closings[point], errors[point], moves[point].copy()
+        for each in (moved, *codes.values()):
+            each[..., [isinstance(building, Wall) for building in group], :] = 0.0
+        worst = np.nanmax(closing, axis=-1, initial=0.0)
+        for place, (left, floor, right_floor, name) in enumerate(links.places):
+            if not links.kind[(*at, 0, place)]:
+                continue
+            one, other = group[left : left + 2]
+            left_at, right_at = links.left_at[(*at, 0, place)], links.right_at[(*at, 0, place)]
+            ends = (left, floor, left_at), (left + 1, right_floor, right_at)
+            a, b = (_moved(moved, *end) for end in ends)
+            reach = error * absolute_sum(a, b)  # a relative change of both peaks moves no rule by more
+            rules: Rules = {
+                EXACT: (closing[..., place], error * worst),
+                "ABS": (absolute_sum(a, b), reach),
+                "SRSS": (root_of_squares(a, b), reach),
+                "DDC": (double_difference(a, b, _correlation(one, other)), reach),
+            }
+            if (asked := study.model.gap.gb50011) is not None:
+                height = min(one.elevation[-1], other.elevation[-1])
+                rules[GB50011] = gb50011_width(height, asked.intensity, asked.structure), 0.0
+            if floor > 0:  # codes do not tell how far a base moves
+                ubc, asce, en = ([_moved(codes[rule], *end) for end in ends] for rule in (UBC, ASCE7, EN1998))
+                rules[edition] = absolute_sum(*ubc), 0.0
+                rules[ASCE7] = root_of_squares(*asce), 0.0
+                rules[EN1998] = en1998_separation(en[0], en[1], _same_floors(one, other)), 0.0
+            is_left = left_at == 1.0 and not isinstance(one, Wall)
+            numbers = {"point": point, "place": place, "number": left}
+            facing = *plan.buildings[left : left + 2], floor, right_floor, name.removesuffix(" columns")
+            height = one.level(floor) if is_left else other.level(right_floor)
+            yield numbers | dict(zip(_FACING, facing, strict=True)) | {"height": height}, rules
+
+
+def _moved(displacements: np.ndarray, building: int, floor: int, at: float) -> np.ndarray:
+    """Displacement of a floor, or of columns at a part of the storey below it.
+
+    displacements : shape (..., buildings, 1 + floors), of the base first
+    """
+    above, below = (displacements[..., building, each] for each in (floor, max(floor - 1, 0)))
+    part = at * at * (3.0 - 2.0 * at)
+    return above if at == 1.0 else part * above + (1.0 - part) * below
+
+
+def _to_lines(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules]]:
+    """Every floor and both of its sides: how far it moves there, and what codes ask of the distance to a line."""
+    errors, whole, least, most = (
+        _by_point(plan, data, name)
+        for name in ("error_estimate", "displacement", "displacement_min", "displacement_max")
+    )
+    worst = errors[..., None] * np.nanmax(whole, axis=-1, initial=0.0)
+    for point, at in enumerate(_points(plan)):
+        codes = _codes(plan, at)
+        for number, name in enumerate(plan.buildings):
+            building = plan.study.building(at, number)
+            for floor in range(1, building.storeys + 1) if not isinstance(building, Wall) else ():
+                for side, moved in (("left", -least), ("right", most)):
+                    where = {"point": point, "building": name, "side": side, "floor": floor}
+                    rules: Rules = {EXACT: (moved[point, :, :, number, floor - 1], worst[point, :, :, number])}
+                    rules |= {rule: (codes[rule][number, floor], 0.0) for rule in (ASCE7, EN1998)}
+                    yield where | {"height": building.level(floor)}, rules
+
+
+def _points(plan: Plan) -> list[Point]:
+    return list(np.ndindex(*plan.shape[:-3]))
+
+
+def _by_point(plan: Plan, data: xr.Dataset, name: str) -> np.ndarray:
+    """A variable in the one case, shape (points, analyses, motions, ...)."""
+    return data[name].values.reshape(-1, *data[name].shape[len(plan.axes) + 1 :])
+
+
+def _codes(plan: Plan, at: Point) -> dict[str, np.ndarray]:
+    """Displacements that codes expect [m], by rule, shape (buildings, 1 + floors), 0 of the base; NaN where a building
+    lacks what the rule needs."""
+    study, storeys = plan.study, most_storeys(plan)
+    found = {rule: np.full((len(plan.buildings), 1 + storeys), np.nan) for rule in (UBC, ASCE7, EN1998)}
+    for place, name in enumerate(study.model.group):
+        known = {UBC: study.design_displacements(at, name), **study.code_displacements(at, name)}
+        for rule, moved in known.items():
+            if moved is not None:
+                found[rule][place, : 1 + len(moved)] = 0.0, *moved
+    return found
+
+
+def _correlation(left: Building, right: Building) -> float:
+    """Of the first modes; NaN where one has no damping."""
+    damping = first_mode_damping(left), first_mode_damping(right)
+    if min(damping) <= 0:
+        return np.nan
+    return cross_correlation(float(left.periods[0]), float(right.periods[0]), *damping)
+
+
+def _same_floors(left: Building, right: Building) -> bool:
+    """Whether the floors of two neighbours have the same elevations, up to the lower roof."""
+    count = min(left.storeys, right.storeys)
+    return bool((np.abs(left.elevation[:count] - right.elevation[:count]) <= FLOOR_TOLERANCE).all())
+
+
+def _edition(plan: Plan) -> str:
+    """The edition of the UBC that set the yield shears; "UBC" where there are several."""
+    specs = (plan.study.model.buildings[name].yield_ for name in plan.study.model.group)
+    editions = {getattr(spec, "code", UBC) for spec in specs}
+    return editions.pop() if len(editions) == 1 else UBC
+
+
 # Statistics
+
+
+def _separations(plan: Plan, required: Iterable[tuple[Where, Rules]]) -> pd.DataFrame:
+    """`value` and `error` [m] of every place (`row`, with what is known of it), rule, analysis and motion."""
+    places, parts = list[Where](), list[tuple[Any, ...]]()
+    for row, (where, rules) in enumerate(required):
+        places.append(where)
+        for rule, both in rules.items():
+            shape = len(plan.analyses), len(plan.records) if rule in OF_MOTIONS else 1
+            analysis, motion = np.indices(shape).reshape(2, -1)
+            value, error = (np.broadcast_to(each, shape).ravel() for each in both)
+            parts.append((np.full(len(value), row), [rule] * len(value), analysis, motion, value, error))
+    names = ("row", "rule", "analysis", "motion", "value", "error")
+    columns = {name: np.concatenate(each) for name, each in zip(names, zip(*parts, strict=True), strict=True)}
+    found = pd.DataFrame(columns).join(pd.DataFrame(places), on="row")
+    found["analysis"] = pd.Categorical(np.array(plan.analyses, object)[found["analysis"]], plan.analyses)
+    found["rule"] = pd.Categorical(found["rule"], [*OF_MOTIONS, GB50011, _edition(plan), ASCE7, EN1998])
+    return found
 
 
 def statistics(
@@ -158,7 +296,7 @@ def statistics(
     """
     known = separations[separations["value"].notna()]
     known = known.assign(log=np.log(known["value"].where(known["value"] > 0)))
-    groups = known.groupby(keys)
+    groups = known.groupby(keys, observed=True)
     found = pd.DataFrame(groups["value"].agg(motions="size", mean="mean", std="std"))
     found["mean_plus_std"] = found["mean"] + found["std"]
     found["largest"] = groups["value"].max()
@@ -191,251 +329,63 @@ def _factors(motions: int, probability: float) -> tuple[float, float, float]:
     return z, float(low), float(high)
 
 
-def _separations(plan: Plan, places: pd.DataFrame, rules: Sequence[Rule]) -> pd.DataFrame:
-    """`value` and `error` [m] of every point, analysis, place, rule and motion, by number from 0.
-
-    places : a row for each that `rules` tell of, with the numbers of its point and place
-    """
-    parts = []
-    for number, rule in enumerate(rules):
-        shape = len(places), len(plan.analyses), rule.values.shape[2]
-        row, analysis, motion = (each.ravel() for each in np.indices(shape))
-        value, error = (np.broadcast_to(each, shape).ravel() for each in (rule.values, rule.errors))
-        columns = {"row": row, "analysis": analysis, "motion": motion, "rule": number, "value": value, "error": error}
-        parts.append(pd.DataFrame(columns))
-    return pd.concat(parts, ignore_index=True).join(places[["point", "place"]], on="row")
-
-
-def _required(plan: Plan, name: str, places: pd.DataFrame, separations: pd.DataFrame, rules: Sequence[Rule]) -> Table:
+def _required(plan: Plan, name: str, separations: pd.DataFrame, where: list[str]) -> Table:
     """Statistics of what is required: a row for every point, analysis, place and rule that says something there."""
-    wanted, keys = plan.study.model.gap, ["point", "analysis", "place", "rule"]
+    wanted, keys = plan.study.model.gap, ["point", "analysis", "row", "rule"]
     rows = statistics(separations, keys, wanted.percentiles, wanted.contact)
-    exact = rows["mean"].where(rows.index.get_level_values("rule") == 0)
-    rows["over_exact"] = rows["mean"] / exact.groupby(level=keys[:3]).transform("first")
-    rows = rows.reset_index()
-    numbers = list(rows.columns[len(keys) :])
-    rows["motions"] *= np.array([rule.needs_motions for rule in rules], int)[rows["rule"]]
-    meant = dict(_COLUMNS)
+    rule = rows.index.get_level_values("rule")
+    exact = rows["mean"].where(rule == EXACT).groupby(level=keys[:3], observed=True).transform("first")
+    rows["over_exact"] = rows["mean"] / exact
+    rows["motions"] = rows["motions"].where(rule.isin(OF_MOTIONS), 0)
+    numbers, meant = list(rows.columns), dict(_COLUMNS)
     for share in wanted.percentiles:
         meant[f"percentile_{100 * share:g}"] = "m", f"{100 * share:g} % of the motions need no more, interpolated"
     for share in wanted.contact:
         said = "distance that the floor reaches" if name == LINE else "gap"
         said += f" with a probability{'' if name == LINE else ' of contact'} of {100 * share:g} % by the lognormal fit"
         meant[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST} motions on"
-    where = [column for column in places.columns if column in _WHERE]
-    return _told(plan, name, rows.merge(places, on=["point", "place"], how="left"), rules,
-                 ["analysis", *where, "rule", *numbers], meant)  # fmt: skip
+    rows = rows.reset_index().merge(separations[["row", *where]].drop_duplicates("row"), on="row", how="left")
+    return _told(plan, name, rows, ["analysis", *where, "rule", *numbers], meant)
 
 
-def _told(
-    plan: Plan, name: str, rows: pd.DataFrame, rules: Sequence[Rule], columns: list[str], meant: Columns = _COLUMNS
-) -> Table:
-    """A table of rows whose points, analyses and rules stand there by number; widths in the study's unit of gaps."""
-    points = list(np.ndindex(*plan.shape[:-3]))
-    for column, names in (("analysis", plan.analyses), ("rule", [rule.name for rule in rules])):
-        rows = rows.assign(**{column: np.array(names, object)[rows[column].astype(int)]})
-    frame = pd.concat([swept(plan.axes, [points[number] for number in rows["point"]]), rows[columns]], axis=1)
-    unit = plan.study.unit("gap")
+def _told(plan: Plan, name: str, rows: pd.DataFrame, columns: list[str], meant: Columns = _COLUMNS) -> Table:
+    """A table of rows whose points stand there by number; widths in the study's unit of gaps."""
+    points, unit = _points(plan), plan.study.unit("gap")
+    numbers = rows[columns].astype({"analysis": object, "rule": object})
+    frame = pd.concat([swept(plan.axes, [points[number] for number in rows["point"]]), numbers], axis=1)
     widths = [each for each in columns if each != "height" and pd.api.types.is_float_dtype(frame[each])]
     shown = {each: unit for each in widths if each not in ("dispersion", "over_exact")}
     return tabled(name, frame, meant, plan.axes, shown)
 
 
-# What floors that face each other require
-
-
-def _facing(plan: Plan) -> pd.DataFrame:
-    """Floors, and slabs and columns, that face each other: a row for each at each point of the sweep.
-
-    `left_at` and `right_at` are the heights of both ends in the storeys below their floors, 1 at a floor.
-    """
-    points, links = int(np.prod(plan.shape[:-3])), plan.links
-    kind, left_at, right_at = (each.reshape(points, -1) for each in (links.kind, links.left_at, links.right_at))
-    point, place = np.nonzero(kind != "")
-    left, floor, right_floor, name = (np.array(each)[place] for each in zip(*links.places, strict=True))
-    names = np.array(plan.buildings, object)
-    found = pd.DataFrame({
-        "point": point, "place": place, "number": left, "left": names[left], "right": names[left + 1], "floor": floor,
-        "right_floor": right_floor, "columns": [each.removesuffix(" columns") for each in name],
-        "left_at": left_at[point, place], "right_at": right_at[point, place],
-    })  # fmt: skip
-    rows = [[plan.study.building(at, each) for each in range(len(names))] for at in np.ndindex(*plan.shape[:-3])]
-    beside_wall = np.array([isinstance(rows[at][each], Wall) for at, each in zip(point, left, strict=True)], bool)
-    is_left = (found["left_at"] == 1.0) & ~beside_wall
-    slabs = zip(point, np.where(is_left, left, left + 1), np.where(is_left, floor, right_floor), strict=True)
-    return found.assign(height=[rows[at][building].level(level) for at, building, level in slabs])
-
-
-def _by_floor(plan: Plan, of: Callable[[Point, int, str], np.ndarray | None]) -> np.ndarray:
-    """Something of every floor, shape (points, buildings, floors); NaN where there is none.
-
-    of : (point, place of the building, name of its type) -> of its floors
-    """
-    points, names = list(np.ndindex(*plan.shape[:-3])), plan.study.model.group
-    found = np.full((len(points), len(names), most_storeys(plan)), np.nan)
-    for number, place in np.ndindex(found.shape[:2]):
-        values = of(points[number], place, names[place])
-        if values is not None:
-            found[number, place, : len(values)] = values
-    return found
-
-
-def _codes(plan: Plan) -> dict[str, np.ndarray]:
-    """Displacements that codes expect of every floor [m], by rule, shape (points, buildings, floors)."""
-    study = plan.study
-    return {
-        UBC: _by_floor(plan, lambda at, _, name: study.design_displacements(at, name)),
-        ASCE7: _by_floor(plan, lambda at, _, name: study.code_displacements(at, name).get(ASCE7)),
-        EN1998: _by_floor(plan, lambda at, _, name: study.code_displacements(at, name).get(EN1998)),
-    }
-
-
-def _rules(plan: Plan, data: xr.Dataset, places: pd.DataFrame) -> list[Rule]:
-    """The exact separations first, then the rules that say something here."""
-    study, points = plan.study, list(np.ndindex(*plan.shape[:-3]))
-    point, place, left = (places[name].to_numpy() for name in ("point", "place", "number"))
-    ends = [(left, places["floor"].to_numpy(), places["left_at"].to_numpy()),
-            (left + 1, places["right_floor"].to_numpy(), places["right_at"].to_numpy())]  # fmt: skip
-
-    row = [study.building(points[0], each) for each in range(len(plan.buildings))]
-    is_wall = np.array([isinstance(each, Wall) for each in row])
-
-    def moved(displacements: np.ndarray, base: np.ndarray | None = None) -> list[np.ndarray]:
-        """Displacements of both ends, shape (places, analyses, motions), those of columns between their floors.
-
-        displacements, base : shape (points, analyses, motions, buildings, floors) and that of the base; codes do not
-            tell how far a base moves
-        """
-        bases = np.zeros(displacements.shape[:-1]) if base is None else base
-        whole, found = np.concatenate([bases[..., None], displacements], axis=-1), []
-        whole[..., is_wall, :] = np.nan_to_num(whole[..., is_wall, :])
-        for building, floor, at in ends:
-            part = (at * at * (3.0 - 2.0 * at))[:, None, None]
-            level = np.where(is_wall[building], 1, floor)
-            above, below = (whole[point, :, :, building, each] for each in (level, np.maximum(level - 1, 0)))
-            is_known = ((level > 0) | (base is not None))[:, None, None]
-            found.append(np.where(is_known, np.where(part == 1.0, above, part * above + (1.0 - part) * below), np.nan))
-        return found
-
-    exact = _points_first(plan, data["max_closing"])[point, :, :, place]
-    relative = _points_first(plan, data["error_estimate"])
-    most = np.nanmax(_points_first(plan, data["max_closing"]), axis=-1, initial=0.0)
-    one, other = moved(_points_first(plan, data["displacement"]), _points_first(plan, data["sway"]))
-    reach = relative[point] * absolute_sum(one, other)  # a relative change of both peaks moves no rule by more
-
-    def of_pairs(value: Callable[[Building, Building], float]) -> np.ndarray:
-        """Something of both buildings, shape (places, 1, 1)."""
-        kept = cache(lambda at, place: value(study.building(at, place), study.building(at, place + 1)))
-        key = [study.key(each, ("buildings", "group")) for each in points]
-        return np.array([kept(key[p], b) for p, b in zip(point, left, strict=True)])[:, None, None]
-
-    rules = [
-        Rule(EXACT, exact, (relative * most)[point]),
-        Rule("ABS", absolute_sum(one, other), reach),
-        Rule("SRSS", root_of_squares(one, other), reach),
-        Rule("DDC", double_difference(one, other, of_pairs(_correlation)), reach),
-    ]
-    if (asked := study.model.gap.gb50011) is not None:
-        lower = of_pairs(lambda a, b: min(a.elevation[-1], b.elevation[-1]))
-        joint = np.vectorize(lambda height: gb50011_width(height, asked.intensity, asked.structure))(lower)
-        rules.append(_of_no_motion("GB 50011-2010", joint))
-    for name, displacements in _codes(plan).items():
-        one, other = moved(displacements[:, None, None])
-        if name == UBC:
-            rules.append(_of_no_motion(_edition(plan), one + other))
-        elif name == ASCE7:
-            rules.append(_of_no_motion(name, root_of_squares(one, other)))
-        else:
-            rules.append(_of_no_motion(name, en1998_separation(one, other, of_pairs(_same_floors))))
-    return rules
-
-
-def _points_first(plan: Plan, values: xr.DataArray) -> np.ndarray:
-    """Values of the one case, shape (points, analyses, motions, ...)."""
-    return values.values.reshape(-1, *values.shape[len(plan.axes) + 1 :])
-
-
-def _of_no_motion(name: str, widths: np.ndarray) -> Rule:
-    return Rule(name, widths, np.zeros_like(widths), needs_motions=False)
-
-
-def _correlation(left: Building, right: Building) -> float:
-    """Of the first modes; NaN where one has no damping."""
-    damping = first_mode_damping(left), first_mode_damping(right)
-    if min(damping) <= 0:
-        return np.nan
-    return cross_correlation(float(left.periods[0]), float(right.periods[0]), *damping)
-
-
-def _same_floors(left: Building, right: Building) -> bool:
-    """Whether the floors of two neighbours have the same elevations, up to the lower roof."""
-    count = min(left.storeys, right.storeys)
-    return bool((np.abs(left.elevation[:count] - right.elevation[:count]) <= FLOOR_TOLERANCE).all())
-
-
-def _edition(plan: Plan) -> str:
-    """The edition of the UBC that set the yield shears; "UBC" where there are several."""
-    specs = (plan.study.model.buildings[name].yield_ for name in plan.study.model.group)
-    editions = {getattr(spec, "code", UBC) for spec in specs}
-    return editions.pop() if len(editions) == 1 else UBC
-
-
-# Distances to a property line
-
-
-def _of_lines(plan: Plan, data: xr.Dataset) -> Table:
-    """How far every floor moves to either side, and what codes ask of the distance to a property line."""
-    height = _by_floor(plan, lambda at, place, _: plan.study.building(at, place).elevation)
-    point, building, floor, side = (each.ravel() for each in np.indices((*height.shape, 2)))
-    there = np.isfinite(height[point, building, floor])
-    point, building, floor, side = (each[there] for each in (point, building, floor, side))
-    places = pd.DataFrame({
-        "point": point, "place": np.ravel_multi_index((building, floor, side), (*height.shape[1:], 2)),
-        "building": np.array(plan.buildings, object)[building], "side": np.array(["left", "right"], object)[side],
-        "floor": floor + 1, "height": height[point, building, floor],
-    })  # fmt: skip
-
-    def at(name: str) -> np.ndarray:
-        return _points_first(plan, data[name])[point, :, :, building, floor]
-
-    exact = np.where(side[:, None, None] == 0, -at("displacement_min"), at("displacement_max"))
-    most = np.nanmax(_points_first(plan, data["displacement"]), axis=-1, initial=0.0)
-    errors = _points_first(plan, data["error_estimate"])[point] * most[point, :, :, building]
-    rules = [Rule(EXACT, exact, errors)]
-    rules += [_of_no_motion(name, widths[point, building, floor][:, None, None])
-              for name, widths in _codes(plan).items() if name != UBC]  # fmt: skip
-    return _required(plan, LINE, places, _separations(plan, places, rules), rules)
-
-
 # The gaps of the cases
 
 
-def _of_cases(plan: Plan, places: pd.DataFrame, separations: pd.DataFrame, rules: Sequence[Rule]) -> Table:
+def _of_cases(plan: Plan, separations: pd.DataFrame) -> Table:
     """Whether the gaps of the cases are enough: a row for every point, case, analysis, pair of neighbours and rule.
 
     A gap is enough where it is no narrower than what is required and its numerical error, at all floors of the pair.
     """
-    pair = ["point", "given", "number", "analysis", "rule"]
-    gaps = _gaps(plan).merge(places, on=["point", "place"])
+    pair, gaps = ["point", "given", "number", "analysis", "rule"], _gaps(plan)
+    columns = ["case", "analysis", *_FACING, "gap", "rule", "required", "enough", "enough_for", "motions"]
+    if gaps.empty:
+        return _told(plan, CASES, pd.DataFrame(columns=["point", *columns]), columns)
     rows = separations.merge(gaps, on=["point", "place"])
     rows["fits"] = rows["value"] + rows["error"].fillna(0.0) <= rows["gap"]
-    rows["known"] = rows["value"].notna().groupby([rows[key] for key in [*pair, "motion"]]).transform("all")
-    all_known = rows.groupby(pair)["known"].all()
-    rows = rows[rows["known"]]
-    fits = rows.groupby([*pair, "motion"])["fits"].all().groupby(pair)
-    found = fits.agg(enough_for="sum", motions="size", enough="all").join(all_known)
-    floors = rows.groupby([*pair, "place"], as_index=False).agg(gap=("gap", "first"), required=("value", "max"))
-    spare = floors["gap"] - floors["required"]
-    worst = floors.loc[spare.groupby([floors[key] for key in pair]).idxmin()] if len(floors) else floors
-    found = worst.merge(found.reset_index(), on=pair, how="left")
-    found = found.merge(gaps.drop(columns="gap"), on=["point", "given", "number", "place"])
-    counts = np.array([rule.needs_motions for rule in rules], int)[found["rule"].astype(int)]
-    for column in ("enough_for", "motions"):
-        found[column] = counts * found[column].astype(int)
+    rows["known"] = rows["value"].notna()
+    motions = rows.groupby([*pair, "motion"], observed=True)[["fits", "known"]].all()
+    all_known = motions["known"].groupby(pair, observed=True).all()
+    motions = motions.loc[motions["known"], "fits"]
+    found = motions.groupby(pair, observed=True).agg(enough_for="sum", motions="size", enough="all").join(all_known)
+    rows = rows.join(motions.rename("is_known").notna(), on=[*pair, "motion"], how="inner")
+    floors = rows.groupby([*pair, "row"], observed=True, as_index=False).agg(required=("value", "max"))
+    floors = floors.merge(rows.drop_duplicates([*pair, "row"])[[*pair, "row", "case", "gap", *_FACING]])
+    floors = floors.assign(spare=floors["gap"] - floors["required"]).sort_values("spare", kind="stable")
+    found = floors.drop_duplicates(pair).sort_values(pair).merge(found.reset_index(), on=pair, how="left")
+    counts = found["rule"].isin(OF_MOTIONS).to_numpy(int)
+    found = found.assign(enough_for=counts * found["enough_for"], motions=counts * found["motions"])
     found["enough"] = np.where(~found["enough"].astype(bool), "no", np.where(found["known"], "yes", "unknown"))
-    columns = ["case", "analysis", "left", "right", "floor", "right_floor", "columns", "gap", "rule", "required",
-               "enough", "enough_for", "motions"]  # fmt: skip
-    return _told(plan, CASES, found, rules, columns)
+    return _told(plan, CASES, found, columns)
 
 
 def _gaps(plan: Plan) -> pd.DataFrame:
@@ -485,19 +435,15 @@ def _with_nothing_between(study: Study) -> Study:
     root, mark = study.root, study.root.mark
     tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, root.marks)
     tree["cases"] = Map({APART: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {APART: (mark, mark)})
-    apart = Study(study.path, study.text, tree, reader=study.reader, written=study)
     axes = []
     for axis in study.swept:
         kept, different, values = _kept(axis)
         if kept:
-            first = [values.index(each) for each in different]
-            given, marks = (
-                [tuple(each[place][n] for n in kept) for place in first] for each in (axis.given, axis.marks)
-            )
+            first = axis.some([values.index(each) for each in different])
+            given, marks = ([tuple(row[n] for n in kept) for row in rows] for rows in (first.given, first.marks))
             units = tuple(axis.units[n] for n in kept)
             axes.append(SweepAxis(tuple(axis.names[n] for n in kept), given, marks, units))
-    apart.narrow(axes)
-    return apart
+    return Study(study.path, study.text, tree, axes, study.reader, written=study)
 
 
 def _all_facing(apart: Study, point: Point, case: str) -> tuple[Link, ...]:

@@ -8,7 +8,7 @@ buildings are."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pandas as pd
@@ -17,15 +17,16 @@ from pounding_cli.study import Plan, Study
 from pounding_cli.study.file import Problems
 from pounding_cli.study.models import Pga, Pgv, Sa
 from pounding_cli.study.questions import Measure
-from pounding_cli.workflows.curves import interval, resamples
+from pounding_cli.workflows.curves import draws_of, interval
 from pounding_cli.workflows.fragility_question import INTENSITY_KEYS
 from pounding_cli.workflows.hazard import YEARS, Hazard, hazard_of, probability
 from pounding_cli.workflows.workflow import Columns, swept, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.results.tables import Table
+    from pounding_cli.study.study import Point
 
-NAME = "gap_rate"
+RATE = "gap_rate"
 """Name of the table."""
 
 DRAWS = 300
@@ -37,7 +38,7 @@ FEWEST = 5
 LEAST, MOST = 1e-6, 1e3
 """Gaps between which one is sought [m]; a closing below the first counts as it."""
 
-COLUMNS: Columns = {
+_COLUMNS: Columns = {
     "analysis": ("", "elastic or inelastic storeys"),
     "left": ("", "building left of the gap"),
     "right": ("", "building right of the gap"),
@@ -62,57 +63,51 @@ def intensity_of(study: Study) -> tuple[int | None, Measure, np.ndarray]:
         if axis.names[0] in INTENSITY_KEYS and len(axis.names) == 1:
             levels = np.array([float(value) for (value,) in axis.values])
             return number, Measure(INTENSITY_KEYS[axis.names[0]]), levels
-    scale = study.model.records.scale
-    if isinstance(scale, Pga | Pgv | Sa):
-        name = type(scale).__name__.lower()
-        return None, Measure(name, scale.period if isinstance(scale, Sa) else 0.0), np.array([getattr(scale, name)])
-    problems = Problems(study.file)
-    hint = (
-        "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and `sweep: {records.scale.sa: [0.2 g, 0.8 g]}`"
-    )
-    problems.at(study.root, ("gap", "rate"), "a rate needs motions that are scaled to an intensity", hint, key=True)
-    problems.check()
-    raise AssertionError
+    scale, problems = study.model.records.scale, Problems(study.file)
+    if not isinstance(scale, Pga | Pgv | Sa):
+        hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
+        problems.at(study.root, ("gap", "rate"), "a rate needs motions that are scaled to an intensity", hint, key=True)
+        problems.check()
+    name = type(scale).__name__.lower()
+    return None, Measure(name, scale.period if isinstance(scale, Sa) else 0.0), np.array([getattr(scale, name)])
 
 
 def of_rate(plan: Plan, closings: pd.DataFrame, confidence: float) -> Table:
     """The gap for the rate that the study allows: a row for every point of the other axes, analysis and pair.
 
-    closings : `point`, `analysis`, `number` (of the pair), `motion` by number, and `value` [m]: the largest over the
-        floors of the pair; NaN of a scene that failed
+    closings : `point`, `number` (of the left building) and `motion` by number, `analysis`, and `value` [m]: the largest
+        over the floors of the pair; NaN of a scene that failed
     """
-    study = plan.study
-    axis, measure, levels = intensity_of(study)
-    hazard, wanted = hazard_of(study, "gap", measure), study.model.gap.rate
+    axis, measure, levels = intensity_of(plan.study)
+    hazard, rate = hazard_of(plan.study, "gap", measure), plan.study.model.gap.rate
     assert hazard is not None  # the study was validated
-    at = np.array(np.unravel_index(closings["point"], plan.shape[:-3]) if plan.axes else np.zeros((0, len(closings))))
+    at = np.array(list(np.ndindex(*plan.shape[:-3])), int)[closings["point"]]
     others = [number for number in range(len(plan.axes)) if number != axis]
-    rows = closings.assign(level=0 if axis is None else at[axis])
-    for number in others:
-        rows[f"axis {number}"] = at[number]
-    keys = [f"axis {number}" for number in others] + ["analysis", "number"]
+    places: list[Any] = [tuple(place) for place in at[:, others].tolist()]
+    rows = closings.assign(level=0 if axis is None else at[:, axis], point=places)
     found = []
-    for place, mine in rows.groupby(keys):
+    for place, mine in rows.groupby(["point", "analysis", "number"], observed=True):
+        point, analysis, number = cast("tuple[Point, str, int]", place)
         table = mine.pivot_table("value", "level", "motion", dropna=False).dropna(axis=1)
+        table = table.iloc[np.argsort(levels[table.index])]
         logs, x = np.log(table.clip(lower=LEAST).to_numpy()), np.log(levels[table.index])
-        order = np.argsort(x)
-        row = dict(zip(keys, place, strict=True)) | {"motions": logs.shape[1], "intensities": logs.shape[0]}
-        if logs.shape[1] > 1:
-            times = np.vstack([np.ones(logs.shape[1]), resamples(logs.shape[1], DRAWS)])
-            gaps = _gaps(hazard, wanted, x[order], logs[order], times)
-            row["gap"] = gaps[0]
-            if logs.shape[1] >= FEWEST:
-                row["gap_low"], row["gap_high"] = interval(gaps[1:], confidence)
+        count = logs.shape[1]
+        row = {"point": point, "analysis": analysis, "left": plan.buildings[number], "motions": count}
+        row |= {
+            "right": plan.buildings[number + 1],
+            "intensities": len(x),
+            "rate": rate,
+            "probability": probability(rate),
+        }
+        if count > 1:
+            row["gap"], *drawn = _gaps(hazard, rate, x, logs, draws_of(count, DRAWS))
+            if count >= FEWEST:
+                row["gap_low"], row["gap_high"] = interval(np.array(drawn), confidence)
         found.append(row)
-    frame = pd.DataFrame(found).assign(rate=wanted, probability=probability(wanted))
-    where = swept([plan.axes[number] for number in others], frame[keys[:-2]].to_numpy(int).tolist())
-    names = np.array(plan.buildings, object)
-    frame = frame.assign(
-        analysis=np.array(plan.analyses, object)[frame["analysis"]], left=names[frame["number"]],
-        right=names[frame["number"] + 1],
-    ).reindex(columns=list(COLUMNS))  # fmt: skip
-    unit = study.unit("gap")
-    return tabled(NAME, where.join(frame), COLUMNS, plan.axes, dict.fromkeys(["gap", "gap_low", "gap_high"], unit))
+    frame = pd.DataFrame(found)
+    where = swept([plan.axes[number] for number in others], frame.pop("point").tolist())
+    unit = dict.fromkeys(["gap", "gap_low", "gap_high"], plan.study.unit("gap"))
+    return tabled(RATE, where.join(frame.reindex(columns=list(_COLUMNS))), _COLUMNS, plan.axes, unit)
 
 
 def _gaps(hazard: Hazard, rate: float, x: np.ndarray, logs: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -132,9 +127,7 @@ def _gaps(hazard: Hazard, rate: float, x: np.ndarray, logs: np.ndarray, times: n
         score = (mean - middle[:, None]) / spread
         slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(x)], axis=1)
         slope[:, -1] = np.maximum(slope[:, -1], 0.0)
-        intercept = score - slope * x
-        often = hazard.contributions(edges, intercept, slope).sum(axis=1) > rate
+        often = hazard.contributions(edges, score - slope * x, slope).sum(axis=1) > rate
         low, high = np.where(often, middle, low), np.where(often, high, middle)
-    middle = 0.5 * (low + high)
-    is_inside = (middle > np.log(2 * LEAST)) & (middle < np.log(0.5 * MOST))
-    return np.where(is_inside, np.exp(middle), np.nan)
+    is_inside = (low > np.log(2 * LEAST)) & (high < np.log(0.5 * MOST))
+    return np.where(is_inside, np.exp(0.5 * (low + high)), np.nan)

@@ -13,6 +13,7 @@ Emergency Management Agency steel moment frame guidelines. Journal of Structural
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -135,38 +136,40 @@ def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
     ------
     InputError : no hazard curve, or one of another intensity measure
     """
-    spec, si = getattr(study.model, section).hazard, INTENSITIES[measure.name].si
+    spec, quantity = getattr(study.model, section).hazard, INTENSITIES[measure.name]
     if spec is None:
         return None
-    problems, path = Problems(study.file), (section, "hazard")
     try:
         if isinstance(spec, PowerHazard):
-            one = intensity_factor(spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(si), si, "")
+            one = intensity_factor(spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(quantity.si), quantity.si, "")
             return Hazard.power_law(spec.k0 * one**spec.k, spec.k)
         if isinstance(spec, HazardFile):
-            return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, si, measure))
-        points = []
-        for level, rate in spec.items():
-            try:
-                points.append((INTENSITIES[measure.name].read(level), rate))
-            except PydanticCustomError as refused:
-                told = refused.context or {}
-                problems.at(study.root, (*path, level), f"{level}: {told['message']}", told["hint"], key=True)
-        problems.check()
-        points.sort()
-        intensity, rate = np.array(points).T
-        if len(points) < 2 or (np.diff(intensity) <= 0).any() or (np.diff(rate) >= 0).any():
-            hint = "give at least two intensities, each once, with rates that fall as they rise"
-            problems.at(study.root, path, "this is not a hazard curve", hint)
-        problems.check()
-        return Hazard.table(intensity, rate)
+            return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, quantity.si, measure))
+        return Hazard.table(*_from_study(spec, quantity))
     except InputError as error:
+        problems = Problems(study.file)
         for problem in error.problems:
-            if not problem.file:
-                problems.at(study.root, path, problem.message, problem.hint)
-        if problems.found:
-            problems.check()
+            if problem.file:
+                raise
+            problems.at(study.root, (section, "hazard"), problem.message, problem.hint)
+        problems.check()
         raise
+
+
+def _from_study(levels: Mapping[str, float], quantity: Quantity) -> np.ndarray:
+    """Intensities [SI] and annual rates of a table in the study, shape (2, n).  Raises InputError."""
+    points = []
+    for level, rate in levels.items():
+        try:
+            points.append((float(quantity.read(level)), rate))
+        except PydanticCustomError as refused:
+            told = refused.context or {}
+            raise InputError(Problem(f"{level}: {told['message']}", told["hint"])) from None
+    found = np.array(sorted(points)).T
+    if len(points) < 2 or (np.diff(found[0]) <= 0).any() or (np.diff(found[1]) >= 0).any():
+        hint = "give at least two intensities, each once, with rates that fall as they rise"
+        raise InputError(Problem("this is not a hazard curve", hint))
+    return found
 
 
 def _from_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple[np.ndarray, np.ndarray]:

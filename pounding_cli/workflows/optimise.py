@@ -1,25 +1,32 @@
-"""`pound optimise`: the search for the best values of keys, and its tables."""
+"""`pound optimise`: what a study asks, checked; the search for the best values of keys, and its tables."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice, product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.reading import shortened
 from pounding_cli.results.dataset import dataset
 from pounding_cli.results.flags import counts_of_flags, parted
 from pounding_cli.solver.response import OUTCOMES
-from pounding_cli.study import Plan, Study
+from pounding_cli.study import Plan, Study, expand
+from pounding_cli.study.edit import with_values
 from pounding_cli.study.expression import Expression, Quantity
-from pounding_cli.study.vary import Factor
+from pounding_cli.study.file import Problems, get, nearest, parse
+from pounding_cli.study.questions import OptimiseSpec
+from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
-from pounding_cli.workflows.expressions import error_of, getter, values_of
-from pounding_cli.workflows.optimise_question import Point, Question, question_of
-from pounding_cli.workflows.search import Search
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, tabled
+from pounding_cli.workflows.expressions import at_points, error_of, expressions, getter, values_of
+from pounding_cli.workflows.search import Point, Search
+from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -27,8 +34,8 @@ if TYPE_CHECKING:
 OPTIMUM, DESIGN, POINTS = "optimise", "optimise_design", "optimise_points"
 """Names of the tables."""
 
-MOST_BUILDINGS = 4
-"""Buildings whose numbers stand beside each other; of more, the largest of all is told."""
+MOST_CORNERS = 512
+"""Corners of the ranges that are checked before anything is solved."""
 
 FOUND = "found"
 UNSETTLED = "the last generation was reached before its points were nearly as good"
@@ -37,16 +44,16 @@ NOTHING = "no point gave a number"
 
 _SOUGHT = "unit of the number sought"
 _FLAT = "of what stays within the tolerance"
-_OPTIMUM: Columns = {
+_COLUMNS: Columns = {
     "sought": ("", "number that is optimised"),
     "optimum": (_SOUGHT, "its best value"),
-    "error": (_SOUGHT, "numerical error of that, at most"),
+    "error": (_SOUGHT, "numerical error of the number sought, at most"),
     "tolerance": (_SOUGHT, "its error, or 1 % of it"),
     "as_written": (_SOUGHT, "value of the file as written"),
     "outcome": ("", "outcome, or why there is no answer"),
     "points": ("1", "points that were tried"),
     "failed": ("1", "points without a number"),
-    "meaningless": ("1", "points whose number has no meaning"),
+    "meaningless": ("1", "points whose number has no meaning: a link left the range in which its law has one"),
     "key": ("", "key that varies"),
     "unit": ("", "its unit"),
     "value": ("", "of the key at the optimum; NaN of a choice"),
@@ -62,6 +69,8 @@ _OPTIMUM: Columns = {
     "written": ("", "of the key as written"),
     "written_option": ("", "option as written"),
     "mapped": ("1", "1 of a key of the map"),
+    "point": ("1", "number of the point"),
+    "stage": ("", "what it was tried for"),
 }
 _DESIGN: Columns = {
     "quantity": ("", "what is compared; largest over the storeys"),
@@ -70,13 +79,126 @@ _DESIGN: Columns = {
     "as_written": ("", "with the study as it is written"),
     "of": ("1", "scenes, where scenes are counted; otherwise 0"),
 }
-_POINTS: Columns = {
-    "point": ("1", "number of the point"),
-    "stage": ("", "what it was tried for"),
-    "value": (_SOUGHT, "of the number sought; NaN where it has none or no meaning"),
-    "error": (_SOUGHT, "numerical error of that, at most"),
-    "meaningless": ("1", "1 where a link left the range in which its law has a meaning"),
-}
+
+
+# What is asked
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What `pound optimise` is asked of a study.
+
+    expression : the number that is optimised least, or most
+    factors : the keys that vary
+    case, analysis : that are looked at
+    written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written:
+        a plan then has one point more, its last, for the study as it is written
+    """
+
+    study: Study
+    expression: Expression
+    factors: tuple[Factor, ...]
+    case: str
+    analysis: str
+    written: Point | None
+
+    @property
+    def spec(self) -> OptimiseSpec:
+        """The section of the study."""
+        return self.study.model.optimise
+
+    @property
+    def sign(self) -> int:
+        """1 where the least is sought, -1 where the most is: the search knows the least alone."""
+        return 1 if self.spec.least is not None else -1
+
+    @property
+    def middle(self) -> Point:
+        """The middle of all ranges and choices."""
+        return tuple((0.5 + factor.options // 2) / (factor.options or 1) for factor in self.factors)
+
+    def plan(self, points: Sequence[Point]) -> Plan:
+        """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
+        stands for it.  Raises InputError: the study is not sound at one of them."""
+        plan = expand(
+            at_points(self.study, self.factors, np.array(points), and_written=self.written is None),
+            asks=lambda _point, case, analysis, _record: (case, analysis) == (self.case, self.analysis),
+        )
+        return dataclasses.replace(plan, workflow="optimise", harder=True)
+
+    def check_corners(self) -> None:
+        """Raises InputError: the study is not sound with both ends of every range and every option of every choice."""
+        ends = [[(n + 0.5) / each.options for n in range(each.options)] or [0.0, 1.0] for each in self.factors]
+        at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
+
+    def text(self, point: Point) -> str:
+        """The text of the study with the keys at a point; everything else stays as it is written.  Raises InputError: a
+        key stands where an anchor or alias of YAML makes it part of something else."""
+        values = {factor.key: factor.value(u) for factor, u in zip(self.factors, point, strict=True)}
+        return with_values(self.study.text, values, self.study.file)
+
+
+def question_of(study: Study) -> Question:
+    """What a study asks.
+
+    Raises
+    ------
+    InputError : nothing to optimise, no key that varies, an expression that is not understood, several cases or
+        analyses and none chosen
+    """
+    spec: OptimiseSpec = study.model.optimise
+    problems, root = Problems(study.file), study.root
+    key = "most" if spec.least is None and spec.most is not None else "least"
+    texts = [text for text in (spec.least, spec.most) if text is not None]
+    found = expressions(study, "optimise", key, texts, problems, "largest V_ratio in stiff")
+    factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
+    if not factors and not problems.found:
+        hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
+        problems.at(root, ("optimise",), "no key is given to vary", hint, key=True)
+    case = _one(study, "case", "cases", spec.case, list(study.model.cases), problems)
+    analysis = _one(study, "analysis", "analyses", spec.analysis, list(study.model.analyses), problems)
+    refuse_histories(study, "the points of a search", problems)
+    problems.check()
+    given = [(factor, get(root, *factor.key.split("."))) for factor in factors]
+    places = [None if value is None else factor.place(value) for factor, value in given]
+    written = tuple(place for place in places if place is not None)
+    is_point = len(written) == len(places)
+    return Question(study, found[0], tuple(factors), case, analysis, written if is_point else None)
+
+
+def _one(study: Study, what: str, many: str, wanted: str | None, names: list[str], problems: Problems) -> str:
+    """The case or analysis that is looked at; what is wrong with the choice is noted."""
+    if wanted is not None and wanted not in names:
+        problems.at(study.root, ("optimise", what), f"{what}: no {what} '{wanted}'", nearest(wanted, names))
+    elif wanted is None and len(names) > 1:
+        hint = f"select one: `optimise: {{{what}: {names[0]}}}`"
+        problems.at(study.root, ("optimise",), f"the study has {len(names)} {many}", hint, key=True)
+    return str(wanted or names[0])
+
+
+def check_written(study: Study, path: Path) -> None:
+    """Make sure that the study with other values can be written to `path`: its text takes them, and its motions are
+    found from there.
+
+    Raises
+    ------
+    InputError : as `question_of` and `Question.text`; or the study would be another one there
+    """
+    question = question_of(study)
+    text, first = question.text(question.middle), (0,) * len(study.axes)
+    why = "its motions would be others"
+    try:
+        found = Study(path, text, parse(text, shortened(path)))
+        one, other = ({n: used.use.digest for n, used in each.motions(first).items()} for each in (found, study))
+        if one == other:
+            return
+    except InputError as error:
+        why = error.problems[0].message
+    hint = "write it beside the study: motions are sought there" if path.parent != study.path.parent else ""
+    raise InputError(Problem(f"the study would not run from there: {why}", hint or "change the study", str(path)))
+
+
+# The search
 
 
 class Optimise(Workflow):
@@ -102,7 +224,7 @@ class Optimise(Workflow):
         """The optimum, what the buildings do there, and all points."""
         question = question_of(study)
         question.check_corners()
-        void: set[Point] = set()
+        void = set[Point]()
 
         def function(points: list[Point], is_rough: bool) -> tuple[np.ndarray, np.ndarray]:
             solved = _Solved(question, solver, points, is_rough)
@@ -114,10 +236,12 @@ class Optimise(Workflow):
         search.run()
         # what only led to the valley keeps its rough numbers
         whole = _Solved(question, solver, list(search.tried), is_rough=True)
+        unit = question.expression.unit or "1"
+        columns = {name: (unit if si == _SOUGHT else si, text) for name, (si, text) in _COLUMNS.items()}
         tables = [
-            _optimum(search, question, whole, void),
-            _design(search, question, whole),
-            _points(search, question, void),
+            tabled(OPTIMUM, _optimum(search, question, whole, void), columns),
+            tabled(DESIGN, _design(search, question, whole), _DESIGN),
+            _points(search, question, void, columns),
         ]
         return Found(whole.plan, whole.data, tables)
 
@@ -131,22 +255,19 @@ class _Solved:
 
     def __init__(self, question: Question, solver: Solver, points: Sequence[Point], is_rough: bool) -> None:
         self.question, self.plan = question, question.plan(points)
-        self.data: xr.Dataset = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
-        self.get = getter(self.plan, self.data)
-        self.count = len(self.plan.axes[-1].values)
+        self.data = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
+        self.one = self.data.sel(case=[question.case], analysis=[question.analysis])
+        self.get, self.count = getter(self.plan, self.one), len(self.plan.axes[-1].values)
 
-    def here(self, values: np.ndarray) -> np.ndarray:
-        """What belongs to the case and the analysis, shape (other points of the sweep, points, ...)."""
-        axes, plan = len(self.plan.axes), self.plan
-        place = plan.cases.index(self.question.case), plan.analyses.index(self.question.analysis)
-        moved = np.moveaxis(values, (axes, axes + 1), (0, 1))[place]
-        return moved.reshape(-1, self.count, *moved.shape[axes:])
+    def by_point(self, values: np.ndarray) -> np.ndarray:
+        """Values over all axes, the one case and the one analysis; shape (other points of the sweep, points, ...)."""
+        return values.reshape(-1, self.count, *values.shape[len(self.plan.axes) + 2 :])
 
     @property
     def void(self) -> np.ndarray:
         """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
-        meaningless = counts_of_flags(self.data["flags"].values)["records_meaningless"]
-        return np.asarray((self.here(meaningless) > 0).any(axis=0))
+        meaningless = counts_of_flags(self.one["flags"].values)["records_meaningless"]
+        return np.asarray((self.by_point(meaningless) > 0).any(axis=0))
 
     def values(self, quantity: Quantity | None = None) -> np.ndarray:
         """The number sought, or a quantity, at every point: over the motions as the number sought is, over a sweep its
@@ -154,145 +275,124 @@ class _Solved:
         question, expression = self.question, self.question.expression
         if quantity is not None:
             expression = Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
-        values = self.here(values_of(expression, self.get, question.spec.over_motions))
+        values = self.by_point(values_of(expression, self.get, question.spec.over_motions))
         if question.spec.over_sweep == "mean":
             return values.mean(axis=0)
         return values.min(axis=0) if quantity is None and question.sign < 0 else values.max(axis=0)
 
     def errors(self) -> np.ndarray:
         """The numerical error of the number sought at every point."""
-        question = self.question
-        errors = self.here(error_of(question.expression, self.get, question.spec.over_motions))
-        if question.spec.over_sweep == "mean":
+        expression, spec, sign = self.question.expression, self.question.spec, self.question.sign
+        errors = self.by_point(error_of(expression, self.get, spec.over_motions))
+        if spec.over_sweep == "mean":
             return errors.mean(axis=0)
-        values = question.sign * self.here(values_of(question.expression, self.get, question.spec.over_motions))
+        values = sign * self.by_point(values_of(expression, self.get, spec.over_motions))
         worst = np.where(np.isnan(values), np.inf, values).argmax(axis=0)
         return errors[worst, np.arange(self.count)]
 
 
-def _optimum(search: Search, question: Question, whole: _Solved, void: set[Point]) -> Table:
+# The tables
+
+
+def _optimum(search: Search, question: Question, whole: _Solved, void: set[Point]) -> pd.DataFrame:
     """A row for each key."""
-    best, sign, factors = search.best, question.sign, question.factors
-    values = np.array([each.value for each in search.tried.values()])
+    best, sign, tried = search.best, question.sign, search.tried
     if search.written is not None:
-        as_written = sign * search.tried[search.written].value
-        written = _values(factors, search.written)
+        as_written = sign * tried[search.written].value
     else:
         as_written = np.nan if whole.void[-1] else float(whole.values()[-1])
-        given = whole.plan.axes[-1].values[-1]
-        written = [(np.nan, value) if isinstance(value, str) else (value, "") for value in given]
-    at_best = _values(factors, best)
-    frame = pd.DataFrame(
-        {
-            "sought": f"{'least' if sign > 0 else 'most'} {question.expression}",
-            "optimum": np.nan if best is None else sign * search.value(best),
-            "error": np.nan if best is None else search.error,
-            "tolerance": np.nan if best is None else search.tolerance,
-            "as_written": as_written,
-            "outcome": NOTHING if best is None else FOUND if search.is_settled else UNSETTLED,
-            "points": values.size,
-            "failed": int(np.isnan(values).sum()) - len(void),
-            "meaningless": len(void),
-            "key": [factor.key for factor in factors],
-            "unit": [factor.unit.si or factor.unit.name for factor in factors],
-            "value": [number for number, _ in at_best],
-            "place": np.nan if best is None else list(best),
-            "option": [text for _, text in at_best],
-        }
-    )
-    spans = {
-        "flat": search.flat,
-        "together": _together(search),
-        "range": {number: (0.0, 1.0) for number in search.continuous},
-    }
-    for name, span in spans.items():
-        nothing = np.array([np.nan, np.nan])
-        ends = [factor.number(np.array(span[n])) if n in span else nothing for n, factor in enumerate(factors)]
-        frame[f"{name}_from"], frame[f"{name}_to"] = np.array(ends, float).T
-    frame["spacing"] = [factor.spacing for factor in factors]
-    frame["written"], frame["written_option"] = [number for number, _ in written], [text for _, text in written]
-    frame["mapped"] = [int(row in search.mapped) for row in range(len(factors))]
-    return tabled(OPTIMUM, frame, _in(_OPTIMUM, question))
+    failed = sum(each.value != each.value for each in tried.values()) - len(void)
+    outcome = NOTHING if best is None else FOUND if search.is_settled else UNSETTLED
+    first = {
+        "sought": f"{'least' if sign > 0 else 'most'} {question.expression}",
+        "optimum": np.nan if best is None else sign * search.value(best),
+        "error": np.nan if best is None else search.error,
+        "tolerance": np.nan if best is None else search.tolerance,
+        "as_written": as_written, "outcome": outcome, "points": len(tried), "failed": failed, "meaningless": len(void),
+    }  # fmt: skip
+    near = np.zeros((0, len(question.factors)))
+    if best is not None:
+        bound = search.value(best) + search.tolerance
+        near = np.array([point for point, each in tried.items() if each.value <= bound])
+    rows = []
+    for number, factor in enumerate(question.factors):
+        value, option = (np.nan, "") if best is None else _value(factor, best[number])
+        if search.written is not None:
+            written, written_option = _value(factor, search.written[number])
+        else:
+            given = whole.plan.axes[-1].values[-1][number]
+            written, written_option = (np.nan, given) if isinstance(given, str) else (given, "")
+        row = {
+            **first, "key": factor.key, "unit": factor.unit.si or factor.unit.name, "value": value,
+            "place": np.nan if best is None else best[number], "option": option, "spacing": factor.spacing,
+            "written": written, "written_option": written_option, "mapped": int(number in search.mapped),
+        }  # fmt: skip
+        spans = {"flat": search.flat.get(number), "range": (0.0, 1.0)}
+        if len(near):
+            spans["together"] = near[:, number].min(), near[:, number].max()
+        for name, span in spans.items():
+            if span is not None and not factor.options:
+                row[f"{name}_from"], row[f"{name}_to"] = factor.number(np.array(span)).tolist()
+        rows.append(row)
+    names = list(_COLUMNS)
+    return pd.DataFrame(rows).reindex(columns=names[: names.index("point")])
 
 
-def _in(columns: Columns, question: Question) -> Columns:
-    """The columns with the unit of the number sought."""
-    unit = question.expression.unit or "1"
-    return {name: (unit if si == _SOUGHT else si, text) for name, (si, text) in columns.items()}
+def _value(factor: Factor, u: float) -> tuple[float, str]:
+    """A key at a point: its number, or its option."""
+    number = float(factor.number(np.array(u)))
+    return (np.nan, factor.labels[int(number)]) if factor.options else (number, "")
 
 
-def _together(search: Search) -> dict[int, tuple[float, float]]:
-    """Between which ends a key may lie so that some point that was tried is within the tolerance."""
-    if search.best is None:
-        return {}
-    bound = search.value(search.best) + search.tolerance
-    inside = np.array([point for point, each in search.tried.items() if each.value <= bound])
-    return {number: (inside[:, number].min(), inside[:, number].max()) for number in search.continuous}
-
-
-def _values(factors: Sequence[Factor], point: Point | None) -> list[tuple[float, str]]:
-    """The keys at a point: of each its number, or its option."""
-    if point is None:
-        return [(np.nan, "")] * len(factors)
-    numbers = [float(factor.number(np.array(u))) for factor, u in zip(factors, point, strict=True)]
-    return [
-        (np.nan, factor.labels[int(number)]) if factor.options else (number, "")
-        for factor, number in zip(factors, numbers, strict=True)
-    ]
-
-
-def _design(search: Search, question: Question, whole: _Solved) -> Table:
+def _design(search: Search, question: Question, whole: _Solved) -> pd.DataFrame:
     """What the buildings do at the optimum, and with the study as it is written: a row for each quantity."""
-    plan, points = whole.plan, list(search.tried)
+    plan, points, one = whole.plan, list(search.tried), whole.one
     best = None if search.best is None else points.index(search.best)
     shown = best, whole.count - 1 if search.written is None else points.index(search.written)
-    has_links = bool(plan.links.places)
-    failed = ~np.isin(whole.here(whole.data["status"].values), OUTCOMES)
+    failed = ~np.isin(whole.by_point(one["status"].values), OUTCOMES)
     known, of = ~failed.any(axis=(0, 2)), failed[:, 0].size
     impacts = np.zeros(failed.shape)
-    if has_links:
-        impacts = np.maximum(whole.here(whole.data["impacts"].values), 0).sum(axis=-1)
+    if plan.links.places:
+        impacts = np.maximum(whole.by_point(one["impacts"].values), 0).sum(axis=-1)
     rows: list[tuple[str, str, int, np.ndarray]] = [
         (str(question.expression), question.expression.unit or "1", 0, whole.values()),
         ("contacts, all motions", "1", 0, np.where(known, impacts.sum(axis=(0, 2)), np.nan)),
         ("scenes with contact", "1", of, np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan)),
         ("scenes that failed", "1", of, failed.sum(axis=(0, 2))),
     ]
-    names = list(enumerate(plan.buildings)) if len(plan.buildings) <= MOST_BUILDINGS else [(None, "")]
-    quantities = [
-        (f"largest {name}" + f" in {building}" * bool(building), Quantity(name, "largest", place))
-        for place, building in names
+    quantities = {
+        f"largest {name} in {building}": Quantity(name, "largest", place)
+        for place, building in enumerate(plan.buildings)
         for name in ("V_ratio", "mu", "drift", "acceleration")
-    ]
-    quantities += [(f"largest {name}", Quantity(name)) for name in ("peak_force", "max_closing") if has_links]
-    rows += [(text, VARIABLES[each.name].unit, 0, whole.values(each)) for text, each in quantities]
-    flags = whole.here(whole.data["flags"].values)
+    }
+    if plan.links.places:
+        quantities |= {f"largest {name}": Quantity(name) for name in ("peak_force", "max_closing")}
+    rows += [(text, VARIABLES[each.name].unit, 0, whole.values(each)) for text, each in quantities.items()]
+    flags = whole.by_point(one["flags"].values)
     said = [flag for at in shown if at is not None for cell in flags[:, at].flat for flag, _ in parted(cell)]
     for flag in dict.fromkeys(said):
         has = np.vectorize(lambda cell, flag=flag: any(flag == each for each, _ in parted(cell)), otypes=[bool])(flags)
         rows.append((f"scenes flagged: {flag}", "1", of, has.sum(axis=(0, 2))))
-    frame = pd.DataFrame({
-        "quantity": [text for text, *_ in rows],
-        "unit": [unit for _, unit, *_ in rows],
-        **{name: [np.nan if at is None else float(values[at]) for *_, values in rows]
-           for name, at in zip(("optimum", "as_written"), shown, strict=True)},
-        "of": [count for *_, count, _ in rows],
-    })  # fmt: skip
-    return tabled(DESIGN, frame, _DESIGN)
+    numbers = [[np.nan if at is None else float(values[at]) for at in shown] for *_, values in rows]
+    texts = pd.DataFrame([row[:3] for row in rows], columns=["quantity", "unit", "of"])
+    return texts.assign(**dict(zip(("optimum", "as_written"), zip(*numbers, strict=True), strict=True))).reindex(
+        columns=list(_DESIGN)
+    )
 
 
-def _points(search: Search, question: Question, void: set[Point]) -> Table:
+def _points(search: Search, question: Question, void: set[Point], columns: Columns) -> Table:
     """Every point that was tried, in the order in which the search asked for it."""
     cube, tried = np.array(list(search.tried)), list(search.tried.values())
-    columns: dict[str, Any] = {"point": np.arange(1, len(cube) + 1), "stage": [each.stage for each in tried]}
+    frame: dict[str, Any] = {"point": np.arange(1, len(cube) + 1), "stage": [each.stage for each in tried]}
+    units, meant = {}, dict(columns)
     for number, factor in enumerate(question.factors):
         values = factor.number(cube[:, number])
-        columns[factor.key] = [factor.labels[int(value)] for value in values] if factor.options else values
-    columns["value"] = question.sign * np.array([each.value for each in tried])
-    columns["error"] = [each.error for each in tried]
-    columns["meaningless"] = [int(point in void) for point in search.tried]
-    numbers = [factor for factor in question.factors if not factor.options]
-    meant = {factor.key: ("", f"varies: {factor.key}") for factor in question.factors}
-    meant |= {factor.key: (factor.unit.si or "1", f"varies: {factor.key}") for factor in numbers}
-    shown = {factor.key: factor.unit for factor in numbers}
-    return tabled(POINTS, pd.DataFrame(columns), {**meant, **_in(_POINTS, question)}, units=shown)
+        frame[factor.key] = [factor.labels[int(value)] for value in values] if factor.options else values
+        meant[factor.key] = "" if factor.options else factor.unit.si or "1", f"varies: {factor.key}"
+        if not factor.options:
+            units[factor.key] = factor.unit
+    frame["value"] = question.sign * np.array([each.value for each in tried])
+    frame["error"] = [each.error for each in tried]
+    frame["meaningless"] = [int(point in void) for point in search.tried]
+    meant["value"] = columns["optimum"][0], "of the number sought; NaN where it has none or no meaning"
+    return tabled(POINTS, pd.DataFrame(frame), meant, units=units)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
@@ -42,7 +42,7 @@ _FEW_COMBINATIONS = 200
 """So many combinations of choices are all looked at."""
 
 _SPREAD = 1e-3
-"""Values of a population, relative: below, it has found its valley [-]."""
+"""Standard deviation of the values of a population over their mean [-]: below, it has found its valley."""
 
 _SIMPLEX = (0.05, 0.02, 0.01)
 """Edges of the simplex, one polish after the other: where the function has a kink, the first may get stuck."""
@@ -51,7 +51,7 @@ _GAIN = 1e-5
 """A polish that gains less is the last [-]."""
 
 _SAME = 1e-6
-"""A point that is lower by less is no better than the best one [-]."""
+"""A point in the surroundings that is lower by less is no better than the best one [-]."""
 
 _NARROW = 1e-3
 """Width of the interval in which the function leaves the bottom."""
@@ -81,6 +81,7 @@ class Search:
     Attributes
     ----------
     tried : every point that was looked at, in that order
+    best : the point of the least value, the first of several; None where no point has a value
     flat : of continuous coordinates, between which ends the function stays on its bottom, the others at the best point
     mapped : the two coordinates of the map
     is_settled : whether the population came together before its generations were spent
@@ -93,29 +94,15 @@ class Search:
         self.written = None if written is None else self.key(written)
         self.continuous = [number for number, many in enumerate(options) if not many]
         self.tried: dict[Point, Tried] = {}
+        self.best: Point | None = None
         self.flat: dict[int, tuple[float, float]] = {}
         self.mapped: tuple[int, ...] = ()
         self.is_settled = True
-        self._centre: Point | None = None
 
     def value(self, point: Point) -> float:
         """The value of a point that was looked at; infinite where it has none."""
         value = self.tried[point].value
         return np.inf if np.isnan(value) else value
-
-    @property
-    def best(self) -> Point | None:
-        """The point of the least value, the first of several; None where no point has a value.
-
-        The one that was polished stays it until a lower one is found.
-        """
-        found = min(self.tried, key=self.value, default=None)
-        if found is None or np.isinf(self.value(found)):
-            return None
-        centre = self._centre
-        if centre is not None and self.value(centre) - self.value(found) <= _SAME * abs(self.value(centre)):
-            return centre
-        return found
 
     @property
     def error(self) -> float:
@@ -140,30 +127,30 @@ class Search:
             for u, options in zip(np.clip(point, 0.0, 1.0).tolist(), self.options, strict=True)
         )
 
-    def moved(self, point: Point, moves: dict[int, float]) -> Point:
-        """A point with other values of some coordinates."""
-        return self.key([moves.get(number, u) for number, u in enumerate(point)])
-
-    # The stages
-
     def run(self) -> None:
         """Search."""
         if self.written is not None:
             self._look([self.written], WRITTEN)
         if not self.continuous and np.prod(self.options) <= _FEW_COMBINATIONS:
             self._look(list(product(*(self._across(number, 0) for number in range(len(self.options))))), SEARCH)
+            self._take_lowest()
             return
         self._evolve()
+        self._take_lowest()
         for _ in range(_RETURNS):
-            self._centre = None
-            if self.best is None:
+            if self.best is not None and self.continuous:
+                self._polish(self.best)
+                self._take_lowest()
+            if self.best is None or not self._finds_lower_around(self.best):
                 return
-            if self.continuous:
-                self._polish()
-            self._centre = self.best
-            self._look_around(self.best)
-            if self.best == self._centre:
-                return
+
+    def _take_lowest(self, least: float = 0.0) -> bool:
+        """Make the lowest point the best one where it is lower by more than a share of its value; whether it is."""
+        lowest = min(self.tried, key=self.value)
+        is_lower = self.best is None or self.value(self.best) - self.value(lowest) > least * abs(self.value(self.best))
+        if is_lower and np.isfinite(self.value(lowest)):
+            self.best = lowest
+        return is_lower
 
     def _look(self, points: Sequence[Sequence[float]], stage: str) -> np.ndarray:
         """The values at points, worked out where they are not known; infinite where there is none."""
@@ -174,6 +161,10 @@ class Search:
             self.tried |= {key: Tried(value, error, stage) for key, value, error in found}
         return np.array([self.value(key) for key in keys])
 
+    def _moved(self, point: Point, moves: dict[int, float]) -> Point:
+        """A point with other values of some coordinates."""
+        return self.key([moves.get(number, u) for number, u in enumerate(point)])
+
     def _across(self, number: int, points: int) -> list[float]:
         """Values of a coordinate: every choice, or so many points from end to end."""
         options = self.options[number]
@@ -181,29 +172,25 @@ class Search:
 
     def _evolve(self) -> None:
         """Differential evolution until all points of a generation are nearly as good."""
-        size, seed = len(self.options), self.spec.seed
-        first = qmc.LatinHypercube(size, rng=np.random.default_rng(seed))
-        population = first.random(self.spec.population or max(20, 12 * size))
-        values = self._look(population, SEARCH)
-        for generation in range(self.spec.generations):  # its random numbers follow from the seed and its number
-            if not np.isfinite(values).any() or _is_close(values):
-                return
-            try:
-                found = differential_evolution(
-                    lambda x: self._look(x.T, SEARCH), [(0.0, 1.0)] * size, init=population, maxiter=1, polish=False,
-                    tol=0.0, atol=0.0, updating="deferred", vectorized=True,
-                    rng=np.random.default_rng([seed, generation]),
-                )  # fmt: skip
-            except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
-                raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
-            population, values = found.population, found.population_energies
-        self.is_settled = _is_close(values)
+        size = len(self.options)
+        population = qmc.LatinHypercube(size, rng=self.spec.seed).random(self.spec.population or max(20, 12 * size))
 
-    def _polish(self) -> None:
+        def callback(intermediate_result: Any) -> None:
+            if not np.isfinite(intermediate_result.population_energies).any():
+                raise StopIteration  # no point has a value
+
+        try:
+            found = differential_evolution(
+                lambda x: self._look(x.T, SEARCH), [(0.0, 1.0)] * size, init=population, maxiter=self.spec.generations,
+                tol=_SPREAD, polish=False, updating="deferred", vectorized=True, callback=callback, rng=self.spec.seed,
+            )  # fmt: skip
+        except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
+            raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
+        self.is_settled = bool(found.success)
+
+    def _polish(self, best: Point) -> None:
         """The simplex method from the best point, choices kept."""
         for edge in _SIMPLEX:
-            best = self.best
-            assert best is not None
             before, begin = self.value(best), np.array([best[place] for place in self.continuous])
             corners = begin + np.vstack([np.zeros(begin.size), edge * np.diag(np.where(begin + edge > 1, -1.0, 1.0))])
             options = {
@@ -211,40 +198,39 @@ class Search:
                 "maxfev": 60 * len(corners), "adaptive": len(corners) > 4,
             }  # fmt: skip
 
-            def of(x: np.ndarray, best: Point = best) -> float:
-                return float(
-                    self._look([self.moved(best, dict(zip(self.continuous, x.tolist(), strict=True)))], POLISH)[0]
-                )
+            def at(x: np.ndarray, best: Point = best) -> float:
+                moves = dict(zip(self.continuous, x.tolist(), strict=True))
+                return float(self._look([self._moved(best, moves)], POLISH)[0])
 
-            minimize(of, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
-            assert self.best is not None
-            if before - self.value(self.best) <= _GAIN * abs(before):
+            minimize(at, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
+            best = min(self.tried, key=self.value)
+            if before - self.value(best) <= _GAIN * abs(before):
                 return
 
-    def _look_around(self, best: Point) -> None:
-        """Slices through the best point, the ends of its flat bottom, and a map over two coordinates; it ends where
-        a lower point is found."""
+    def _finds_lower_around(self, best: Point) -> bool:
+        """Look at slices through the best point, the ends of its flat bottom, and a map over two coordinates; whether
+        one of them is lower."""
         slices = [
-            self.moved(best, {number: u}) for number in range(len(best))
+            self._moved(best, {number: u}) for number in range(len(best))
             for u in self._across(number, self.spec.slice_points)
         ]  # fmt: skip
         while slices:  # halve the intervals in which the function leaves the bottom, all at once
             self._look(slices, SLICES)
-            if self.best != best:
-                return
+            if self._take_lowest(_SAME):
+                return True
             ends = {number: self._ends(number, best) for number in self.continuous}
             slices = [
-                self.moved(best, {number: (inside + outside) / 2})
+                self._moved(best, {number: (inside + outside) / 2})
                 for number, both in ends.items() for inside, outside in both
                 if _NARROW < abs(outside - inside) < np.inf
             ]  # fmt: skip
         self.flat = {number: (low, high) for number, ((low, _), (high, _)) in ends.items()}
-        if len(self.flat) < 2:
-            return
-        narrow = sorted(self.continuous, key=lambda number: self.flat[number][1] - self.flat[number][0])[:2]
-        self.mapped = one, other = tuple(sorted(narrow))
-        line = np.linspace(0.0, 1.0, self.spec.map_points).tolist()
-        self._look([self.moved(best, {one: u, other: v}) for u in line for v in line], MAP)
+        if len(self.flat) > 1:
+            narrow = sorted(self.continuous, key=lambda number: self.flat[number][1] - self.flat[number][0])[:2]
+            self.mapped = one, other = tuple(sorted(narrow))
+            line = np.linspace(0.0, 1.0, self.spec.map_points).tolist()
+            self._look([self._moved(best, {one: u, other: v}) for u in line for v in line], MAP)
+        return self._take_lowest(_SAME)
 
     def _ends(self, number: int, best: Point) -> list[tuple[float, float]]:
         """Below and above the best point along a coordinate: the last value on the bottom and the first beyond it,
@@ -258,8 +244,3 @@ class Search:
         high = min((u for u in outside if u > here), default=np.inf)
         inside = [u for u, _ in line if low < u < high]
         return [(min(inside), low), (max(inside), high)]
-
-
-def _is_close(values: np.ndarray) -> bool:
-    """Whether a population has found its valley."""
-    return bool(np.isfinite(values).all() and values.std() <= _SPREAD * abs(values.mean()))

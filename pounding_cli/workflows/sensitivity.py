@@ -1,22 +1,26 @@
-"""`pound sensitivity`: indices of every key (SALib), distributions of outputs, probabilities, and the samples."""
+"""`pound sensitivity`: what a study asks, checked; indices (SALib), distributions, probabilities, and the samples."""
 
 from __future__ import annotations
 
 import dataclasses
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from pounding_cli.numbers import counted
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.expression import Expression, Statement
-from pounding_cli.study.vary import MOTION, choice_of
-from pounding_cli.workflows.expressions import Get, getter, values_of
-from pounding_cli.workflows.sampled import at_points
-from pounding_cli.workflows.sensitivity_question import Question, question_of
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
+from pounding_cli.study.file import Problems
+from pounding_cli.study.questions import SensitivitySpec
+from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
+from pounding_cli.workflows.expressions import Get, at_points, distinct, expressions, getter, statements, values_of
+from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, swept, tabled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,6 +40,13 @@ PERCENTILES = (5, 50, 95)
 
 SHARE = 0.2
 """Lowest and highest part of a key's distribution that a tornado compares [-]."""
+
+BASE_SAMPLES = {"sobol": 256, "morris": 32}
+"""Base samples unless the study says how many."""
+
+MOST_POINTS = 200_000
+
+_LEAST_LEVELS = 4
 
 _COLUMNS: Columns = {
     "case": ("", "case of the study; empty: all of them"),
@@ -66,6 +77,146 @@ _COLUMNS: Columns = {
     "sample": ("1", "number of the sample"),
     "independent": ("1", "1 where independent"),
 }  # fmt: skip
+_OF_METHOD = {
+    "sobol": ["first", "first_low", "first_high", "total", "total_low", "total_high", "mean", "at_low", "at_low_error",
+              "at_high", "at_high_error"],
+    "morris": ["mu_star", "mu_star_low", "mu_star_high", "mu", "sigma"],
+}  # fmt: skip
+"""Columns of the indices of each method."""
+
+
+# What is asked
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What `pound sensitivity` is asked of a study.
+
+    spec : its section
+    factors : the keys that vary, the choice of motions among them
+    outputs : the numbers looked at
+    statements : what may hold of such numbers, and how likely
+    motions : names of the motions
+    sets : the motions that a sample may rest on, by number, shape (options, motions of a sample); None: all of them
+    """
+
+    spec: SensitivitySpec
+    factors: tuple[Factor, ...]
+    outputs: tuple[Expression, ...]
+    statements: tuple[Statement, ...]
+    motions: tuple[str, ...]
+    sets: np.ndarray | None
+
+    @property
+    def samples(self) -> int:
+        """Base samples."""
+        return self.spec.samples or BASE_SAMPLES[self.spec.method]
+
+    @property
+    def levels(self) -> int:
+        """Levels of the method of Morris: even, and as many as the longest choice has options."""
+        most = max(_LEAST_LEVELS, *(factor.options for factor in self.factors))
+        return most + most % 2
+
+    @property
+    def problem(self) -> dict[str, Any]:
+        """The unit cube, as SALib has it."""
+        names = [factor.key for factor in self.factors]
+        return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+
+    @cached_property
+    def grid(self) -> np.ndarray:
+        """The samples as SALib draws them, shape (samples, factors)."""
+        from SALib.sample import morris, sobol  # a second to import
+
+        seed = self.spec.seed
+        if self.spec.method == "morris":
+            return morris.sample(self.problem, self.samples, num_levels=self.levels, seed=seed)
+        return sobol.sample(self.problem, self.samples, calc_second_order=False, seed=seed)
+
+    @cached_property
+    def cube(self) -> np.ndarray:
+        """The samples in the unit cube, shape (samples, factors).
+
+        Levels of Morris run from 0 to 1, where many distributions have no value: each stands for the middle of an equal
+        share of the probability.
+        """
+        if self.spec.method != "morris":
+            return self.grid
+        return (np.rint(self.grid * (self.levels - 1)) + 0.5) / self.levels
+
+    @property
+    def independent(self) -> np.ndarray:
+        """Numbers of the samples of Sobol that are independent of each other, his matrices A and B, shape (2 x base
+        samples,); of Morris the first of every trajectory."""
+        block = len(self.cube) // self.samples
+        begins = np.arange(self.samples) * block
+        return np.concatenate([begins, begins + block - 1]) if self.spec.method == "sobol" else begins
+
+    @cached_property
+    def keys(self) -> tuple[tuple[Factor, ...], np.ndarray, np.ndarray]:
+        """The factors that are keys of the study; the different points of these that the samples need, shape (points,
+        keys); of every sample its point."""
+        are_keys = np.array([factor.key != MOTION for factor in self.factors])
+        factors = tuple(factor for factor in self.factors if factor.key != MOTION)
+        return factors, *distinct(factors, self.cube[:, are_keys])
+
+    @cached_property
+    def drawn(self) -> np.ndarray | None:
+        """The motions that every sample rests on, by number, shape (samples, motions of a sample); None: all."""
+        if self.sets is None:
+            return None
+        number = next(n for n, factor in enumerate(self.factors) if factor.key == MOTION)
+        return self.sets[choice_of(self.cube[:, number], len(self.sets))]
+
+
+def question_of(study: Study) -> Question:
+    """What a study asks.
+
+    Raises
+    ------
+    InputError : no key that varies, no output, or one that is not understood
+    """
+    spec: SensitivitySpec = study.model.sensitivity
+    problems, root = Problems(study.file), study.root
+    factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
+    motions, sets = tuple(study.motions(study.base)), None
+    if len(factors) < 2 and not problems.found:
+        what = (
+            f"{counted(len(factors), 'key')} is uncertain: indices take two or more"
+            if factors
+            else "nothing is uncertain"
+        )
+        hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
+        problems.at(root, ("uncertain",), what, hint, key=True)
+    for number, factor in enumerate(factors):
+        if factor.key == MOTION:
+            if len(motions) < 2:
+                hint = "name more under `records:`"
+                problems.add(factor.mark, "the study has one motion: there is nothing to choose", hint)
+            sets = np.arange(len(motions))[:, None]
+            if factor.options:  # sets drawn with replacement
+                random = np.random.default_rng(spec.seed)
+                sets = np.sort(random.integers(len(motions), size=(factor.options, len(motions))), axis=1)
+            factors[number] = dataclasses.replace(factor, options=len(sets))
+    refuse_histories(study, "samples", problems)
+    if spec.claims and study.model.claims is None:
+        hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
+        at = ("sensitivity", "claims")
+        problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
+    named = statements(study, "sensitivity", "probabilities", spec.probabilities, problems)
+    is_needed = not spec.claims and not spec.probabilities
+    outputs = expressions(study, "sensitivity", "outputs", spec.outputs, problems) if spec.outputs or is_needed else ()
+    question = Question(spec, tuple(factors), outputs, named, motions, sets)
+    points = question.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
+    if points > MOST_POINTS:
+        what = f"{question.samples} samples make {points} points"
+        problems.at(root, ("sensitivity", "samples"), what, f"keep it to {MOST_POINTS}: write fewer")
+    problems.check()
+    return question
+
+
+# The workflow
 
 
 class Series(NamedTuple):
@@ -105,36 +256,39 @@ class Sensitivity(Workflow):
     def plan(self, study: Study) -> Plan:
         """The scenes of all samples.  Raises InputError: a sample at which the study is not sound."""
         question = question_of(study)
-        points, place = question.distinct
-        sampled = at_points(study, question.keys, points)
-        if question.drawn is None:
-            plan = expand(sampled)
-        else:
+        factors, points, place = question.keys
+        sampled, asks = at_points(study, factors, points), None
+        if question.drawn is not None:
             wanted = {(at, question.motions[n]) for at, n in np.broadcast(place[:, None], question.drawn)}
-            plan = expand(sampled, asks=lambda point, _case, _analysis, name: (point[-1], name) in wanted)
-        return dataclasses.replace(plan, workflow="sensitivity", harder=True)
+            asks = lambda point, _case, _analysis, name: (point[-1], name) in wanted  # noqa: E731
+        return dataclasses.replace(expand(sampled, asks=asks), workflow="sensitivity", harder=True)
 
     def run(self, study: Study, solver: Solver) -> Found:
         """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
         samples."""
         question, plan = question_of(study), self.plan(study)
         data = solver.dataset(plan)
-        get = getter(plan, data)
+        get, method = getter(plan, data), question.spec.method
         outputs = list(_series(plan, get, question, question.outputs))
         holds = list(_series(plan, get, question, question.statements))
         claims = list(self.judge(plan, data, question)) if self.judge and question.spec.claims else []
-        each = [indices(question, each.values) for each in (*outputs, *holds, *claims)]
-        where = _where(plan, [*outputs, *holds, *claims])
+        every = [*outputs, *holds, *claims]
+        each = [indices(question, one.values) for one in every]
+        where = _where(plan, every)
         rows = where.loc[np.repeat(where.index, len(question.factors))].reset_index(drop=True)
-        tables = [tabled(INDICES, rows.join(pd.concat(each, ignore_index=True)), _COLUMNS, plan.axes)]
-        if outputs and question.spec.method == "sobol":
-            numbers = pd.DataFrame([distribution(question, each.values) for each in outputs])
+        found = pd.concat(each, ignore_index=True)
+        columns = ["key", "outcome", "failed", "samples", *_OF_METHOD[method]]
+        tables = [tabled(INDICES, rows.join(found.reindex(columns=columns)), _COLUMNS, plan.axes)]
+        if outputs and method == "sobol":
+            numbers = pd.DataFrame([distribution(question, one.values) for one in outputs])
             tables.append(tabled(OUTPUTS, _where(plan, outputs).join(numbers), _COLUMNS, plan.axes))
         if said := [*holds, *claims]:
-            numbers = pd.DataFrame([probability(question, each.values) for each in said])
-            decided = pd.DataFrame([_decided(question, each) for each in each[len(outputs) :]])
+            decided = [_decided(method, one) for one in each[len(outputs) :]]
+            numbers = pd.DataFrame(
+                [probability(question, one.values) | d for one, d in zip(said, decided, strict=True)]
+            )
             frame = _where(plan, said).drop(columns="unit").rename(columns={"output": "statement"})
-            tables.append(tabled(PROBABILITIES, frame.join([numbers, decided]), _COLUMNS, plan.axes))
+            tables.append(tabled(PROBABILITIES, frame.join(numbers), _COLUMNS, plan.axes))
         if outputs or holds:
             tables.append(_samples(plan, question, [*outputs, *holds]))
         return Found(plan, data, tables)
@@ -143,38 +297,29 @@ class Sensitivity(Workflow):
 ASKED = Sensitivity()
 
 
-# What is looked at
-
-
 def _series(plan: Plan, get: Get, question: Question, asked: Sequence[Expression | Statement]) -> Iterator[Series]:
     """Expressions, or whether statements hold, at all samples: by point, case, analysis and what is asked."""
     others = tuple(len(axis.values) for axis in plan.axes[:-1])
-    each = [
-        one.holds(_of_samples(one.expression, get, question, len(others))) if isinstance(one, Statement)
-        else _of_samples(one, get, question, len(others)) for one in asked
-    ]  # fmt: skip
-    for *point, case, analysis in np.ndindex(*others, len(plan.cases), len(plan.analyses)) if each else ():
-        for one, found in zip(asked, each, strict=True):
-            unit = "" if isinstance(one, Statement) else one.unit
-            values = found[(*point, case, analysis)]
-            yield Series(tuple(point), plan.cases[case], plan.analyses[analysis], str(one), unit, values)
-
-
-def _of_samples(output: Expression, get: Get, question: Question, others: int) -> np.ndarray:
-    """An expression at every sample, shape (points of other axes ..., cases, analyses, samples).
-
-    others : how many axes are swept beside that of the samples
-    """
+    place = len(others)  # of the axis of samples
+    sample = question.keys[2]
 
     def some(name: str) -> np.ndarray:
-        values = get(name).take(question.distinct[1], axis=others)
+        values = get(name).take(sample, axis=place)
         if question.drawn is None:
             return values
         shape = [1] * values.ndim
-        shape[others], shape[others + 3] = question.drawn.shape  # samples and motions
-        return np.take_along_axis(values, question.drawn.reshape(shape), axis=others + 3)
+        shape[place], shape[place + 3] = question.drawn.shape  # samples and motions
+        return np.take_along_axis(values, question.drawn.reshape(shape), axis=place + 3)
 
-    return np.moveaxis(values_of(output, some, question.spec.over_motions), others, -1)
+    found = []
+    for one in asked:
+        expression = one.expression if isinstance(one, Statement) else one
+        values = np.moveaxis(values_of(expression, some, question.spec.over_motions), place, -1)
+        found.append((one.holds(values), "") if isinstance(one, Statement) else (values, one.unit))
+    for *point, case, analysis in np.ndindex(*others, len(plan.cases), len(plan.analyses)):
+        for one, (values, unit) in zip(asked, found, strict=True):
+            here = values[(*point, case, analysis)]
+            yield Series(tuple(point), plan.cases[case], plan.analyses[analysis], str(one), unit, here)
 
 
 # Numbers of one output; y : of every sample, NaN where it gave none, shape (samples,)
@@ -182,22 +327,15 @@ def _of_samples(output: Expression, get: Get, question: Question, others: int) -
 
 def indices(question: Question, y: np.ndarray) -> pd.DataFrame:
     """Sensitivity indices of an output by every key, Sobol's or those of Morris, with their intervals; a row a key."""
-    failed, is_sobol = int(np.isnan(y).sum()), question.spec.method == "sobol"
-    found = pd.DataFrame({"key": [factor.key for factor in question.factors], "outcome": FOUND, "failed": failed,
-                          "samples": y.size})  # fmt: skip
-    if failed or np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0):
-        names = _SOBOL if is_sobol else _MORRIS
-        outcome = f"refused: {failed} of {y.size} samples gave no number" if failed else CONSTANT
-        return found.assign(outcome=outcome, **dict.fromkeys(names, np.nan))
-    return found.join(_sobol(question, y).join(_ends(question, y)) if is_sobol else _morris(question, y))
-
-
-_SOBOL = (
-    "first", "first_low", "first_high", "total", "total_low", "total_high",
-    "mean", "at_low", "at_low_error", "at_high", "at_high_error",
-)  # fmt: skip
-_MORRIS = ("mu_star", "mu_star_low", "mu_star_high", "mu", "sigma")
-"""What is found by each method."""
+    failed, is_constant = int(np.isnan(y).sum()), np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0)
+    outcome = f"refused: {failed} of {y.size} samples gave no number" if failed else CONSTANT if is_constant else FOUND
+    keys = [factor.key for factor in question.factors]
+    found = pd.DataFrame({"key": keys, "outcome": outcome, "failed": failed, "samples": y.size})
+    if outcome != FOUND:
+        return found
+    if question.spec.method == "morris":
+        return found.join(_morris(question, y))
+    return found.join([_sobol(question, y), _ends(question, y)])
 
 
 def _sobol(question: Question, y: np.ndarray) -> pd.DataFrame:
@@ -226,55 +364,57 @@ def _morris(question: Question, y: np.ndarray) -> pd.DataFrame:
         question.problem, question.grid, y, num_resamples=spec.draws, conf_level=spec.confidence,
         num_levels=question.levels, seed=spec.seed,
     )  # fmt: skip
-    mean, width = (np.asarray(found[name], float) for name in ("mu_star", "mu_star_conf"))
+    mean, width, mu, sigma = (np.asarray(found[name], float) for name in ("mu_star", "mu_star_conf", "mu", "sigma"))
     ends = {"mu_star": mean, "mu_star_low": mean - width, "mu_star_high": mean + width}
-    return pd.DataFrame(ends | {name: np.asarray(found[name], float) for name in ("mu", "sigma")})
+    return pd.DataFrame(ends | {"mu": mu, "sigma": sigma})
 
 
 def _ends(question: Question, y: np.ndarray) -> pd.DataFrame:
     """Means of the output at both ends of every key, of a choice at the options where it is least and most, each with
     its standard error; none of sets of motions, which have no ends."""
     y, cube, rows = y[question.independent], question.cube[question.independent], []
-    for factor, options in enumerate(question.options):
-        row, u = {"mean": y.mean()}, cube[:, factor]
+    for factor, u in zip(question.factors, cube.T, strict=True):
+        row = {"mean": y.mean()}
         rows.append(row)
-        if factor == question.motion and not question.takes_one:
+        if factor.key == MOTION and question.sets is not None and question.sets.shape[1] > 1:
             continue
         groups = [y[u < SHARE], y[u >= 1 - SHARE]]
-        if options:
-            chosen = choice_of(u, options)
+        if factor.options:
+            chosen = choice_of(u, factor.options)
             groups = sorted((y[chosen == number] for number in np.unique(chosen)), key=np.mean)
         for name, here in (("at_low", groups[0]), ("at_high", groups[-1])):
             row[name] = here.mean() if here.size else np.nan
             row[f"{name}_error"] = here.std(ddof=1) / np.sqrt(here.size) if here.size > 1 else np.nan
-    return pd.DataFrame(rows).reindex(columns=list(_SOBOL[6:]))
+    return pd.DataFrame(rows)
 
 
-def _decided(question: Question, found: pd.DataFrame) -> dict[str, Any]:
+def _decided(method: str, found: pd.DataFrame) -> dict[str, Any]:
     """The key that decides most, and its total index or mean elementary effect with the interval.
 
     found : `indices`
     """
-    name = "total" if question.spec.method == "sobol" else "mu_star"
-    most = int(np.argmax(found[name].fillna(0.0)))
-    key, share, low, high = found[["key", name, f"{name}_low", f"{name}_high"]].iloc[most]
-    if not share > 0:
-        key, share, low, high = "", np.nan, np.nan, np.nan
-    return {"decided_by": key, "share": share, "share_low": low, "share_high": high}
+    name = "total" if method == "sobol" else "mu_star"
+    if name not in found or not (found[name] > 0).any():
+        return {"decided_by": "", "share": np.nan, "share_low": np.nan, "share_high": np.nan}
+    most = found.iloc[int(np.argmax(found[name]))]
+    return {"decided_by": most["key"], "share": most[name], "share_low": most[f"{name}_low"],
+            "share_high": most[f"{name}_high"]}  # fmt: skip
 
 
 def distribution(question: Question, y: np.ndarray) -> dict[str, float]:
-    """Mean, standard deviation and percentiles of an output, with bootstrap intervals, over the independent samples."""
+    """Mean, standard deviation and percentiles of an output, with bootstrap intervals, over the independent samples;
+    NaN where some sample gave no number."""
     some, spec = y[question.independent], question.spec
     names = ("mean", "deviation", *(f"percentile_{share}" for share in PERCENTILES))
     random, tails = np.random.default_rng(spec.seed), 50 * (1 - spec.confidence)
     drawn = _statistics(some[random.integers(some.size, size=(some.size, spec.draws))])
-    low, high = np.percentile(drawn, [tails, 100 - tails], axis=1)
-    numbers: dict[str, float] = {"failed": int(np.isnan(y).sum()), "samples": some.size}
-    for name, *ends in zip(names, _statistics(some), low, high, strict=True):
-        known = ends if not numbers["failed"] else [np.nan] * 3
-        numbers |= {name + end: value for end, value in zip(("", "_low", "_high"), known, strict=True)}
-    return numbers
+    numbers = np.array([_statistics(some), *np.percentile(drawn, [tails, 100 - tails], axis=1)])
+    failed = int(np.isnan(y).sum())
+    if failed:
+        numbers[:] = np.nan
+    each = zip(names, numbers.T.tolist(), strict=True)
+    rows = {name + end: value for name, ends in each for end, value in zip(("", "_low", "_high"), ends, strict=True)}
+    return {"failed": failed, "samples": some.size, **rows}
 
 
 def _statistics(y: np.ndarray) -> np.ndarray:
@@ -282,7 +422,7 @@ def _statistics(y: np.ndarray) -> np.ndarray:
     return np.stack([y.mean(axis=0), y.std(axis=0, ddof=1), *np.percentile(y, PERCENTILES, axis=0)])
 
 
-def probability(question: Question, holds: np.ndarray) -> dict[str, float]:
+def probability(question: Question, holds: np.ndarray) -> dict[str, Any]:
     """How likely something holds (1, 0, NaN where it is not known) over the independent samples, with the exact
     interval of Clopper and Pearson; NaN where it is known of none."""
     from scipy.stats import binomtest
@@ -302,9 +442,8 @@ def probability(question: Question, holds: np.ndarray) -> dict[str, float]:
 
 def _where(plan: Plan, series: Sequence[Series]) -> pd.DataFrame:
     """Where numbers stand: the swept values, case, analysis, output and its unit."""
-    names = ("case", "analysis", "name", "unit")
-    texts = pd.DataFrame([[getattr(each, name) for name in names] for each in series], columns=list(names))
-    return swept(plan.axes[:-1], [each.point for each in series]).join(texts.rename(columns={"name": "output"}))
+    texts = pd.DataFrame([each[1:5] for each in series], columns=["case", "analysis", "output", "unit"])
+    return swept(plan.axes[:-1], [each.point for each in series]).join(texts)
 
 
 def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Table:
@@ -312,23 +451,21 @@ def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Table:
     count, meant, units = len(question.cube), dict(_COLUMNS), {}
     keys = pd.DataFrame({"sample": np.arange(1, count + 1), "independent": 0})
     keys.loc[question.independent, "independent"] = 1
-    for number, factor in enumerate(question.factors):
-        if factor.key == MOTION:
-            keys[MOTION], meant[MOTION] = question.motion_labels, ("", "ground motions")
-            continue
-        for member in factor.members:
-            values, text = member.number(question.cube[:, number]), f"varies: {member.key}"
+    for factor, u in zip(question.factors, question.cube.T, strict=True):
+        for member in factor.members if factor.key != MOTION else ():
+            values, text = member.number(u), f"varies: {member.key}"
             if member.options:
                 keys[member.key], meant[member.key] = [member.labels[int(n)] for n in values], ("", text)
             else:
                 keys[member.key], meant[member.key] = values, (member.unit.si or "1", text)
                 units[member.key] = member.unit
-    blocks: dict[tuple, pd.DataFrame] = {}
-    for each in series:
-        place, column = (each.point, each.case, each.analysis), f"output {each.name}"
-        if place not in blocks:
-            where = _where(plan, [each])[[*(key for axis in plan.axes[:-1] for key in axis.names), "case", "analysis"]]
-            blocks[place] = where.loc[[0] * count].reset_index(drop=True).join(keys)
-        blocks[place][column] = each.values
-        meant[column] = each.unit or "1", "output"
+    if question.drawn is not None:
+        counts = [Counter(question.motions[number] for number in numbers) for numbers in question.drawn]
+        said = [" + ".join(name if n == 1 else f"{n} {name}" for name, n in each.items()) for each in counts]
+        keys[MOTION], meant[MOTION] = said, ("", "ground motions")
+    blocks, where = dict[tuple, pd.DataFrame](), _where(plan, series).drop(columns=["output", "unit"])
+    for number, each in enumerate(series):
+        block = blocks.setdefault(each[:3], where.loc[[number] * count].reset_index(drop=True).join(keys))
+        block[f"output {each.name}"] = each.values
+        meant[f"output {each.name}"] = each.unit or "1", "output"
     return tabled(SAMPLES, pd.concat(blocks.values(), ignore_index=True), meant, plan.axes[:-1], units)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch.solve import Solver
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.file import Problems
     from pounding_cli.study.plan import Axis
 
 Columns = Mapping[str, tuple[str, str]]
@@ -79,6 +80,13 @@ class Workflow(ABC):
         return False
 
 
+def refuse_histories(study: Study, of: str, problems: Problems) -> None:
+    """Note that histories are asked for of scenes that nobody knows beforehand."""
+    if study.model.keep is not None:
+        hint = "remove `keep:`; `pound run` keeps those of chosen points"
+        problems.at(study.root, ("keep",), f"histories cannot be kept of {of}", hint, key=True)
+
+
 def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame:
     """The swept values at some points, a row a point and a column a key.
 
@@ -86,17 +94,12 @@ def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame
     """
     import pandas as pd
 
-    at = np.array(points, int).reshape(len(points), len(axes))
     columns = {
-        name: pd.Series([axis.values[place][key] for place in at[:, number]], dtype=_type(axis, key))
+        name: [axis.values[point[number]][key] for point in points]
         for number, axis in enumerate(axes)
         for key, name in enumerate(axis.names)
     }
     return pd.DataFrame(columns, index=range(len(points)))
-
-
-def _type(axis: Axis, key: int) -> type:
-    return object if any(isinstance(value[key], str) for value in axis.values) else float
 
 
 def tabled(

@@ -151,9 +151,7 @@ def test_the_page_answers_first(pound):
     assert 'id="explorer"' not in page
     assert "none: the buildings stand alone" in page
     assert "gap nan" not in page
-    assert "pound accuracy two.yaml -o" in page
     assert page.index('id="figure-required-gap"') < page.index('id="motions"')
-    assert "NZS 1170.5" in page
     assert "Case near, A | B: gap 1 mm: elastic not enough (for 0 of 3 motions it is)" in page
     assert "Distance to a property line" in page
     table = Path("results/two-gap/tables/gap.csv").read_text(encoding="utf-8")
@@ -227,7 +225,7 @@ def test_the_question_cannot_be_swept(pound):
     Path("two.yaml").write_text(STUDY.replace("  cases.near.gap: [1 mm, 2 mm]", "  gap.contact: [1 %, 2 %]"))
     code, _, err = pound("gap", "two.yaml")
     assert code == 2
-    assert "'gap.contact' cannot be an axis" in err
+    assert "'gap.contact' cannot vary" in err
 
 
 # The gaps of the cases
@@ -340,8 +338,7 @@ def test_rules_of_codes_by_hand(pound):
         enough = cases[cases["rule"] == rule].set_index("case")["enough"].to_dict()
         assert enough == {"near": "yes" if apart <= 0.03 else "no", "wide": "yes" if apart <= 0.05 else "no"}
     assert moves["ASCE 7-16"][0] == pytest.approx(0.02157463)  # 5.5 / 1.25 x 0.1 x 9.80665 x 100e3 / 20e6
-    assert "Not evaluated" not in out
-    assert "static displacement under the forces of `base_shear`, not under the motions" in " ".join(out.split())
+    assert "not evaluated" not in out
 
 
 @pytest.mark.parametrize(
@@ -379,11 +376,13 @@ def test_a_missing_factor_is_named_with_its_building(pound):
     code, out, _ = pound("gap", "codes.yaml")
     said = " ".join(out.split())
     assert code == 0
-    assert "Not evaluated: ASCE 7-16 (lacks `Ie` of A and `Cd`, `Ie` of B)." in said
+    assert "ASCE 7-16 is not evaluated: `yield` lacks `Ie` of A; `Cd`, `Ie` of B." in said
     assert "ASCE 7-16" not in set(open_results("results/codes-gap.h5").table("gap")["rule"])
     assert "EN 1998-1" in set(open_results("results/codes-gap.h5").table("gap")["rule"])
     _, out, _ = pound("gap", "two.yaml")
-    assert "EN 1998-1 (lacks `base_shear`, `qd` of A, B)." in " ".join(out.split())
+    assert "EN 1998-1 is not evaluated: `yield` lacks `base_shear`, `qd` of A; `base_shear`, `qd` of B." in " ".join(
+        out.split()
+    )
 
 
 @pytest.mark.parametrize(

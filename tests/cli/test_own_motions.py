@@ -73,7 +73,7 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
 def test_a_unit_that_is_assumed_is_said_wherever_the_motion_is_shown(motion, pound, tmp_path) -> None:
     motion("a.csv")
     assert "a                user, unit g assumed, first 3.98 s" in pound("check", "[a.csv]").stdout
-    assert "Motions, user, unit g assumed: a." in pound("run", "[a.csv]").stdout
+    assert "Motions: user, unit g assumed: a." in pound("run", "[a.csv]").stdout
     results = pounding_cli.open_results(tmp_path / "results" / "study.h5")
     assert list(results.records()["source"]) == ["user, unit g assumed"]
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
@@ -105,21 +105,21 @@ def test_a_unit_in_the_study_comes_before_the_heading_and_the_difference_is_told
 def test_a_peak_above_2_g_in_the_file_is_told_unless_it_is_scaled_to_less(motion, pound, command) -> None:
     motion("a.csv", "", 2.9)
     said = pound(command, "[a.csv]").stderr
-    assert "'a' peaks at 2.9 g as it is read: few motions were ever recorded with more than 2 g" in said
-    assert "if a is in m/s2, its peak is 0.296 g: write `unit: m/s2` beside `file:`" in said
-    assert "'a' peaks at 2.9 g" in pound(command, "[a.csv]", scale="1.5").stderr
+    assert "unlikely peaks: a (2.9 g): few motions were ever recorded with more than 2 g" in said
+    assert "no unit is stated, so g is assumed: write e.g. `unit: m/s2` beside `file:`" in said
+    assert "unlikely peaks: a (4.35 g)" in pound(command, "[a.csv]", scale="1.5").stderr
     for scale in ("0.1", "{pga: 0.3 g}", "{pgv: 40 cm/s}"):
-        assert "peaks at" not in pound(command, "[a.csv]", scale=scale).stderr
+        assert "unlikely peaks" not in pound(command, "[a.csv]", scale=scale).stderr
     motion("a.csv", "", 1.9)
-    assert "peaks at" not in pound(command, "[a.csv]").stderr
-    assert "as it is read" not in pound(command, "[a.csv]", scale="1.5").stderr, "that factor is the study's own"
+    assert "unlikely peaks" not in pound(command, "[a.csv]").stderr
+    assert "unlikely peaks" not in pound(command, "[a.csv]", scale="1.5").stderr, "that factor is the study's own"
 
 
 @pytest.mark.parametrize(
     ("peak", "duration", "words"),
     [
         (0.3, "10 s", "24 motions are shorter than the 10 s asked for: "),
-        (2.9, "whole", "24 motions have unlikely peaks as they are read: "),
+        (2.9, "whole", "unlikely peaks: "),
     ],
 )
 def test_a_warning_about_many_motions_names_all_of_them(motion, pound, peak, duration, words) -> None:
@@ -138,5 +138,5 @@ def test_the_summary_of_a_run_and_a_check_name_all_motions(motion, pound) -> Non
     for name in names:
         motion(f"set/{name}.txt")
     run, checked = flat(pound("run", "[set/]").stdout), pound("check", "[set/]").stdout
-    assert f"Motions, user, unit g assumed: {', '.join(names)}" in run
+    assert f"Motions: user, unit g assumed: {', '.join(names)}" in run
     assert [name for name in names if f"\n  {name} " not in checked] == []

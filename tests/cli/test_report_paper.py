@@ -29,9 +29,9 @@ def test_figures_for_a_paper_are_vectors_without_title_and_caption(solved, folde
     for path in (folder / "paper").glob("*.svg"):
         text = path.read_text()
         assert TITLE not in text
-        assert "stand-in motions" not in text
+        assert "Motions: stand-in" not in text
     captions = (folder / "paper" / "captions.md").read_text()
-    assert captions.count("stand-in motions") == len(list((folder / "paper").glob("*.svg")))
+    assert captions.count("Motions: stand-in") == len(list((folder / "paper").glob("*.svg")))
     curves = (folder / "paper" / "soft-sweep.svg").read_text()
     assert ">gap [cm]<" in curves  # in the unit of the study
     assert "cases.gap.gap" not in curves
@@ -42,7 +42,7 @@ def test_figures_have_their_title_and_caption_otherwise(solved, folder):
     text = (folder / "usual" / "soft-sweep.svg").read_text()
     assert TITLE in text
     assert "cases.gap.gap" in text
-    assert "stand-in motions" in text
+    assert "Motions: stand-in" in text
     assert not (folder / "usual" / "captions.md").exists()
 
 

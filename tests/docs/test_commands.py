@@ -7,7 +7,8 @@ import os
 import pytest
 from pages import PAGES, ROOT, blocks, environment, loose_commands, run_block, stand_in
 
-LONG = {"docs/how-to/fragility.md", "docs/how-to/sweep.md", "docs/reproduction.md"}
+HOW_TO = ("fragility", "optimise", "rate", "sensitivity", "sweep")
+LONG = {"docs/reproduction.md", *(f"docs/how-to/{name}.md" for name in HOW_TO)}
 ELSEWHERE = {"docs/architecture.md", "docs/extending.md"}
 """Pages whose Python has a test of its own, or is a sketch of types."""
 
@@ -37,7 +38,7 @@ def reader(tmp_path, monkeypatch):
 @pytest.mark.parametrize("page", [page for page in PAGES if runnable(page)], ids=named)
 def test_blocks_run(page, reader):
     if named(page) in LONG and "POUND_NIGHTLY" not in os.environ:
-        pytest.skip("solves tens of thousands of scenes: make reference runs it every night")
+        pytest.skip("takes longer than eight seconds: make reference runs it every night")
     names = {"__name__": "__main__"}
     for block in runnable(page):
         try:

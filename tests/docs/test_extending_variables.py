@@ -44,7 +44,7 @@ print(json.dumps({
     "never closes": bool(link["mean_force"][~struck].isna().all()),
     "meaning": [column.unit.name, column.text],
     "dataset": results.dataset["mean_force"].attrs["units"],
-    "worst": float(over_sweep(results, "mean_force", {"case": "touching"}).mean),
+    "worst": float(over_sweep(results, "mean_force", {"case": "touching"})["mean"]),
     "largest": float(link["mean_force"].max()),
     "unit": read_expression("largest mean_force", ["stiff", "soft"]).unit,
     "charted": "mean_force" in [each["key"] for each in explored(results, nominal(results))["quantities"]],

@@ -20,7 +20,6 @@ def lines(*columns: list[float], between: str = " ") -> str:
 FILES = {
     "g.AT2": layouts.at2(IN_G),
     "cosmos.V1c": layouts.cosmos_channel(IN_CM),
-    "csmip.V1": layouts.csmip_v1_channel([round(10 * value, 4) for value in IN_G]),
     "csmip.V2": layouts.csmip_v2_channel(IN_CM)
     + layouts.csmip_v2_channel(layouts.samples(200.0, seed=1.3), channel=2, label="180 Deg"),
     "smc.smc": layouts.smc(IN_CM),

@@ -40,7 +40,7 @@ POINTS = {"fig5": "connector", "fig8": "wall"}
 SCENES = ("storey", "floor", "link", "scene", "flagged", "records", "buildings")
 """Tables of every study of scenes; those of the answers are added, and of `SUMMARISED` the summary."""
 SUMMARISED = {"fig6", "bracket", "collapse"}
-LEFT_OUT = {"optimise_points", "sensitivity_samples"}
+LEFT_OUT = {"fragility_curves", "optimise_points", "sensitivity_samples"}
 """Long tables from which the others follow."""
 
 WORK = ["seconds", "steps", "events", "orders", "method", "accuracy", "time_step", "points", "scenes", "scenes0"]

@@ -217,28 +217,3 @@ def csmip_v2_channel(
     text = "\n".join(words) + "\n" + rows(integers, "5d", 16) + rows(reals, "10.3f", 8) + "".join(series)
     text += f"/&  ---------- End of data for channel {channel:2d} ----------\n"
     return text.upper() if upper else text
-
-
-def csmip_v1_channel(
-    values: Sequence[float],
-    channel: int = 1,
-    label: str = "90 DEG",
-    unit: str = "UNITS OF UNCOR ACCEL ARE SEC AND G/10.",
-    times: Sequence[float] | None = None,
-    words_line: str | None = None,
-) -> str:
-    """One channel of a CSMIP V1 file: times and samples in turns (10F7), or behind a line of words (8F9)."""
-    words = ["UNCORRECTED ACCELEROGRAM DATA              PROCESSED: 01/02/03", "NOWHERE EARTHQUAKE", "JANUARY 2, 2003"]
-    words += ["99999-TEST", "STATION NO. 99999    38.000N, 122.000W    SMA-1 S/N 123", "TEST STATION"]
-    words += [f"CHAN  {channel}: {label}", "words", "words", "words", f"NO. OF POINTS = {len(values)}", unit, "words"]
-    integers, reals = [0] * 100, [0.0] * 50
-    integers[26], integers[27] = 90, len(values)
-    reals[2] = (len(values) - 1) * DT
-    head = "\n".join(words) + "\n" + rows(integers, "5d", 16) + rows(reals, "10.3f", 8)
-    if words_line is not None:
-        data = words_line + "\n" + rows(values, "9.5f", 8)
-    else:
-        even = [place * DT for place in range(len(values))]
-        pairs = [number for pair in zip(times or even, values, strict=True) for number in pair]
-        data = rows(pairs, "7.4f", 10)
-    return head + data + f"----- END OF DATA FOR CHANNEL {channel} -----\n"

@@ -32,7 +32,7 @@ def refused(tmp_path, monkeypatch):
     [
         ("http://127.0.0.1:8786", "http"),
         ("tcp://127.0.0.1", "port"),
-        ("127.0.0.1:dask", "port"),
+        ("127.0.0.1:dask", "answer"),
         ("tcp://127.0.0.1:9", "answer"),
     ],
 )

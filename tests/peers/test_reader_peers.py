@@ -19,7 +19,6 @@ FILES = {
     "smc": ("smc", "read_smc", "test.smc", layouts.smc(CM)),
     "cosmos": ("cosmos", "read_cosmos", "test.V2c", layouts.cosmos_channel(CM)),
     "csmip V2": ("dmg", "read_dmg", "test.V2", layouts.csmip_v2_channel(CM)),
-    "csmip V1": ("dmg", "read_dmg", "test.V1", layouts.csmip_v1_channel([round(v / 20, 4) for v in CM])),
 }
 
 

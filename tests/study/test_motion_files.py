@@ -64,6 +64,7 @@ def test_counts_of_a_recorder_become_gal_about_their_mean(tmp_path):
         (layouts.cosmos_channel(CM, 1, "velocity", ("cm/s", 5)), 49, "velocity"),
         (layouts.cosmos_channel(CM) + layouts.cosmos_channel(CM, 2), 49, "--channel 1"),
         (layouts.csmip_v2_channel(CM, count=60), 52, "8 should stand"),
+        ("UNCORRECTED ACCELEROGRAM DATA\n1 2 3\n", 1, "(V2)"),
         ("# unit: counts\n" + ROWS, 1, "counts"),
         ("t (s), v (cm/s)\n" + ROWS, 1, "velocity"),
         ("0 0.1\n0.01 0.2\n0.03 0.1\n0.04 0.2\n0.05 0.1\n", 3, "uneven"),

@@ -43,7 +43,7 @@ function explorer(box, { axes, quantities, cases, analyses, motions, void: voids
     offer(analyses.length > 1, 'Analysis', numbered(analyses), state.analysis, set('analysis'));
     offer(motions.length > 1, 'Motion', numbered(motions), state.motion, set('motion'));
     offer(one.places.length > 1, one.where === 'pair' ? 'Neighbours' : 'Building', [...all, ...one.places.map((name) => [name, name])], state.place, set('place', String));
-    offer(swept && heights, one.level === 'storey' ? 'Storey' : 'Floor', [...all, ...one.levels.map((level) => [level, level])], state.level, set('level'));
+    offer(swept && heights, one.level === 'storey' ? 'Storey' : 'Floor', [...all, ...one.levels.map((level) => [level, level || 'base'])], state.level, set('level'));
     axes.forEach((axis, number) => offer(number !== state.over && axis.values.length > 1, axis.label, numbered(axis.names), state.at[number], (value) => {
       state.at[number] = Number(value);
       draw();
@@ -61,7 +61,7 @@ function explorer(box, { axes, quantities, cases, analyses, motions, void: voids
       const value = one.mean[index(motions.length, state.motion)] ?? null;
       if (value === null) return null;
       const [low, high] = state.motion ? [value, value] : [one.low[index(1, 0)], one.high[index(1, 0)]], empty = voids[(kase * analyses.length + state.analysis) * points + number] > 0;
-      const where = [places[place], ...(levels[level] ? [`${one.level} ${levels[level]}`] : []), ...axes.map(({ names, label }, n) => `${label}: ${names[at[n]]}`)];
+      const where = [places[place], ...(heights ? [levels[level] ? `${one.level} ${levels[level]}` : 'base'] : []), ...axes.map(({ names, label }, n) => `${label}: ${names[at[n]]}`)];
       const said = [`${cases[kase]}, ${where.join(', ')}`, `${one.label} ${asText(value)}`];
       if (low !== high) said.push(`motions from ${asText(low)} to ${asText(high)}`);
       if (empty) said.push('not meaningful: a run is flagged');
@@ -81,7 +81,7 @@ function explorer(box, { axes, quantities, cases, analyses, motions, void: voids
     box.replaceChildren();
     if (!every.length) return void box.append(h('p', { class: 'nothing' }, 'Nothing to draw here: the runs have no such number, or no case is selected.'));
     const wide = Math.max(box.clientWidth - 20, 240), ratio = /₀/.test(one.label), axis = axes[state.over];
-    const named = upward ? one.levels.map((level) => [level, String(level)]) : axis.numeric ? undefined : axis.names.map((text, place) => [place + 1, text.slice(0, 12)]);
+    const named = upward ? one.levels.map((level) => [level, String(level || 'base')]) : axis.numeric ? undefined : axis.names.map((text, place) => [place + 1, text.slice(0, 12)]);
     const values = [...every.flatMap(({ value, low, high }) => [value, low, high]), ...(ratio ? [1] : [])], places = upward ? one.levels : every.map(({ along }) => along);
     const y = upward ? scale(places, HIGH - BOTTOM, TOP, named) : scale(values, HIGH - BOTTOM, TOP);
     const left = 36 + 7 * Math.max(...y.ticks.map(([, text]) => text.length));

@@ -1,30 +1,6 @@
-// Puts the page together: widgets, colours, the section shown, sorted tables, copying, printing.
+// Puts the page together: widgets, sorted tables, copying.
 
 const data = JSON.parse(document.getElementById('data').textContent);
-
-function themes() {
-  const button = document.getElementById('theme'), wanted = matchMedia('(prefers-color-scheme: dark)');
-  const set = (theme) => {
-    document.documentElement.dataset.theme = theme;
-    button.textContent = theme === 'dark' ? 'Light colours' : 'Dark colours';
-    document.dispatchEvent(new Event('themed'));
-  };
-  button.addEventListener('click', () => set(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'));
-  wanted.addEventListener('change', () => set(wanted.matches ? 'dark' : 'light'));
-  set(document.documentElement.dataset.theme);
-}
-
-/** Mark the section that is read in the list of sections. */
-function sections() {
-  const links = new Map([...document.querySelectorAll('.contents a')].map((link) => [link.hash.slice(1), link]));
-  const seen = new IntersectionObserver((entries) => {
-    const read = entries.find(({ isIntersecting }) => isIntersecting);
-    if (!read) return;
-    for (const link of links.values()) link.removeAttribute('aria-current');
-    links.get(read.target.id)?.setAttribute('aria-current', 'true');
-  }, { rootMargin: '-30% 0px -65% 0px' });
-  for (const id of links.keys()) seen.observe(document.getElementById(id));
-}
 
 /** A head of a long table sorts its rows by that column, again the other way round. */
 function sorting() {
@@ -50,20 +26,13 @@ function sorting() {
 function copying() {
   for (const button of document.querySelectorAll('[data-copy]')) {
     button.addEventListener('click', async () => {
-      const source = document.getElementById(button.dataset.copy);
-      try {
-        await navigator.clipboard.writeText(source.textContent);
-        button.textContent = 'Copied';
-      } catch {
-        getSelection().selectAllChildren(source); // the reader copies it
-        button.textContent = 'Selected: copy it';
-      }
+      await navigator.clipboard.writeText(document.getElementById(button.dataset.copy).textContent);
+      button.textContent = 'Copied';
     });
   }
 }
 
-themes();
-sections();
+document.documentElement.classList.add('scripted');
 sorting();
 copying();
 if (data.explorer) explorer(document.getElementById('explorer'), data.explorer);

@@ -155,5 +155,5 @@ function player(root, { scenes }) {
   strip.addEventListener('pointermove', (event) => event.buttons && toPointer(event));
   open(0);
   drawnToWidth(canvas.parentElement, arrange);
-  document.addEventListener('themed', arrange);
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', arrange);
 }

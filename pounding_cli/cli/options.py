@@ -1,0 +1,57 @@
+"""Arguments and options that several commands take, and a time as they print it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+FILE = click.Path(path_type=Path)
+
+study_argument: Decorator = click.argument("study", type=FILE)
+quiet_option: Decorator = click.option("-q", "--quiet", is_flag=True, help="Print only what failed.")
+
+
+def together(*options: Decorator) -> Decorator:
+    """Several options as one decorator, in the order of the help."""
+
+    def put(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return put
+
+
+def output_option(default: str, text: str = "Results file.") -> Decorator:
+    """`-o FILE.h5`."""
+    return click.option("-o", "--output", type=FILE, metavar="FILE.h5", help=f"{text} Default: {default}.")
+
+
+class Time(click.ParamType):
+    """A time as a study writes it, in s."""
+
+    name = "time"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """As click's."""
+        from pydantic_core import PydanticCustomError
+
+        from pounding_cli.study.quantity import TIME
+
+        try:
+            return float(TIME.read(value))
+        except PydanticCustomError as refused:
+            said = refused.context or {}
+            self.fail(f"{said.get('message', refused)}; {said.get('hint', '')}", param, ctx)
+
+
+def time_text(seconds: float) -> str:
+    """A time [s] for people: "12 ms", "3.4 s", "5.0 min"."""
+    if seconds < 1:
+        return f"{1000 * seconds:.0f} ms"
+    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"

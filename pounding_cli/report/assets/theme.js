@@ -1,2 +1,0 @@
-document.documentElement.dataset.theme = matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
-document.documentElement.classList.add('scripted');
