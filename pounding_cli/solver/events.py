@@ -248,7 +248,7 @@ def commit(dofs, elements, terms, r, series):
             next_branch(el, el.guard)
             if was_open and el.closed:
                 el.hits += 1
-                if el.r1 == 0.0 or (el.eased and r.end == FROM_REST):
+                if el.hits == 1 and (el.r1 == 0.0 or (el.eased and r.end == FROM_REST)):
                     el.time += r.time - r.begun  # in touch since the motion began
                 if el.smooth:
                     r.next = max(r.onset, 0.0)

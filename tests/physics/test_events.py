@@ -363,7 +363,7 @@ class TestFixedSteps:
         """A spring that pushes floors apart takes from them just what their inertia and their storeys give in this
         step: M + h^2/4 K is singular to the last digit. Fails if that is an error of the program."""
         step, mass = 2.0**-6, 2.0**17
-        pushed = formula("-k*v", "always", k=f"{4 * mass / step**2:g} N/m")
+        pushed = formula("-k*v", "always", k=f"{4 * mass / step**2!r} N/m")
         two = [storey(mass, 4 * mass / step**2)] * 2
         ground = np.linspace(0.0, 1.0, 9)
         scene = Scene(
