@@ -14,8 +14,8 @@ from typing import Any
 import yaml
 
 from pounding_cli.errors import InputError
-from pounding_cli.study.file import Items, Map, canonical, parse
-from pounding_cli.study.old_links import GONE, bracket_axes, flow, old_key, respelled
+from pounding_cli.study.file import Items, Map, canonical, dumped, parse
+from pounding_cli.study.old_links import GONE, bracket_axes, old_key, respelled
 
 LONGEST = 110
 """Characters of a case on one line."""
@@ -50,35 +50,35 @@ def _value(tree: Any, name: str) -> Any:
 
 def _case(text: str, key: Any, value: Any, new: dict[str, Any]) -> tuple[int, int, str]:
     begin, end = text.index(":", key.end_mark.index) + 1, _end(value)
-    line, column = f" {flow(new)}", key.start_mark.column
+    line, column = f" {dumped(new)}", key.start_mark.column
     row_begin = text.rfind("\n", 0, key.start_mark.index) + 1
     if value.flow_style and (len(line) + begin - row_begin <= LONGEST or "{" in text[row_begin : key.start_mark.index]):
         blanks = len(text[begin : value.start_mark.index])
         return begin, end, " " * max(blanks, 1) + line[1:]
     inner = " " * (column + 2)
-    rows = [f"{inner}{name}: {flow(each)}" for name, each in new.items() if name != "links"]
+    rows = [f"{inner}{name}: {dumped(each)}" for name, each in new.items() if name != "links"]
     if "links" in new:
-        rows += [f"{inner}links:", *(f"{inner}  - {flow(link)}" for link in new["links"])]
+        rows += [f"{inner}links:", *(f"{inner}  - {dumped(link)}" for link in new["links"])]
     return begin, end, "\n" + "\n".join(rows)
 
 
 def _bracket(text: str, root: Map, tree: Any) -> list[tuple[int, int, str]]:
-    axes = bracket_axes(root["bracket"], root)
+    axes = bracket_axes(root["bracket"])
     key, value = next(pair for pair in _pairs(tree) if pair[0].value == "bracket")
     begin, end = key.start_mark.index, _end(value)
     sweep = _value(tree, "sweep")
     if sweep is None or (not _pairs(sweep) and not isinstance(root.get("sweep"), Items)):
-        rows = "".join(f"\n  {name}: {flow(axis)}" for name, axis in axes.items())
+        rows = "".join(f"\n  {name}: {dumped(axis)}" for name, axis in axes.items())
         return [(begin, end, f"sweep:{rows}")]
     end += text[end : end + 1] == "\n"
     if isinstance(sweep, yaml.SequenceNode):
-        rows = "".join(f"\n{' ' * sweep.start_mark.column}- {flow({name: axis})}" for name, axis in axes.items())
+        rows = "".join(f"\n{' ' * sweep.start_mark.column}- {dumped({name: axis})}" for name, axis in axes.items())
     elif sweep.flow_style:
-        rows = "".join(f", {name}: {flow(axis)}" for name, axis in axes.items())
+        rows = "".join(f", {name}: {dumped(axis)}" for name, axis in axes.items())
         return [(begin, end, ""), (sweep.end_mark.index - 1, sweep.end_mark.index - 1, rows)]
     else:
         column = sweep.value[0][0].start_mark.column
-        rows = "".join(f"\n{' ' * column}{name}: {flow(axis)}" for name, axis in axes.items())
+        rows = "".join(f"\n{' ' * column}{name}: {dumped(axis)}" for name, axis in axes.items())
     return [(begin, end, ""), (_end(sweep), _end(sweep), rows)]
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import functools
+import operator
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any
 
 from pydantic import (
@@ -30,25 +32,28 @@ def key(default: Any, description: str, example: Any = None, **more: Any) -> Any
     return Field(default=default, description=description, examples=None if example is None else [example], **more)
 
 
+def tagged(pick: Callable[[Any], str], **kinds: Any) -> Any:
+    """One of several kinds of values, which `pick` tells apart by name."""
+    parts = [Annotated[kind, Tag(f"({name})")] for name, kind in kinds.items()]
+    union = functools.reduce(operator.or_, parts)
+    return Annotated[union, Discriminator(lambda value: f"({pick(value)})")]
+
+
 def one_or_many(one: Any, least: int = 1, most: int = 100, as_list: bool = False) -> Any:
     """A value or a list of them; `as_list`: a tuple in any case."""
-    many = Annotated[tuple[one, ...], Field(min_length=least, max_length=most), Tag("(list)")]
-    single = (
-        Annotated[one, AfterValidator(lambda value: (value,)), Tag("(one)")]
-        if as_list
-        else Annotated[one, Tag("(one)")]
-    )
-    return Annotated[
-        many | single, Discriminator(lambda value: "(list)" if isinstance(value, list | tuple) else "(one)")
-    ]
+    many = Annotated[tuple[one, ...], Field(min_length=least, max_length=most)]
+    return list_or(many, Annotated[one, AfterValidator(lambda value: (value,))] if as_list else one)
+
+
+def list_or(many: Any, one: Any) -> Any:
+    """A list, or something else."""
+    return tagged(lambda value: "list" if isinstance(value, list | tuple) else "one", list=many, one=one)
 
 
 def word_or(word: Any, mapping: Any) -> Any:
     """A word, or a mapping."""
-    kinds = Annotated[word, Tag("(word)")] | Annotated[mapping, Tag("(mapping)")]
-    return Annotated[
-        kinds, Discriminator(lambda v: "(word)" if isinstance(v, str | int | float) or v is None else "(mapping)")
-    ]
+    is_word = str | int | float | None
+    return tagged(lambda v: "word" if isinstance(v, is_word) else "mapping", word=word, mapping=mapping)
 
 
 class Model(BaseModel):

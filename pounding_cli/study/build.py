@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -19,7 +18,7 @@ from pounding_cli.model.meetings import Strike, meetings
 from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import ENDLESS, Wall
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import counted, listed
 from pounding_cli.study.file import Problems, Steps, nearest
 from pounding_cli.study.laws import own
 from pounding_cli.study.models import BaseShear, StiffnessAt
@@ -39,101 +38,46 @@ def facing(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...]
     return floors, tuple(strike for strike in strikes if (left, right)[strike.side].columns is not None)
 
 
-def left_out(left: Building, right: Building) -> tuple[list[int], list[int]]:
-    """Floors of `left` and of `right`, from 1, whose slabs strike columns of which nothing is known."""
-    found: tuple[list[int], list[int]] = [], []
-    for strike in meetings(left, right)[1]:
-        if (left, right)[strike.side].columns is None:
-            found[1 - strike.side].append(strike.slab)
-    return found
-
-
-def tell_left_out(
-    group: Sequence[Building], common: Sequence[Mapping[int, int]], root: Any, path: Steps, notes: Problems
-) -> None:
-    """Note the floors of every pair of neighbours that are left out."""
-    for place, ((left, right), pairs) in enumerate(zip(pairwise(group), common, strict=True)):
-        floors = left_out(left, right)
-        if not any(floors):
-            continue
-        strikers = [(own, building) for own, building in zip(floors, (left, right), strict=True) if own]
-        struck = [building.name for own, building in zip(floors, (right, left), strict=True) if own]
-        alone = " and ".join(f"{_floors(own)} of {building.name}" for own, building in strikers)
-        meets = ", ".join(
-            f"{one}" if one == other else f"{one} with {other}" for one, other in _some(list(pairs.items()))
-        )
-        where = f"{counted(len(pairs), 'floor')} only ({meets})" if pairs else "no floor"
-        count = sum(map(len, floors))
-        notes.at(
-            root,
-            (*path, place + 1),
-            f"{left.name} and {right.name} meet at {where}: {alone} "
-            f"{'meets' if count == 1 else 'meet'} no floor and {'is' if count == 1 else 'are'} simulated as never "
-            "touching",
-            f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {' and '.join(struck)}; "
-            "as it stands the results are those of buildings that touch nowhere else",
-        )
-
-
-def _floors(numbers: Sequence[int]) -> str:
-    """Floors in words: `floor 3`, `floors 1 to 6`, `floors 1, 2 and 4 to 6`."""
-    runs: list[list[int]] = []
-    for number in numbers:
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    words = [word for run in runs for word in ([f"{run[0]} to {run[-1]}"] if len(run) > 2 else map(str, run))]
-    listed = ", ".join(words[:-1]) + (" and " if len(words) > 1 else "") + words[-1]
-    return f"floor{'s' if len(numbers) > 1 else ''} {listed}"
-
-
-def _some(pairs: Sequence[tuple[int, int]], most: int = 6) -> list[tuple[int | str, int | str]]:
-    return [*pairs[:most], *([("...", "...")] if len(pairs) > most else [])]
+def tell_left_out(group: Sequence[Building], root: Any, path: Steps, notes: Problems) -> None:
+    """Note the floors of every pair of neighbours whose slabs strike columns of which nothing is known."""
+    for place, pair in enumerate(pairwise(group)):
+        floors, strikes = meetings(*pair)
+        unknown = [strike for strike in strikes if pair[strike.side].columns is None]
+        if unknown:
+            told = listed(f"floor {strike.slab} of {pair[1 - strike.side].name}" for strike in unknown)
+            struck = " and ".join(sorted({pair[strike.side].name for strike in unknown}))
+            where = f"meet at {counted(len(floors), 'floor')} only" if floors else "meet at no floor"
+            message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {told}"
+            hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {struck}"
+            notes.at(root, (*path, place + 1), message, hint)
 
 
 def meetings_in_words(group: Sequence[Building]) -> list[str]:
     """Every meeting of neighbours, a line each from the ground up: slabs that meet, slabs that strike columns, and
-    blows that are left out. Floors of one number that meet one above the other share a line."""
+    blows that are left out. Floors that all meet those of their number share a line."""
     lines = []
     for left, right in pairwise(group):
-        floors, strikes = meetings(left, right)
+        pair, (floors, strikes) = f"{left.name}|{right.name}  ", meetings(left, right)
         if isinstance(left, Wall) or isinstance(right, Wall):
             named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors)
-            lines.append(f"{left.name}|{right.name}  the wall meets {named}")
+            lines.append(f"{pair}the wall meets {named}")
             continue
-        found = [(float(left.elevation[i - 1]), "", (i, j)) for i, j in floors]
+        if not strikes and len(floors) > 1 and all(i == j for i, j in floors):
+            first, last = floors[0][0], floors[-1][0]
+            heights = f"{left.level(first):g} to {left.level(last):g} m"
+            lines.append(f"{pair}{heights}: floors {first} to {last} meet those of the same number")
+            continue
+        found = [(left.level(i), f"floor {i} meets floor {j}") for i, j in floors]
         for strike in strikes:
             columns, slab = (left, right)[strike.side], (right, left)[strike.side]
-            height = float(slab.elevation[strike.slab - 1])
             said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
-            where = f"at {100 * strike.at:.3g} % of its height"
+            said += f", at {100 * strike.at:.3g} % of its height"
             if columns.columns is None:
-                said = f"left out: {said}, {where}; write `columns:` in {columns.name}"
+                said = f"left out: {said}; write `columns:` in {columns.name}"
             else:
-                said = f"{said}, {where}, {100 * columns.columns:.3g} % of the storey"
-            found.append((height, said, (0, 0)))
-        lines += [f"{left.name}|{right.name}  {line}" for line in _from_the_ground(found)]
-    return lines
-
-
-def _from_the_ground(found: list[tuple[float, str, tuple[int, int]]]) -> list[str]:
-    """Lines by height; `found`: height [m], what is said, or "" for the pair of floors that meet."""
-    lines: list[str] = []
-    run: list[tuple[float, int]] = []
-    for height, said, (one, other) in [*sorted(found), (0.0, "end", (0, 0))]:
-        if run and not (said == "" and one == other == run[-1][1] + 1):
-            heights = f"{run[0][0]:g} m" if len(run) == 1 else f"{run[0][0]:g} to {run[-1][0]:g} m"
-            first, last = run[0][1], run[-1][1]
-            both = f"floors {first} to {last} meet those of the same number"
-            lines.append(f"{heights}: {both if first < last else f'floor {first} meets floor {first}'}")
-            run = []
-        if said == "" and one == other:
-            run.append((height, one))
-        elif said == "":
-            lines.append(f"{height:g} m: floor {one} meets floor {other}")
-        elif said != "end":
-            lines.append(f"{height:g} m: {said}")
+                said = f"{said}, {100 * columns.columns:.3g} % of the storey"
+            found.append((slab.level(strike.slab), said))
+        lines += [f"{pair}{height:g} m: {said}" for height, said in sorted(found)]
     return lines
 
 
@@ -279,44 +223,30 @@ class Group:
         """Whether it stands in for one that is not sound, so that cases can be checked all the same."""
         return not self.buildings
 
-    @cached_property
-    def _stiffness(self) -> dict[Storey, float]:
-        return {}
-
     def stiffness(self, given: Any) -> float:
         """A stiffness in N/m.  Raises KeyError for a building that is not defined."""
         if not isinstance(given, Storey):
             return given
-        if given not in self._stiffness:
-            named = self.buildings if given.building is None else (self.types[given.building],)
-            some = [b for b in named if not isinstance(b, Wall)] or named
-            stiffest = given.which == "stiffest"
-            each = (max(k) if stiffest else sum(k) / len(k) for k in (b.stiffness.tolist() for b in some))
-            self._stiffness[given] = given.factor * max(each)
-        return self._stiffness[given]
+        named = self.buildings if given.building is None else (self.types[given.building],)
+        some = [b for b in named if not isinstance(b, Wall)] or named
+        stiffest = given.which == "stiffest"
+        each = (max(k) if stiffest else sum(k) / len(k) for k in (b.stiffness.tolist() for b in some))
+        return given.factor * max(each)
 
 
 def check_group(names: Sequence[str], defined: Sequence[str], root: Any, problems: Problems) -> bool:
     """Whether the names of a group are sound; what is wrong is noted."""
-    before, count = len(problems.found), len(names)
-    if count > MOST_IN_GROUP:
-        problems.at(root, ("group",), f"the group has {count} buildings", f"name at most {MOST_IN_GROUP}")
+    before, count, labels = len(problems.found), len(names), places(names)
+    if not 2 <= count <= MOST_IN_GROUP:
+        hint = f"name 2 to {MOST_IN_GROUP}, e.g. `group: [stiff, soft]`; each alone is computed anyway"
+        problems.at(root, ("group",), f"the group has {counted(count, 'building')}: pounding takes two", hint)
         return False
-    for place, name in enumerate(names):
+    for place, (name, label) in enumerate(zip(names, labels, strict=True)):
         if name not in defined:
             problems.at(root, ("group", place), f"no building '{name}' is defined", nearest(name, defined))
-    if count < 2:
-        hint = "name at least two, e.g. `group: [stiff, soft]`; each alone is computed as a baseline anyway"
-        problems.at(root, ("group",), f"the group has {counted(count, 'building')}: pounding takes two", hint)
-    labels = places(names)
-    for place, label in enumerate(labels):
         if labels.index(label) != place:
-            problems.at(
-                root,
-                ("group", place),
-                f"two places of the group are called '{label}'",
-                "give the building another name",
-            )
+            what = f"two places of the group are called '{label}'"
+            problems.at(root, ("group", place), what, "give the building another name")
     return len(problems.found) == before
 
 
@@ -324,10 +254,10 @@ def check_meetings(group: Group, root: Any, problems: Problems) -> bool:
     """Whether all neighbours can strike each other; what is wrong is noted."""
     before = len(problems.found)
     for place, (floors, strikes) in enumerate(zip(group.common, group.strikes, strict=True)):
-        if floors or strikes:
-            continue
-        one, other = group.buildings[place : place + 2]
-        told = (", ".join(f"{each:g}" for each in b.elevation[:6]) + ", ..." * (b.storeys > 6) for b in (one, other))
-        message = f"{one.name} and {other.name} have no floor at one elevation: {' against '.join(told)} m"
-        problems.at(root, ("group", place + 1), message, f"let the storey heights agree somewhere; {COLUMNS}")
+        if not floors and not strikes:
+            one, other = group.buildings[place : place + 2]
+            levels = (", ".join(f"{each:g}" for each in b.elevation[:6]) for b in (one, other))
+            message = f"{one.name} and {other.name} have no floor at one elevation: {' against '.join(levels)} m"
+            hint = f"let the storey heights agree somewhere; {COLUMNS}"
+            problems.at(root, ("group", place + 1), message, hint)
     return len(problems.found) == before

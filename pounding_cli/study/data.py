@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
@@ -18,7 +17,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study import build, schema
-from pounding_cli.study.file import Items, Map, Mark, Problems, canonical
+from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dumped
 from pounding_cli.study.laws import Impact
 from pounding_cli.study.links import check_contact
 from pounding_cli.study.links import links_of as scene_links
@@ -44,7 +43,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     root = tree_of(data)
     title = str(root.get("title") or "study")
     path = Path(file_name(title).replace(" ", "-").lower() + ".yaml")
-    return Study(path, yaml.safe_dump(_bare(root), sort_keys=False, allow_unicode=True, width=100), root)
+    return Study(path, dumped(root, flow=False) + "\n", root)
 
 
 def tree_of(data: Mapping[str, Any]) -> Map:
@@ -72,13 +71,6 @@ def _node(value: Any, place: str) -> Any:
         return value
     hint = "write numbers (SI), texts such as '5 cm', lists and dicts"
     raise InputError(Problem(f"{type(value).__name__} is not a value of a study", hint, place))
-
-
-def _bare(node: Any) -> Any:
-    """A tree in the types of YAML."""
-    if isinstance(node, dict):
-        return {key: _bare(item) for key, item in node.items()}
-    return [_bare(item) for item in node] if isinstance(node, list) else node
 
 
 def building_of(name: str, keys: Mapping[str, Any]) -> Building:

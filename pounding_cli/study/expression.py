@@ -39,12 +39,14 @@ _FUNCTIONS: Mapping[str, Callable[..., np.ndarray]] = {
     "max": np.maximum, "min": np.minimum, "abs": np.abs, "sqrt": np.sqrt, "log": np.log, "exp": np.exp,
 }  # fmt: skip
 _SEVERAL = ("max", "min")
-_SUMS: Mapping[type[ast.operator], Callable[..., np.ndarray]] = {ast.Add: np.add, ast.Sub: np.subtract}
-_PRODUCTS: Mapping[type[ast.operator], Callable[..., np.ndarray]] = {ast.Mult: np.multiply, ast.Div: np.divide}
-_WORD = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
-_NEXT = re.compile(r"\s+([A-Za-z_]\w*)")
-_IN = re.compile(r"\s*in\b\s*")
-_LEVEL = re.compile(r"\s*(?P<kind>storey|floor)\s+(?P<number>[0-9]{1,3})(?!\w)")
+_SIGNS: Mapping[type[ast.operator], Callable[..., np.ndarray]] = {
+    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide,
+}  # fmt: skip
+_KEEP_UNIT = (ast.Add, ast.Sub, "max", "min", "abs")
+_PHRASE = (
+    r"(?<![\w.])(?:(?P<how>largest|smallest|mean)\s+)?(?P<name>[^\W\d]\w*)"
+    r"(?P<in>\s+in\b(?:\s+(?P<building>{buildings})(?!\w))?(?:\s+(?P<kind>storey|floor)\s+(?P<level>[0-9]{{1,3}}))?)?"
+)
 
 
 @dataclass(frozen=True)
@@ -105,132 +107,86 @@ def read_expression(text: str, buildings: Sequence[str]) -> Expression:
     """
     if len(text) > _LONGEST:
         raise NotUnderstood(f"{len(text)} characters are not an expression", FORM)
-    return _Reader(" ".join(text.split()), buildings).expression()
+    text, quantities = " ".join(text.split()), list[Quantity]()
+    names = "|".join(map(re.escape, sorted(buildings, key=len, reverse=True)))
 
-
-class _Reader:
-    """Reads one expression: `said` has a name, `_0`, `_1`, in place of every quantity."""
-
-    def __init__(self, text: str, buildings: Sequence[str]) -> None:
-        self.text, self.buildings, self.said = text, buildings, ""
-        self.quantities: list[Quantity] = []
-        self.phrases: list[str] = []
-
-    def refuse(self, what: str, hint: str = FORM) -> NotUnderstood:
-        return NotUnderstood(f"'{self.text}': {what}", hint)
-
-    def expression(self) -> Expression:
-        place = 0
-        while (found := _WORD.search(self.text, place)) is not None:
-            self.said += self.text[place : found.start()]
-            place = found.end()
-            if found[0] in _FUNCTIONS:
-                self.said += found[0]
-                continue
-            place = self._quantity(found[0], place)
-            self.said += f"_{len(self.phrases)}"
-            self.phrases.append(self.text[found.start() : place])
-        self.said += self.text[place:]
-        unit, work = self._part(self._parsed())
-        if not self.quantities:
-            raise self.refuse("it takes nothing from the tables")
-        return Expression(self.text, unit, tuple(self.quantities), work)
-
-    def _parsed(self) -> ast.expr:
-        if bare := re.search(r"\b(max|min|abs|sqrt|log|exp)\b(?!\s*\()", self.said):
-            raise self.refuse(f"{bare[1]} lacks its bracket", f"write e.g. `{bare[1]}(mu)`")
-        if "#" in self.said:
-            raise self.refuse("'#' is not understood")
+    def noted(found: re.Match[str]) -> str:
+        """A name, `_0`, `_1`, in place of every quantity."""
+        if found["name"] in _FUNCTIONS and found["how"] is None:
+            return found[0]
         try:
-            return ast.parse(self.said.strip(), mode="eval").body
-        except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            if self.said.count("(") > self.said.count(")"):
-                raise self.refuse("a bracket is not closed", "close it with )") from None
-            column = getattr(error, "offset", None) or 1
-            ends = column > len(self.said.strip()) or re.search(r"[-+*/(,]\s*\Z", self.said)
-            rest = "" if ends else self._as_written(self.said.strip()[column - 1 :])
-            raise self.refuse(f"'{rest[:40]}' is not understood" if rest else "it ends too early") from None
-
-    def _as_written(self, said: str) -> str:
-        return re.sub(r"_(\d+)", lambda found: self.phrases[int(found[1])], said)
-
-    def _part(self, node: ast.expr) -> tuple[str, Work]:
-        """Unit and work of a part."""
-        match node:
-            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return "", lambda value: np.asarray(float(number))
-            case ast.Name(id=name):
-                quantity = self.quantities[int(name[1:])]
-                return QUANTITIES[quantity.name], lambda value: value(quantity)
-            case ast.UnaryOp(op=ast.USub(), operand=inner):
-                unit, work = self._part(inner)
-                return unit, lambda value: -work(value)
-            case ast.BinOp(op=sign, left=left, right=right) if type(sign) in (*_SUMS, *_PRODUCTS):
-                parts = [self._part(left), self._part(right)]
-                units = {unit for unit, _ in parts} if type(sign) in _SUMS else {""}
-                return _shared(units), _joined({**_SUMS, **_PRODUCTS}[type(sign)], parts)
-            case ast.Call(func=ast.Name(id=name), args=inner, keywords=[]) if name in _FUNCTIONS:
-                if (len(inner) > 1) != (name in _SEVERAL):
-                    wanted = "two values or more" if name in _SEVERAL else "one value"
-                    example = f"write e.g. `{name}({'mu, mu0' if name in _SEVERAL else 'mu'})`"
-                    raise self.refuse(f"{name} takes {wanted}", example)
-                parts = [self._part(one) for one in inner]
-                units = {unit for unit, _ in parts} if name in (*_SEVERAL, "abs") else {""}
-                return _shared(units), _joined(_FUNCTIONS[name], parts)
-        raise self.refuse(f"'{self._as_written(ast.unparse(node))[:40]}' is not understood")
-
-    def _quantity(self, word: str, place: int) -> int:
-        """Note the quantity that begins with a word; returns where it ends."""
-        reduction = word if word in REDUCTIONS else REDUCTIONS[0]
-        if word in REDUCTIONS:
-            found = _NEXT.match(self.text, place)
-            if found is None:
-                raise self.refuse(f"{word} of what?", f"write e.g. `{word} mu`")
-            word, place = found[1], found.end()
-        if word not in QUANTITIES:
-            raise self.refuse(f"no quantity '{word}' is known", nearest(word, (*QUANTITIES, *_FUNCTIONS)))
-        building, level = None, 0
-        if (found := _IN.match(self.text, place)) is not None:
-            if word in LINK:
-                raise self.refuse(f"{word} belongs to links, not to a building", f"write `{word}`: of all links")
-            building, level, place = self._place(word, found.end())
-        self.quantities.append(Quantity(word, reduction, building, level))
-        return place
-
-    def _place(self, word: str, place: int) -> tuple[int | None, int, int]:
-        """Building and level of what follows `in`, and where that ends."""
-        known = [each for each in self.buildings if re.compile(rf"{re.escape(each)}(?!\w)").match(self.text, place)]
-        name = max(known, key=len, default="")
-        place += len(name)
-        found = _LEVEL.match(self.text, place)
-        if found is None and not name:
-            wrong = re.split(r"[-+*/(),]", self.text[place:])[0].strip()[:40]
-            raise self.refuse(f"no building '{wrong}' in the group", nearest(wrong, self.buildings))
-        building = self.buildings.index(name) if name else None
-        if found is None:
-            return building, 0, place
-        try:
-            return building, _level(found, word in FLOOR, word), found.end()
+            quantities.append(_quantity(found, buildings))
         except NotUnderstood as error:
-            raise self.refuse(*error.args) from None
+            raise NotUnderstood(f"'{text}': {error.args[0]}", error.args[1]) from None
+        return f"_{len(quantities) - 1}"
+
+    said = re.sub(_PHRASE.format(buildings=names), noted, text)
+    try:
+        unit, work = _part(ast.parse(said.strip(), mode="eval").body, quantities)
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        open_bracket = said.count("(") > said.count(")")
+        what = "a bracket is not closed" if open_bracket else "this is not arithmetic with the numbers of the tables"
+        raise NotUnderstood(f"'{text}': {error if isinstance(error, NotUnderstood) else what}", FORM) from None
+    if not quantities or "#" in said:
+        raise NotUnderstood(f"'{text}': it takes nothing from the tables", FORM)
+    return Expression(text, unit, tuple(quantities), work)
+
+
+def _quantity(found: re.Match[str], buildings: Sequence[str]) -> Quantity:
+    """The quantity of a phrase: `mean mu in soft storey 2`.  Raises NotUnderstood."""
+    name, building, level = found["name"], found["building"], 0
+    if name not in QUANTITIES:
+        raise NotUnderstood(f"no quantity '{name}' is known", nearest(name, (*QUANTITIES, *_FUNCTIONS)))
+    if found["in"] is not None:
+        if name in LINK:
+            raise NotUnderstood(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
+        if building is None and found["kind"] is None:
+            wrong = re.split(r"[-+*/(),]", found.string[found.end() :])[0].strip()[:40]
+            raise NotUnderstood(f"no building '{wrong}' in the group", nearest(wrong, buildings))
+        level = _level(found, name in FLOOR, name)
+    return Quantity(name, found["how"] or REDUCTIONS[0], None if building is None else buildings.index(building), level)
 
 
 def _level(found: re.Match[str], of_floors: bool, what: str) -> int:
-    """The number of a storey or floor.  Raises NotUnderstood: it is the other of the two, or 0."""
+    """The number of a storey or floor; 0 for all.  Raises NotUnderstood: it is the other of the two, or 0."""
+    if found["kind"] is None:
+        return 0
     own = "floor" if of_floors else "storey"
     if found["kind"] != own:
-        raise NotUnderstood(f"{what} belongs to a {own}", f"write `{own} {found['number']}`")
-    if int(found["number"]) < 1:
+        raise NotUnderstood(f"{what} belongs to a {own}", f"write `{own} {found['level']}`")
+    if int(found["level"]) < 1:
         raise NotUnderstood(f"there is no {own} 0", f"the lowest is `{own} 1`")
-    return int(found["number"])
+    return int(found["level"])
 
 
-def _shared(units: set[str]) -> str:
-    return units.pop() if len(units) == 1 else ""
+def _part(node: ast.expr, quantities: Sequence[Quantity]) -> tuple[str, Work]:
+    """Unit and work of a part.  Raises NotUnderstood."""
+    match node:
+        case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+            return "", lambda value: np.asarray(float(number))
+        case ast.Name(id=name) if name not in _FUNCTIONS:
+            quantity = quantities[int(name[1:])]
+            return QUANTITIES[quantity.name], lambda value: value(quantity)
+        case ast.UnaryOp(op=ast.USub(), operand=inner):
+            unit, work = _part(inner, quantities)
+            return unit, lambda value: -work(value)
+        case ast.BinOp(op=sign, left=left, right=right) if type(sign) in _SIGNS:
+            return _joined(_SIGNS[type(sign)], [left, right], quantities, type(sign) in _KEEP_UNIT)
+        case ast.Call(func=ast.Name(id=name), args=inner, keywords=[]) if name in _FUNCTIONS:
+            if (len(inner) > 1) != (name in _SEVERAL):
+                raise NotUnderstood(f"{name} takes {'two values or more' if name in _SEVERAL else 'one value'}")
+            return _joined(_FUNCTIONS[name], inner, quantities, name in _KEEP_UNIT)
+    raise NotUnderstood(
+        "only numbers of the tables, + - * /, brackets, max, min, abs, sqrt, log and exp are understood"
+    )
 
 
-def _joined(work: Callable[..., np.ndarray], parts: Sequence[tuple[str, Work]]) -> Work:
-    """Work over parts, two at a time where it takes several."""
+def _joined(
+    work: Callable[..., np.ndarray], nodes: Sequence[ast.expr], quantities: Sequence[Quantity], keeps_unit: bool
+) -> tuple[str, Work]:
+    """Unit and work of parts that are joined, two at a time where there are several."""
+    parts = [_part(node, quantities) for node in nodes]
+    units = {unit for unit, _ in parts}
 
     def joined(value: Value) -> np.ndarray:
         first, *others = (part(value) for _, part in parts)
@@ -240,14 +196,14 @@ def _joined(work: Callable[..., np.ndarray], parts: Sequence[tuple[str, Work]]) 
             first = work(first, other)
         return first
 
-    return joined
+    return units.pop() if keeps_unit and len(units) == 1 else "", joined
 
 
 # Statements
 
 
 STATEMENT_FORM = "write e.g. `mu > 4`, `drift in soft > 2 cm` or `mean V_ratio in stiff < 1.1`"
-_STATEMENT = re.compile(r"(?P<expression>[^<>=]+)(?P<sign>[<>=]+)(?P<value>[^<>=]*)\Z")
+_STATEMENT = re.compile(r"(?P<expression>[^<>=]+)(?P<sign>[<>])(?P<value>[^<>=]*)\Z")
 _VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s"}
 
 
@@ -284,25 +240,22 @@ def read_statement(text: str, buildings: Sequence[str]) -> Statement:
     text = " ".join(text[: _LONGEST + 1].split())
     found = _STATEMENT.match(text)
     if found is None:
-        if text in (CONTACT, COLLAPSE):
-            hint = "write `impacts > 0`" if text == CONTACT else "`pound fragility` knows the limit `collapse`"
-            raise NotUnderstood(f"'{text}' is not compared with a value", hint)
-        raise NotUnderstood(f"'{text}' is not compared with a value", STATEMENT_FORM)
-    if found["sign"] not in ("<", ">"):
-        raise NotUnderstood(f"'{text}' has {found['sign']} where < or > belongs", STATEMENT_FORM)
+        raise NotUnderstood(f"'{text}' is not compared with a value by < or >", STATEMENT_FORM)
     expression, written = read_expression(found["expression"], buildings), found["value"].strip()
     unit, example = expression.unit, f"{expression} {found['sign']} {_VALUES[expression.unit]}"
-    if {each.name for each in expression.quantities} == {"drift"} and written.endswith("%"):
-        ratio = text.replace("drift", DRIFT_RATIO)
-        raise NotUnderstood(f"'{text}': a drift is a length", f"write `{ratio}`, of the storey height")
-    if unit and not written_unit(written):
-        raise NotUnderstood(f"'{text}': the value has no unit", f"write e.g. `{example}`")
+    if unit == "m" and written.endswith("%"):
+        example = text.replace("drift", DRIFT_RATIO)  # of the storey height
     try:
         value = float(Measure("value", unit, _VALUES[unit]).read(written))
     except PydanticCustomError as error:
-        context: dict[str, Any] = error.context or {}
-        raise NotUnderstood(f"'{text}': {context['message']}", f"write e.g. `{example}`") from None
+        raise NotUnderstood(f"'{text}': {_message(error)}", f"write e.g. `{example}`") from None
+    if unit and not written_unit(written):
+        raise NotUnderstood(f"'{text}': the value has no unit", f"write e.g. `{example}`")
     return Statement(text, expression, found["sign"] == ">", value)
+
+
+def _message(error: PydanticCustomError) -> str:
+    return str((error.context or {})["message"])
 
 
 # Limits
@@ -323,13 +276,8 @@ _MEASURES = {
     "drift": LENGTH.but(name="drift", example="drift > 6 cm"),
     DRIFT_RATIO: Measure("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
 }
-_MEANT = {
-    "ductility": "mu", "idr": DRIFT_RATIO, "drift ratio": DRIFT_RATIO, "acc": "acceleration", "pfa": "acceleration",
-    "impact": CONTACT, "impacts": CONTACT, "pounding": CONTACT, "collapsed": COLLAPSE,
-    "shear": SHEAR_DEMAND, "shear demand": SHEAR_DEMAND,
-}  # fmt: skip
 _WHERE = re.compile(r"(?P<what>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
-_LIMIT = re.compile(r"(?P<quantity>[^<>=]*?)\s*(?:(?P<sign>[<>=]+)\s*(?P<value>.*?))?\s*\Z")
+_PLACE = re.compile(r"(?P<building>.*?)\s*(?:\b(?P<kind>storey|floor)\s+(?P<level>[0-9]{1,3}))?\Z")
 
 
 @dataclass(frozen=True)
@@ -371,57 +319,35 @@ class Target:
 
 def read_limit(value: Any) -> Limit:
     """A limit as the file says it.  Raises PydanticCustomError saying what to write."""
-    if not isinstance(value, str):
-        raise refuse("this is not a limit", LIMIT_FORM)
-    text = " ".join(value.split())
-    parted = _WHERE.match(text[:200])
-    what, where = (parted["what"], parted["where"]) if parted else (text[:200], "")
-    found = _LIMIT.match(what)
-    if len(text) > 200 or found is None or not found["quantity"]:
-        raise refuse(f"'{text[:60]}' is not a limit", LIMIT_FORM)
-    quantity, sign = found["quantity"], found["sign"]
-    if quantity not in LIMITS:
-        meant = _MEANT.get(quantity.lower())
-        known = f"did you mean '{meant}'? known: {', '.join(LIMITS)}" if meant else nearest(quantity, LIMITS)
-        raise refuse(f"'{text}': no limit of '{quantity}' is known", known)
-    building, level = _concerned(where, quantity, text)
-    if quantity in (CONTACT, COLLAPSE):
-        concerns, hint = "concerns the gap between two buildings, not one of them", "a gap that closes passes it"
-        hint = f"write `contact`: {hint}"
-        if quantity == COLLAPSE:
-            concerns = "concerns a building, not one of its storeys"
-            hint = "write `collapse`, or `collapse in BUILDING`; `collapse: 10 %` of a building sets the drift"
-        if sign or level or (where and quantity == CONTACT):
-            raise refuse(f"'{text}': {quantity} {'takes no value' if sign else concerns}", hint)
-        return Limit(text, quantity, building=building)
-    if sign != ">":
-        said = f"has {sign} where > belongs" if sign else "lacks its value"
-        raise refuse(f"'{text}' {said}", f"write e.g. `{_MEASURES[quantity].example}`")
-    return _compared(text, quantity, found["value"], building, level)
-
-
-def _compared(text: str, quantity: str, written: str, building: str, level: int) -> Limit:
-    """A limit with its value."""
-    unit = written_unit(written)
-    of_height = quantity == DRIFT_RATIO or (quantity == "drift" and unit in ("%", "percent", "pct"))
-    example = f"`{_MEASURES[quantity].example}`"
-    if quantity in ("drift", "acceleration") and not unit:
-        both = "`drift > 2 %` (of the storey height) or `drift > 6 cm`"
-        raise refuse(f"'{text}': the limit has no unit", f"write e.g. {both if quantity == 'drift' else example}")
+    text = " ".join(value.split())[:200] if isinstance(value, str) else ""
+    parted = _WHERE.match(text)
+    what, where = (parted["what"], parted["where"]) if parted else (text, "")
+    quantity, sign, written = (part.strip() for part in what.partition(">"))
+    if quantity not in LIMITS or bool(sign) != (quantity in _MEASURES):
+        known = quantity in LIMITS
+        takes = f"{quantity} takes {'`>` and a value' if quantity in _MEASURES else 'no value'}"
+        hint = LIMIT_FORM if known else f"{nearest(quantity, LIMITS)}; {LIMIT_FORM}"
+        raise refuse(f"'{text[:60]}' is not a limit{f': {takes}' * known}", hint)
+    place = _PLACE.match(where)
+    assert place is not None  # it matches everything
+    building = place["building"].strip()
     try:
-        value = float(_MEASURES[DRIFT_RATIO if of_height else quantity].read(written))
-    except PydanticCustomError as error:
-        context: dict[str, Any] = error.context or {}
-        raise refuse(f"'{text}': {context['message']}", f"write e.g. {example}") from None
-    return Limit(text, "drift" if of_height else quantity, value, of_height, building, level)
-
-
-def _concerned(where: str, quantity: str, text: str) -> tuple[str, int]:
-    """Building and level of what follows `in`."""
-    found = re.fullmatch(rf"(?P<building>.*?){_LEVEL.pattern}", where)
-    if found is None:
-        return where, 0
-    try:
-        return found["building"].strip(), _level(found, quantity == "acceleration", quantity)
+        level = _level(place, quantity == "acceleration", quantity)
     except NotUnderstood as error:
         raise refuse(f"'{text}': {error.args[0]}", error.args[1]) from None
+    if quantity not in _MEASURES:
+        if level or (where and quantity == CONTACT):
+            concerns = "two buildings, not one of them" if quantity == CONTACT else "a building, not one of its storeys"
+            raise refuse(f"'{text}': {quantity} concerns {concerns}", f"write `{quantity}`")
+        return Limit(text, quantity, building=building)
+    unit = written_unit(written)
+    of_height = quantity == DRIFT_RATIO or (quantity == "drift" and unit in ("%", "percent", "pct"))
+    measure = _MEASURES[DRIFT_RATIO if of_height else quantity]
+    example = f"write e.g. `{measure.example}`"
+    try:
+        number = float(measure.read(written))
+    except PydanticCustomError as error:
+        raise refuse(f"'{text}': {_message(error)}", example) from None
+    if measure.si and not unit:
+        raise refuse(f"'{text}': the limit has no unit", f"{example}{', or `drift > 2 %`' * (quantity == 'drift')}")
+    return Limit(text, "drift" if of_height else quantity, number, of_height, building, level)

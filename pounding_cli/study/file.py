@@ -82,6 +82,22 @@ class Items(list[Any]):
         return f"[{', '.join(map(str, self))}]"
 
 
+def dumped(value: Any, flow: bool = True) -> str:
+    """A value as YAML: on one line, or in blocks."""
+    width = 10**6 if flow else 100
+    text: str = yaml.safe_dump(_bare(value), default_flow_style=flow, sort_keys=False, allow_unicode=True, width=width)
+    return text.removesuffix("\n").removesuffix("\n...")
+
+
+def _bare(value: Any) -> Any:
+    """A value in the types of YAML."""
+    if isinstance(value, dict):
+        return {str(key): _bare(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_bare(item) for item in value]
+    return str.__str__(value) if isinstance(value, str) else float(value) if isinstance(value, float) else value
+
+
 def get(node: Any, *path: str | int) -> Any:
     """What stands at a path, or None; of a function, in what it makes."""
     node = node() if callable(node) else node

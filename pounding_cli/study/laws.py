@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Discriminator, Tag, create_model
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.dashpot import restitution_of
-from pounding_cli.study.base import Model, Wrong, key, one_or_many
+from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
 from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, Quantity, Text, Whole, refuse, said
 
 POUNDING, FORMULA, UNKNOWN = "pounding", "(formula)", "(unknown)"
@@ -48,16 +48,19 @@ class Except(Model):
 
 def _floors_kind(value: Any) -> str:
     if isinstance(value, dict | Except):
-        return "(mapping)"
-    return "(word)" if isinstance(value, str) and value != "base" else "(floors)"
+        return "mapping"
+    return "word" if isinstance(value, str) and value != "base" else "floors"
 
 
-Floors: Any = Annotated[
-    Annotated[Literal["all", "rest"], Tag("(word)")]
-    | Annotated[Except, Tag("(mapping)")]
-    | Annotated[one_or_many(_Floor, as_list=True), Tag("(floors)")],
-    Discriminator(_floors_kind),
-]
+Floors: Any = tagged(
+    _floors_kind, word=Literal["all", "rest"], mapping=Except, floors=one_or_many(_Floor, as_list=True)
+)
+
+
+def _both_losses(owner: Any) -> Iterator[Wrong]:
+    if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
+        hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
+        yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
 
 
 class Link(Model):
@@ -88,28 +91,17 @@ class Link(Model):
                 "remove it: slabs strike where they are",
                 True,
             )
-        if getattr(self, "restitution", None) is not None and getattr(self, "damping_ratio", None) is not None:
-            yield (
-                ("damping_ratio",),
-                "'damping_ratio' and 'restitution' cannot both be given",
-                "remove one: 'damping_ratio' stands in place of 'restitution'",
-                True,
-            )
-        law = link_laws().get(self.kind)
+        yield from _both_losses(self)
+        law, ratio = link_laws().get(self.kind), getattr(self, "damping_ratio", None)
+        if law is None:
+            return
         given = {name: value for name in ("gap", "stiffness") if isinstance(value := getattr(self, name, None), float)}
-        if law is not None and (conflict := law.conflict(**given)):
+        if conflict := law.conflict(**given):
             yield (conflict[0],), *conflict[1:]
-        if (
-            law is not None
-            and {*LOSSES} & law.parameters().keys() == {"restitution"}
-            and (ratio := getattr(self, "damping_ratio", None)) is not None
-        ):
-            yield (
-                ("damping_ratio",),
-                f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'",
-                f"write `restitution: {restitution_of(ratio):.3g}`, the e of that ratio there",
-                True,
-            )
+        if ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:
+            what = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
+            hint = f"write `restitution: {restitution_of(ratio):.3g}`, the e of that ratio there"
+            yield ("damping_ratio",), what, hint, True
 
     @property
     def kind(self) -> str:
@@ -123,21 +115,17 @@ def kind_of(word: str) -> str:
 
 
 def _own(law: Any) -> dict[str, Any]:
-    return {
-        name: each.metadata["parameter"]
-        for name, each in law.parameters().items()
-        if name not in _ELSEWHERE[law.acts_on]
-    }
-
-
-own: Callable[[Any], dict[str, Any]] = functools.cache(_own)
-"""own(law) -> the parameters of a law that are keys of its own."""
+    aside = _ELSEWHERE[law.acts_on]
+    return {name: each.metadata["parameter"] for name, each in law.parameters().items() if name not in aside}
 
 
 def _keys_of(law: Any) -> set[str]:
     names = set(law.parameters())
     return {*own(law), *(names & {*SHARED}), *(LOSSES if names & {*LOSSES} else ())}
 
+
+own: Callable[[Any], dict[str, Any]] = functools.cache(_own)
+"""own(law) -> the parameters of a law that are keys of its own."""
 
 keys_of: Callable[[Any], set[str]] = functools.cache(_keys_of)
 """keys_of(law) -> the keys that a link of this law takes."""
@@ -283,13 +271,7 @@ class _Impact(Model):
     )
 
     def wrong(self) -> Iterator[Wrong]:
-        if self.restitution is not None and self.damping_ratio is not None:
-            yield (
-                ("damping_ratio",),
-                "'damping_ratio' and 'restitution' cannot both be given",
-                "remove one: 'damping_ratio' stands in place of 'restitution'",
-                True,
-            )
+        yield from _both_losses(self)
 
 
 if TYPE_CHECKING:

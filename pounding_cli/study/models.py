@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
+from pydantic import AfterValidator, BeforeValidator, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import storey_laws
@@ -14,7 +14,7 @@ from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.laws.isolation import Bearings, FrictionPendulum, Rubber
 from pounding_cli.numbers import counted
 from pounding_cli.records.units import UNITS, acceleration_unit
-from pounding_cli.study.base import Model, Name, Wrong, key, one_or_many, word_or
+from pounding_cli.study.base import Model, Name, Wrong, key, list_or, one_or_many, tagged, word_or
 from pounding_cli.study.laws import RATIO, AnyLink, law_keys, own
 from pounding_cli.study.quantity import (
     ACCELERATION,
@@ -135,22 +135,15 @@ class Spectrum(Model):
     )
 
     def wrong(self) -> Iterator[Wrong]:
+        ends = f"from {self.low:g} s to {self.high:g} s"
         if not self.low < self.high:
-            yield (
-                ("to",),
-                f"the range of periods runs from {self.low:g} s to {self.high:g} s",
-                "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`",
-            )
+            hint = "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`"
+            yield ("to",), f"the range of periods runs {ends}", hint
         elif isinstance(self.target, dict):
-            points = sorted(self.target)
-            if len(points) < 2:
-                yield ("target",), "a target spectrum needs two points at least", "write {0.1 s: 0.8 g, 2 s: 0.2 g}"
-            elif not points[0] <= self.low or not self.high <= points[-1]:
-                yield (
-                    ("target",),
-                    f"the target is given from {points[0]:g} to {points[-1]:g} s, not over the whole range",
-                    f"give it from {self.low:g} to {self.high:g} s at least",
-                )
+            first, last = min(self.target, default=0.0), max(self.target, default=0.0)
+            if not first < last or not first <= self.low or not self.high <= last:
+                what = f"the target is given from {first:g} to {last:g} s, not over the whole range"
+                yield ("target",), what, f"give two points at least, {ends} and beyond"
 
 
 _SCALES: dict[str, Any] = {"arias": Arias, "pga": Pga, "pgv": Pgv, "sa": Sa, "spectrum": Spectrum}
@@ -158,16 +151,12 @@ _SCALES: dict[str, Any] = {"arias": Arias, "pga": Pga, "pgv": Pgv, "sa": Sa, "sp
 
 def _scale(value: Any) -> str:
     if isinstance(value, dict):
-        return f"({next((name for name in _SCALES if name in value), 'arias')})"
-    return next((f"({name})" for name, model in _SCALES.items() if isinstance(value, model)), "(factor)")
+        return next((name for name in _SCALES if name in value), "arias")
+    return next((name for name, model in _SCALES.items() if isinstance(value, model)), "factor")
 
 
 FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("table1",))
-Scale = Annotated[
-    Annotated[float | str, FACTOR, Tag("(factor)")] | Annotated[Arias, Tag("(arias)")] | Annotated[Pga, Tag("(pga)")]
-    | Annotated[Pgv, Tag("(pgv)")] | Annotated[Sa, Tag("(sa)")] | Annotated[Spectrum, Tag("(spectrum)")],
-    Discriminator(_scale),
-]  # fmt: skip
+Scale: Any = tagged(_scale, factor=Annotated[float | str, FACTOR], **_SCALES)
 
 
 class Records(Model):
@@ -214,13 +203,9 @@ class Code(Model):
 
     def wrong(self) -> Iterator[Wrong]:
         old = self.code == "UBC-1985"
+        wrong, right = ("Rw", "`K: 0.67`") if old else ("K", "`Rw: 12`")
         if (self.rw if old else self.k) is not None:
-            yield (
-                ("Rw" if old else "K",),
-                f"{self.code} has no {'Rw' if old else 'K'}",
-                f"write {'`K: 0.67`' if old else '`Rw: 12`'} in its place",
-                True,
-            )
+            yield (wrong,), f"{self.code} has no {wrong}", f"write {right} in its place", True
         elif old and self.k is None:
             yield (), "'K' is missing: UBC-1985 needs it", "write K, e.g. `K: 0.67` for a ductile frame"
         elif old and "zone" not in self.model_fields_set:
@@ -272,7 +257,7 @@ BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
 
 def _yield_kind(value: Any) -> str:
     given = isinstance(value, dict) and not value.keys().isdisjoint(BASE_SHEAR)
-    return "(base shear)" if given or isinstance(value, BaseShear) else "(code)"
+    return "shear" if given or isinstance(value, BaseShear) else "code"
 
 
 class Rayleigh(Model):
@@ -390,36 +375,23 @@ class Foundation(Model):
         ):
             moves = self.sways if inert == "mass" else self.rocking_stiffness is not None
             if moves and getattr(self, inert) == 0:
-                yield (
-                    (),
-                    f"'{inert}' is missing: '{stiffness}' needs it",
-                    f"write {type(self).model_fields[inert].description}, above 0",
-                )
+                hint = f"write {type(self).model_fields[inert].description}, above 0"
+                yield (), f"'{inert}' is missing: '{stiffness}' needs it", hint
             for name in (inert, dashpot):
                 if not moves and getattr(self, name) > 0:
-                    yield (
-                        (name,),
-                        f"'{name}' has no effect without '{stiffness}'",
-                        f"give '{stiffness}' too, or remove it",
-                    )
+                    what = f"'{name}' has no effect without '{stiffness}'"
+                    yield (name,), what, f"give '{stiffness}' too, or remove it"
         if not self.sways and self.rocking_stiffness is None:
-            yield (
-                (),
-                "this foundation cannot move",
-                "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`",
-            )
+            hint = "give 'sway_stiffness' or 'rocking_stiffness', or write `foundation: fixed`"
+            yield (), "this foundation cannot move", hint
 
 
 def _each(quantity: Quantity) -> Any:
     return one_or_many(Annotated[float, quantity])
 
 
-def _list_or(quantity: Quantity, word: Any) -> Any:
-    each = Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100), Tag("(list)")]
-    return Annotated[
-        each | Annotated[word, Tag("(one)")],
-        Discriminator(lambda v: "(list)" if isinstance(v, list | tuple) else "(one)"),
-    ]
+def _list_or(quantity: Quantity, one: Any) -> Any:
+    return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
 
 
 PERIOD_OF_BUILDING = Annotated[float, TIME.but(name="period", high=60.0)]
@@ -433,6 +405,13 @@ class StiffnessAt(Model):
         ..., "fundamental period of the fixed-base building with these masses [s]", "0.42 s"
     )
     mass: Masses = key(..., "floor masses at which the building has this period [kg], one or a list", "300 t")  # type: ignore[valid-type]
+
+
+Stiffnesses: Any = tagged(
+    lambda value: "mapping" if isinstance(value, dict | StiffnessAt) else "list",
+    list=Annotated[tuple[Annotated[float, STIFFNESS], ...], Field(min_length=1, max_length=100)],
+    mapping=StiffnessAt,
+)
 
 
 class WallSpec(Model):
@@ -458,10 +437,6 @@ class WallSpec(Model):
                 yield (name,), f"'{name}' has no effect without 'stiffness'", hint
 
 
-def _list_or_mapping(value: Any) -> str:
-    return "(mapping)" if isinstance(value, dict | StiffnessAt) else "(list)"
-
-
 class _Building(Model):
     """One building type; lists run from the ground up."""
 
@@ -473,14 +448,7 @@ class _Building(Model):
     taper: Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)] = key(
         "1/3", "top over bottom storey stiffness [-], linear in between"
     )
-    stiffness: (
-        Annotated[
-            Annotated[tuple[Annotated[float, STIFFNESS], ...], Field(min_length=1, max_length=100), Tag("(list)")]
-            | Annotated[StiffnessAt, Tag("(mapping)")],
-            Discriminator(_list_or_mapping),
-        ]
-        | None
-    ) = key(
+    stiffness: Stiffnesses | None = key(
         None,
         "storey stiffnesses [N/m], instead of period and taper; or {period: 0.42 s, mass: 300 t}: those of a building "
         "with this period and these masses, which stay when the mass is varied",
@@ -492,9 +460,9 @@ class _Building(Model):
     hardening: _each(Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)) = key(  # type: ignore[valid-type]
         0.05, "post-yield over initial stiffness [-], one or a list"
     )
-    yield_: Annotated[
-        Annotated[Code, Tag("(code)")] | Annotated[BaseShear, Tag("(base shear)")], Discriminator(_yield_kind)
-    ] = key(Code(), "code or base-shear coefficient that sets the yield shears", alias="yield")
+    yield_: tagged(_yield_kind, code=Code, shear=BaseShear) = key(  # type: ignore[valid-type]
+        Code(), "code or base-shear coefficient that sets the yield shears", alias="yield"
+    )
     yield_shear: _list_or(FORCE, Literal["never"]) | None = key(  # type: ignore[valid-type]
         None, "storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
@@ -554,31 +522,21 @@ class _Building(Model):
             yield (), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`"
         for name, length in self.lengths.items():
             if self.count is not None and length != self.count:
-                more = "`true` for the weight of the floors above" if name == "p_delta" else "one for all"
-                yield (
-                    tuple(name.split(".")),
-                    f"{name} has {counted(length, 'value')} for {counted(self.count, 'storey')}",
-                    f"write {counted(self.count, 'value')} from the ground up, or {more}",
-                )
+                what = f"{name} has {counted(length, 'value')} for {counted(self.count, 'storey')}"
+                hint = f"write {counted(self.count, 'value')} from the ground up"
+                yield tuple(name.split(".")), what, hint
         if self.period is None and self.stiffness is None:
             yield (), "this building has neither 'period' nor 'stiffness'", "write e.g. `period: 0.36 s`"
         thinnest = min(self.height) if isinstance(self.height, tuple) else self.height
         if self.slab >= thinnest:
-            yield (
-                ("slab",),
-                f"a slab of {self.slab:g} m is not thinner than a storey of {thinnest:g} m",
-                "write the thickness of the floor slab, e.g. `slab: 25 cm`",
-            )
+            what = f"a slab of {self.slab:g} m is not thinner than a storey of {thinnest:g} m"
+            yield ("slab",), what, "write the thickness of the floor slab, e.g. `slab: 25 cm`"
         law = storey_laws()[self.storey_law]
         for owner in storey_laws().values():
             for name in own(owner).keys() - own(law).keys():
                 if getattr(self, name) is not None:
-                    yield (
-                        (name,),
-                        f"'{name}' does not apply to storey_law: {law.name}",
-                        f"remove it; it belongs to {owner.name}",
-                        True,
-                    )
+                    what = f"'{name}' does not apply to storey_law: {law.name}"
+                    yield (name,), what, f"remove it; it belongs to {owner.name}", True
         for name, declared in own(law).items():
             if getattr(self, name) is None and not isinstance(law.parameters()[name].default, str | float | int):
                 yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.words}"

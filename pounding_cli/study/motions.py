@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import fnmatch
 import glob
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import count
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -30,187 +29,86 @@ _OTHER_FILES = re.compile(
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
 MOST_FILES = 50_000
-"""Files and folders that are looked at for one pattern."""
+"""Files that one pattern may match."""
 
 
 @dataclass(frozen=True)
 class Item:
     """One motion of a study.
 
-    name : what tables call it; known : whether it is in the catalogue, with durations and scales of Table 1
-    read : reads it whole, and says how where it is a file of one's own
-    vertical : whether a file taken with others looks like a vertical component
+    name : what tables call it
+    file, how : its file and how that is read; None of a motion of the catalogue, with durations and scales of Table 1
     """
 
     name: str
-    known: bool
-    read: Callable[[], Motion | records.Reading]
-    vertical: bool = False
+    file: Path | None = None
+    how: RecordFile | None = None
 
 
 class MotionReader:
-    """Finds and reads every motion once, however many scenes it drives."""
+    """Finds and reads every motion once, however many scenes it drives.
+
+    folder : of the study, which paths are relative to
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._items: dict[str | RecordFile, list[Item] | InputError] = {}
-        self._read: dict[tuple[str | RecordFile, str], Motion | records.Reading | InputError] = {}
+        self._items: dict[str | RecordFile, tuple[Item, ...]] = {}
+        self._read: dict[Item, records.Reading | Motion] = {}
 
-    def items(self, record: str | RecordFile) -> list[Item]:
-        """The motions an entry of `use` stands for; raises `InputError` where there is none."""
+    def items(self, record: str | RecordFile) -> tuple[Item, ...]:
+        """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
         if record not in self._items:
-            try:
-                self._items[record] = self._found(record)
-            except InputError as refused:
-                self._items[record] = refused
-        found = self._items[record]
-        if isinstance(found, InputError):
-            raise found
-        return found
+            self._items[record] = tuple(self._found(record))
+        return self._items[record]
 
-    def take(self, record: str | RecordFile, item: Item) -> Motion:
-        """The whole motion; raises `InputError` where it cannot be read."""
-        found = self.reading(record, item)
+    def reading(self, item: Item) -> records.Reading | Motion:
+        """The whole motion, with how it was read where it is a file.  Raises `InputError`: it cannot be read."""
+        if item not in self._read:
+            how = item.how
+            if item.file is None or how is None:
+                self._read[item] = records.find(item.name)
+            else:
+                more: dict[str, Any] = how.model_dump(exclude={"file", "name"})
+                self._read[item] = records.read_file(item.file, name=item.name, **more)
+        return self._read[item]
+
+    def motion(self, item: Item) -> Motion:
+        """The whole motion; raises as `reading`."""
+        found = self.reading(item)
         return found.motion if isinstance(found, records.Reading) else found
 
-    def reading(self, record: str | RecordFile, item: Item) -> Motion | records.Reading:
-        """The whole motion, with how it was read where it is a file of one's own; raises as `take`."""
-        key = (record, item.name)
-        if key not in self._read:
-            try:
-                self._read[key] = item.read()
-            except InputError as refused:
-                self._read[key] = refused
-        found = self._read[key]
-        if isinstance(found, InputError):
-            raise found
-        return found
-
-    @property
-    def digests(self) -> list[str]:
-        """Of all motions that were read so far."""
-        read = [found.motion if isinstance(found, records.Reading) else found for found in self._read.values()]
-        return [found.digest for found in read if isinstance(found, Motion)]
-
-    def named(self, name: str) -> Motion:
-        """The whole catalogue motion `name`."""
-        return self.take(name, self.items(name)[0])
-
     def _found(self, record: str | RecordFile) -> list[Item]:
-        if isinstance(record, RecordFile):
-            return self._files(record)
-        if record in records.names():
-            return [Item(record, True, lambda: records.find(record))]
-        if self._is_path(record):
-            return self._files(RecordFile(file=record))
-        records.entry(record)  # refuses the name, with the nearest one
-        raise AssertionError(record)
-
-    def _is_path(self, word: str) -> bool:
-        return bool(re.search(r"[/\\*?]", word) or Path(word).suffix or _exists(self.folder / word))
-
-    def _files(self, record: RecordFile) -> list[Item]:
+        if isinstance(record, str):
+            if record in records.names():
+                return [Item(record)]
+            is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
+            if not is_path:
+                records.entry(record)  # refuses the name, with the nearest one
+            record = RecordFile(file=record)
         if len(record.file) > LONGEST_PATH:
             raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
-        path = self.folder / _home(record.file)
-        if _exists(path) and not _is_folder(path):
-            return [_item(record, path, record.name or path.stem)]
-        if _is_folder(path):
-            found = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
-            nothing = f"no motion files in the folder {path}"
-        elif glob.has_magic(record.file):
-            found = _matching(path)
-            nothing = f"no file matches {path}"
+        written = os.path.expanduser(record.file)
+        path = self.folder / written
+        if os.path.isdir(path):
+            files = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
+        elif os.path.exists(path):
+            return [Item(record.name or path.stem, path, record)]
         else:
-            raise InputError(
-                Problem(f"the record file {shortened(path)} does not exist", "paths are relative to the study file")
-            )
-        if not found:
-            raise InputError(Problem(nothing, "paths are relative to the study file"))
-        if record.name is not None and len(found) > 1:
-            raise InputError(
-                Problem(f"'name:' is one for {len(found)} files", "leave it out: each is called by its file's stem")
-            )
-        stems = Counter(each.stem for each in found)
+            found = glob.iglob(written, root_dir=self.folder, recursive=True) if "\0" not in written else iter(())
+            files = sorted(each for name in islice(found, MOST_FILES) if os.path.isfile(each := self.folder / name))
+        if not files:
+            message = f"the record file {shortened(path)} does not exist"
+            if glob.has_magic(record.file) or os.path.isdir(path):
+                message = f"no file matches {path}, or no motion is in this folder"
+            raise InputError(Problem(message, "paths are relative to the study file"))
+        if record.name is not None and len(files) > 1:
+            hint = "leave it out: each is called by its file's stem"
+            raise InputError(Problem(f"'name:' is one for {len(files)} files", hint))
+        stems = Counter(each.stem for each in files)
         # K-NET's files of one record differ by their endings only.
-        names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in found]
-        return [
-            _item(record, each, record.name or name, bool(_VERTICAL.search(each.stem) or _VERTICAL.search(each.name)))
-            for each, name in zip(found, names, strict=True)
-        ]
-
-
-def _item(record: RecordFile, path: Path, name: str, vertical: bool = False) -> Item:
-    def read() -> records.Reading:
-        return records.read_file(
-            path,
-            name=name,
-            unit=record.unit,
-            dt=record.dt,
-            format=record.format,
-            channel=record.channel,
-            column=record.column,
-        )
-
-    return Item(name, False, read, vertical)
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except (OSError, ValueError):  # too long a name, a NUL in it
-        return False
-
-
-def _is_folder(path: Path) -> bool:
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
-
-
-def _matching(pattern: Path) -> list[Path]:
-    """The files of a pattern such as `motions/**/*.AT2`, sorted; hidden names match where they are written.
-
-    Raises
-    ------
-    InputError : more than MOST_FILES files and folders had to be looked at
-    """
-    parts, seen = pattern.parts, count(1)
-    first = next(place for place, part in enumerate(parts) if glob.has_magic(part))
-
-    def below(folder: Path, steps: Sequence[str]) -> Iterator[Path]:
-        if not steps:
-            yield folder
-            return
-        step, *rest = steps
-        if step == "**":
-            yield from below(folder, rest or ["*"])
-        for each in _entries(folder):
-            if next(seen) > MOST_FILES:
-                hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-                raise InputError(Problem(f"{shortened(pattern)}: more than {MOST_FILES} files and folders", hint))
-            hidden = each.name.startswith(".") and not step.startswith(".")
-            if step == "**" and not hidden and os.path.isdir(each) and not os.path.islink(each):
-                yield from below(each, steps)
-            elif step != "**" and not hidden and fnmatch.fnmatch(each.name, step):
-                yield from below(each, rest)
-
-    return sorted({found for found in below(Path(*parts[:first]), parts[first:]) if os.path.isfile(found)})
-
-
-def _entries(folder: Path) -> list[Path]:
-    try:
-        return list(folder.iterdir())
-    except (OSError, ValueError):  # no folder, or not ours to read
-        return []
-
-
-def _home(written: str) -> Path:
-    try:
-        return Path(written).expanduser()
-    except RuntimeError:  # ~nobody
-        return Path(written)
+        names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
+        return [Item(record.name or name, each, record) for each, name in zip(files, names, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -235,33 +133,42 @@ class Used:
     target: records.TargetSpectrum | None = None
 
 
+class _Wrong(Exception):
+    """Where in the study, what is wrong, what to write."""
+
+
 def motions_of(
     spec: Records, reader: MotionReader, root: Any, problems: Problems, warnings: Problems
 ) -> dict[str, Used]:
     """The motions of a study by name, as they are used; empty where something is wrong, which is noted."""
-    return _Motions(spec, reader, root, problems, warnings).used()
+    motions, before = _Motions(spec, reader, root, problems, warnings), len(problems.found)
+    for place, record in enumerate(spec.use):
+        motions.read(record, ("records", "use", place))
+    if len(problems.found) > before:
+        return {}
+    try:
+        return motions.used()
+    except _Wrong as wrong:
+        path, message, hint = wrong.args
+        problems.at(root, path, message, hint)
+    except InputError as refused:
+        motions.pass_on(refused, ("records", "scale"))
+    return {}
 
 
 class _Motions:
     """Motions on their way from the reader to the scenes.
 
-    whole, cut : by name;  known : names with durations and scales of Table 1
+    whole : by name;  known : names with durations and scales of Table 1
     """
 
     def __init__(self, spec: Records, reader: MotionReader, root: Any, problems: Problems, warnings: Problems) -> None:
         self.spec, self.reader, self.root, self.problems, self.warnings = spec, reader, root, problems, warnings
         self.whole: dict[str, Motion] = {}
-        self.cut: dict[str, Motion] = {}
         self.known: set[str] = set()
-        self.faults = 0
-
-    def refuse(self, path: Steps, message: str, hint: str) -> None:
-        self.faults += 1
-        self.problems.at(self.root, path, message, hint)
 
     def pass_on(self, refused: InputError, path: Steps) -> None:
         """Problems inside a record file keep their place; others are put at the study's line."""
-        self.faults += 1
         for problem in refused.problems:
             if problem.line:
                 self.problems.extend([problem])
@@ -269,33 +176,9 @@ class _Motions:
                 file = f"{problem.file}: " if problem.file else ""
                 self.problems.at(self.root, path, f"{file}{problem.message}", problem.hint)
 
-    def used(self) -> dict[str, Used]:
-        """All of it."""
-        for place, record in enumerate(self.spec.use):
-            self._read(record, ("records", "use", place))
-        if self.faults:
-            return {}
-        self._cut()
-        target = None
-        try:
-            target = self._target() if isinstance(self.spec.scale, Spectrum) and not self.faults else None
-            factors = self._factors(target) if not self.faults else {}
-        except InputError as refused:
-            self.pass_on(refused, ("records", "scale"))
-        if self.faults:
-            return {}
-        found = {}
-        for name, factor in factors.items():
-            motion = self.cut[name].scaled(factor) if factor != 1.0 else self.cut[name]
-            arias = float(records.arias(motion))
-            use = MotionUse(name, motion.source, motion.digest, factor, motion.duration, motion.pga, arias)
-            found[name] = Used(motion, use, target)
-        return found
-
-    def _read(self, record: Any, path: Steps) -> None:
-        """The motions of one entry of `use`."""
-        vertical: list[str] = []
-        readings: list[records.Reading] = []
+    def read(self, record: Any, path: Steps) -> None:
+        """Take the motions of one entry of `use`, and tell what is wrong or doubtful about them."""
+        vertical, readings = list[str](), list[records.Reading]()
         try:
             items = self.reader.items(record)
         except InputError as refused:
@@ -304,30 +187,43 @@ class _Motions:
         for item in items:
             if item.name in self.whole:
                 hint = "remove one, or give it another `name:`"
-                self.refuse(path, f"the record '{item.name}' occurs twice", hint)
+                self.problems.at(self.root, path, f"the record '{item.name}' occurs twice", hint)
                 continue
-            vertical += [item.name] if item.vertical else []
-            self.known |= {item.name} if item.known else set()
             try:
-                self.whole[item.name] = self.reader.take(record, item)
+                read, self.whole[item.name] = self.reader.reading(item), self.reader.motion(item)
             except InputError as refused:
                 self.pass_on(refused, (*path, "file"))
                 continue
-            read = self.reader.reading(record, item)
+            if item.file is None:
+                self.known.add(item.name)
+            elif len(items) > 1 and (_VERTICAL.search(item.file.stem) or _VERTICAL.search(item.file.name)):
+                vertical.append(item.name)
             readings += [read] if isinstance(read, records.Reading) else []
-        _tell_vertical(vertical, self.root, path, self.warnings)
-        _tell_units(readings, self.root, path, self.warnings)
+        for message, hint in _doubts(vertical, readings):
+            self.warnings.at(self.root, path, message, hint)
 
-    def _cut(self) -> None:
-        short, asked = dict[str, Motion](), self.spec.duration
+    def used(self) -> dict[str, Used]:
+        """The motions cut and scaled.  Raises `_Wrong`, and `InputError` where they cannot be scaled."""
+        cut, short, asked = dict[str, Motion](), list[str](), self.spec.duration
         for name, motion in self.whole.items():
-            seconds = self._seconds(asked, name, motion, ("records", "duration"))
+            seconds = self._seconds(asked, name, motion, "duration")
             if isinstance(asked, float) and seconds > motion.duration + motion.dt:
-                short[name] = motion
-            self.cut[name] = motion.windowed(seconds)
-        _tell_short(short, asked, self.root, self.warnings)
+                short.append(f"{name} ({motion.duration:g} s)")
+            cut[name] = motion.windowed(seconds)
+        if short:
+            message = f"shorter than the {asked:g} s asked for: {listed(short)}"
+            hint = "the whole length is used; `tail:` adds free vibration"
+            self.warnings.at(self.root, ("records", "duration"), message, hint)
+        target = self._target(cut) if isinstance(self.spec.scale, Spectrum) else None
+        found = {}
+        for name, factor in self._factors(cut, target).items():
+            motion = cut[name].scaled(factor) if factor != 1.0 else cut[name]
+            arias = float(records.arias(motion))
+            use = MotionUse(name, motion.source, motion.digest, factor, motion.duration, motion.pga, arias)
+            found[name] = Used(motion, use, target)
+        return found
 
-    def _seconds(self, wanted: float | str, name: str, motion: Motion, path: Steps) -> float:
+    def _seconds(self, wanted: float | str, name: str, motion: Motion, key: str) -> float:
         """The part of a motion that is used [s]; a name of Table 1 that the study does not use has its duration too."""
         has_one = name in self.known or (name not in self.whole and name in records.names())
         if wanted == "whole" or (wanted == "auto" and not has_one):
@@ -336,42 +232,39 @@ class _Motions:
             return float(wanted)
         if has_one:
             return float(records.entry(name).duration)
-        if not self.faults:
-            self.refuse(path, f"table1 has no duration for '{name}'", "write `whole` or a time, e.g. `duration: 10 s`")
-        return float(motion.duration)
+        path = ("records", key) if key == "duration" else ("records", "scale", key)
+        raise _Wrong(path, f"table1 has no duration for '{name}'", "write `whole` or a time, e.g. `duration: 10 s`")
 
-    def _other(self, name: str, path: Steps) -> Motion | None:
+    def _other(self, name: str, key: str) -> Motion:
         """A motion that others are scaled to, whole: of the study or of the catalogue."""
         if name in self.whole:
             return self.whole[name]
         if name in records.names():
-            return self.reader.named(name)
-        self.refuse(path, f"no record '{name}'", nearest(name, dict.fromkeys((*self.whole, *records.names()))))
-        return None
+            return self.reader.motion(Item(name))
+        known = dict.fromkeys((*self.whole, *records.names()))
+        raise _Wrong(("records", "scale", key), f"no record '{name}'", nearest(name, known))
 
-    def _target(self) -> records.TargetSpectrum | None:
+    def _target(self, cut: dict[str, Motion]) -> records.TargetSpectrum:
         """The target as a spectrum over its range."""
         scale: Any = self.spec.scale
-        name = scale.target
-        ends = scale.low, scale.high, scale.damping
+        name, ends = scale.target, (scale.low, scale.high, scale.damping)
         if isinstance(name, dict):
             periods, values = zip(*sorted(name.items()), strict=True)
             return records.TargetSpectrum(periods, values, *ends)
-        motion = self.cut.get(name)
-        if motion is None and (reference := self._other(name, ("records", "scale", "target"))) is not None:
-            seconds = self._seconds(self.spec.duration, name, reference, ("records", "duration"))
-            motion = reference.windowed(seconds)
-        return None if motion is None else records.TargetSpectrum.of(motion, *ends)
+        motion = cut.get(name)
+        if motion is None:
+            whole = self._other(name, "target")
+            motion = whole.windowed(self._seconds(self.spec.duration, name, whole, "duration"))
+        return records.TargetSpectrum.of(motion, *ends)
 
-    def _factors(self, target: records.TargetSpectrum | None) -> dict[str, float]:
-        cut = self.cut
+    def _factors(self, cut: dict[str, Motion], target: records.TargetSpectrum | None) -> dict[str, float]:
         scale: Any = self.spec.scale
         match scale:
             case "table1":
-                for name in [name for name in cut if name not in self.known][:1]:
+                for name in cut.keys() - self.known:
                     hint = "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}"
-                    self.refuse(("records", "scale"), f"table1 has no scale for '{name}'", hint)
-                return {name: float(records.entry(name).scale) for name in cut if name in self.known}
+                    raise _Wrong(("records", "scale"), f"table1 has no scale for '{name}'", hint)
+                return {name: float(records.entry(name).scale) for name in cut}
             case Pga():
                 return {name: records.pga_factor(motion, scale.pga) for name, motion in cut.items()}
             case Pgv():
@@ -382,38 +275,25 @@ class _Motions:
             case Spectrum() if target is not None:
                 return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
             case Arias():
-                return self._arias_factors(scale)
+                reference = self._other(scale.arias, "arias")
+                window = self.spec.duration if scale.window == "duration" else scale.window
+                part = {
+                    name: motion.windowed(self._seconds(window, name, motion, "window"))
+                    for name, motion in {scale.arias: reference, **self.whole}.items()
+                }
+                one = part[scale.arias]
+                return {
+                    name: 1.0 if name == scale.arias else records.arias_factor(part[name], one) for name in self.whole
+                }
         return dict.fromkeys(cut, float(scale))
 
-    def _arias_factors(self, scale: Arias) -> dict[str, float]:
-        reference = self._other(scale.arias, ("records", "scale", "arias"))
-        if reference is None:
-            return {}
-        window = self.spec.duration if scale.window == "duration" else scale.window
-        part = {
-            name: motion.windowed(self._seconds(window, name, motion, ("records", "scale", "window")))
-            for name, motion in {scale.arias: reference, **self.whole}.items()
-        }
-        if self.faults:
-            return {}
-        one = part[scale.arias]
-        return {name: 1.0 if name == scale.arias else records.arias_factor(part[name], one) for name in self.whole}
 
-
-def _tell_vertical(names: list[str], root: Any, path: Steps, warnings: Problems) -> None:
-    """Warn of files that are named like vertical components."""
-    if not names:
-        return
-    what = f"'{names[0]}' looks like a vertical component; it will"
-    if len(names) > 1:
-        what = f"{len(names)} motions look like vertical components and will"
-    whole = f": {listed(names)}" if len(names) > 1 else ""
-    hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
-    warnings.at(root, path, f"{what} shake the buildings sideways{whole}", hint)
-
-
-def _tell_units(readings: list[records.Reading], root: Any, path: Steps, warnings: Problems) -> None:
-    """Warn of headings from which no unit can be read, and of those that state another one than the study."""
+def _doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[tuple[str, str]]:
+    """Message and hint of files named like vertical components, of headings from which no unit can be read, and of
+    those that state another one than the study."""
+    if vertical:
+        hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
+        yield f"named like vertical components, will shake the buildings sideways: {listed(vertical)}", hint
     unclear: dict[str, list[str]] = {}
     against: dict[tuple[str, str], list[str]] = {}
     for each in readings:
@@ -423,23 +303,7 @@ def _tell_units(readings: list[records.Reading], root: Any, path: Steps, warning
             against.setdefault((each.unit, each.stated), []).append(each.motion.name)
     for heading, names in unclear.items():
         message = f"{listed(names)}: '{heading}' in the file is no unit of acceleration, so g is assumed"
-        warnings.at(root, path, message, "write the unit in the study, e.g. `{file: motions/a.csv, unit: m/s2}`")
+        yield message, "write the unit in the study, e.g. `{file: motions/a.csv, unit: m/s2}`"
     for (unit, stated), names in against.items():
         message = f"{listed(names)}: read in {unit}, as the study says, although the file says {stated}"
-        warnings.at(root, path, message, "remove `unit:` if the file is right")
-
-
-def _tell_short(motions: dict[str, Motion], seconds: float | str, root: Any, warnings: Problems) -> None:
-    """Warn of motions shorter than the duration asked for [s]."""
-    if not motions:
-        return
-    asked = f"shorter than the {seconds:g} s asked for"
-    hint = "its whole length is used; `tail:` adds free vibration"
-    if len(motions) == 1:
-        ((name, motion),) = motions.items()
-        message = f"'{name}' lasts {motion.duration:g} s, {asked}"
-    else:
-        hint = hint.replace("its", "their")
-        all_of = listed(f"{name} ({motion.duration:g} s)" for name, motion in motions.items())
-        message = f"{len(motions)} motions are {asked}: {all_of}"
-    warnings.at(root, ("records", "duration"), message, hint)
+        yield message, "remove `unit:` if the file is right"

@@ -63,7 +63,7 @@ def warnings(study: Study) -> tuple[Problem, ...]:
             if is_new(name, point, ("buildings", name)):
                 doubt_building(study, point, name, root, notes)
         if is_new("group", point, "buildings", "group"):
-            tell_left_out(group.buildings, group.common, root, ("group",), notes)
+            tell_left_out(group.buildings, root, ("group",), notes)
         for name in study.model.cases:
             if is_new(name, point, "buildings", "group", "impact", ("cases", name)):
                 case, impact = study.case(point, name), study.section(point, "impact")

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
-from pounding_cli.study.base import Model, Wrong, key, one_or_many
+from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
 from pounding_cli.study.expression import Limit, read_limit
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
@@ -72,19 +72,18 @@ class HazardFile(Model):
 
 
 def _hazard_kind(value: Any) -> str:
-    if isinstance(value, PowerHazard) or (isinstance(value, dict) and not value.keys().isdisjoint(("k0", "k"))):
-        return "(power)"
-    return (
-        "(file)" if isinstance(value, str | HazardFile) or (isinstance(value, dict) and "file" in value) else "(table)"
-    )
+    given = value.keys() if isinstance(value, dict) else ()
+    if isinstance(value, PowerHazard) or "k0" in given or "k" in given:
+        return "power"
+    return "file" if isinstance(value, str | HazardFile) or "file" in given else "table"
 
 
-Hazards = Annotated[
-    Annotated[PowerHazard, Tag("(power)")]
-    | Annotated[HazardFile, BeforeValidator(lambda v: {"file": v} if isinstance(v, str) else v), Tag("(file)")]
-    | Annotated[dict[str, Annotated[float, RATE]], Field(max_length=1000), Tag("(table)")],
-    Discriminator(_hazard_kind),
-]
+Hazards: Any = tagged(
+    _hazard_kind,
+    power=PowerHazard,
+    file=Annotated[HazardFile, BeforeValidator(lambda v: {"file": v} if isinstance(v, str) else v)],
+    table=Annotated[dict[str, Annotated[float, RATE]], Field(max_length=1000)],
+)
 """How often an intensity is exceeded a year: a table {0.1 g: 0.02, 0.4 g: 1/475}, a power law, or a file."""
 
 _HAZARD_KEY = (

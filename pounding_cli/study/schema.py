@@ -133,20 +133,12 @@ class _Study(Model):
     )
 
     def wrong(self) -> Iterator[Wrong]:
-        timed = setting_of(self.method) is TIME_STEP
+        timed, method = setting_of(self.method) is TIME_STEP, self.method
         if timed and self.time_step is None:
-            yield (
-                ("method",),
-                f"method: {self.method} needs 'time_step'",
-                f"write e.g. `time_step: {TIME_STEP.example}`",
-            )
+            yield ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"
         if not timed and self.time_step is not None:
-            yield (
-                ("time_step",),
-                f"'time_step' does not apply to method: {self.method}",
-                "remove it; `accuracy:` controls the cost",
-                True,
-            )
+            what, hint = f"'time_step' does not apply to method: {method}", "remove it; `accuracy:` controls the cost"
+            yield ("time_step",), what, hint, True
         for place, analysis in enumerate(self.analyses):
             if analysis in self.analyses[:place]:
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"

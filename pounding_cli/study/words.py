@@ -8,12 +8,11 @@ import typing
 from collections.abc import Iterator, Sequence
 from typing import Any, get_args, get_origin, get_type_hints
 
-import yaml
 from pydantic import BaseModel
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import instead, link_laws
-from pounding_cli.study.file import MISSING_BLANK, Steps, get, nearest
+from pounding_cli.study.file import MISSING_BLANK, Steps, dumped, get, nearest
 from pounding_cli.study.laws import Link, keys_of, kind_of, link_models, own, tag
 from pounding_cli.study.quantity import Quantity, Read, Text, said
 
@@ -215,7 +214,6 @@ def _example(model: type[BaseModel], path: Steps) -> str:
     field = at(model, path)[1]
     if field is None or not field.description:
         return ""
-    flow = yaml.safe_dump(field.examples[0], default_flow_style=True, width=10_000) if field.examples else ""
-    flow = flow.removesuffix("\n").removesuffix("\n...").strip()
+    flow = dumped(field.examples[0]) if field.examples else ""
     words = [str(step) for step in path if not str(step).startswith("(")]
     return f"write {field.description}" + (f", e.g. `{words[-1]}: {flow}`" if flow else "")

@@ -17,8 +17,6 @@ from pounding_cli.study.expression import (
     NotUnderstood,
     Quantity,
     Statement,
-    read_expression,
-    read_statement,
 )
 from pounding_cli.study.file import Problems, get
 from pounding_cli.study.plan import Plan
@@ -107,29 +105,17 @@ def _reduced(how: str, numbers: np.ndarray, there: np.ndarray, axes: tuple[int, 
     return np.where(there, numbers, np.inf).min(axis=axes, initial=np.inf)
 
 
-def expressions(
-    study: Study, section: str, key: str, texts: Sequence[str], problems: Problems, example: str = "[largest mu]"
-) -> tuple[Expression, ...]:
-    """The expressions of a section, over the tables of this study; one at least."""
-    if not texts:
-        hint = f"write e.g. `{section}: {{{key}: {example}}}`"
-        problems.at(study.root, (section,), f"`{section}:` lacks '{key}'", hint, key=True)
-    return _read(read_expression, study, section, key, texts, problems)
-
-
-def statements(study: Study, section: str, key: str, texts: Sequence[str], problems: Problems) -> tuple[Statement, ...]:
-    """The statements of a section, over the tables of this study."""
-    return _read(read_statement, study, section, key, texts, problems)
-
-
 Said = TypeVar("Said", Expression, Statement)
 
 
-def _read(
+def read_all(
     read: Callable[[str, Sequence[str]], Said],
     study: Study, section: str, key: str, texts: Sequence[str], problems: Problems,
 ) -> tuple[Said, ...]:  # fmt: skip
-    """What the texts of a section say; what is wrong with them is noted."""
+    """What the texts of a section say over the tables of this study; what is wrong with them is noted.
+
+    read : `read_expression` or `read_statement`
+    """
     root, found, names = study.root, dict[str, Said](), places(study.model.group)
     storeys = [study.building((0,) * len(study.axes), place).storeys for place in range(len(names))]
     for number, text in enumerate(texts):

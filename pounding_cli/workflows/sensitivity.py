@@ -15,11 +15,11 @@ import pandas as pd
 
 from pounding_cli.numbers import counted
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.expression import Expression, Statement
+from pounding_cli.study.expression import Expression, Statement, read_expression, read_statement
 from pounding_cli.study.file import Problems
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
-from pounding_cli.workflows.expressions import Get, at_points, distinct, expressions, getter, statements, values_of
+from pounding_cli.workflows.expressions import Get, at_points, distinct, getter, read_all, values_of
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, swept, tabled
 
 if TYPE_CHECKING:
@@ -204,9 +204,11 @@ def question_of(study: Study) -> Question:
         hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
         at = ("sensitivity", "claims")
         problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
-    named = statements(study, "sensitivity", "probabilities", spec.probabilities, problems)
-    is_needed = not spec.claims and not spec.probabilities
-    outputs = expressions(study, "sensitivity", "outputs", spec.outputs, problems) if spec.outputs or is_needed else ()
+    if not (spec.outputs or spec.probabilities or spec.claims):
+        hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
+        problems.at(root, ("sensitivity",), "`sensitivity:` lacks 'outputs'", hint, key=True)
+    outputs = read_all(read_expression, study, "sensitivity", "outputs", spec.outputs, problems)
+    named = read_all(read_statement, study, "sensitivity", "probabilities", spec.probabilities, problems)
     question = Question(spec, tuple(factors), outputs, named, motions, sets)
     points = question.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
     if points > MOST_POINTS:

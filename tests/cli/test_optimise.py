@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 from pounding_cli import open_results
 
@@ -177,8 +178,8 @@ def test_the_page_says_what_is_left(pound, tmp_path):
     ("key", "first", "second", "place"),
     [
         ("impact.restitution", "0.4", "0.4000001", r"^impact: {restitution: 0\.4(000001)?}$"),
-        ("buildings.B.mass", "150 t", "151 t", r"period: 0\.5 s, mass: 15[01] t}   # the soft one$"),
-        ("buildings.B.yield.code", "UBC-1988", "UBC-1994", r"yield: {code: UBC-19(88|94)}}   # the soft one$"),
+        ("buildings.B.mass", "150 t", "151 t", r"{mass: 15[01] t, .*}   # the soft one$"),
+        ("buildings.B.yield.code", "UBC-1988", "UBC-1994", r"{yield: {code: UBC-19(88|94)}, .*}   # the soft one$"),
         ("cases.joined.links.1.floors", "[1]", "[1, 2]", r"^        floors: \[1(, 2)?\]   # the lower one$"),
         ("cases.joined.restitution", "0.5", "0.7", r"^    restitution: 0\.[57]\n    gap: [34](\.5)? mm   # narrow$"),
     ],
@@ -329,18 +330,17 @@ def test_places_that_cannot_take_the_best_study_are_refused_first(pound, name, w
     assert not Path("results").exists()
 
 
-def test_a_value_behind_an_anchor_is_refused_at_its_place(pound):
+def test_a_study_with_an_anchor_at_a_value_is_written_anew(pound):
     text = (
         few("impact.restitution", "0.4", "0.65")
         .replace("gap: 3 mm ", "gap: &g 3 mm ")
         .replace("gap: 1 cm}", "gap: *g}")
     )
     Path("few.yaml").write_text(text)
-    code, out, err = pound("optimise", "few.yaml", "--write", "best.yaml")
-    assert (code, out) == (2, "")
-    assert "few.yaml:12:10: 'cases.joined.gap' cannot be changed in this text" in err
-    assert "without & and *" in err
-    assert pound("optimise", "few.yaml", "-q")[0] == 0
+    assert pound("optimise", "few.yaml", "-q", "--write", "best.yaml")[0] == 0
+    cases = yaml.safe_load(Path("best.yaml").read_text())["cases"]
+    assert cases["other"]["gap"] == "3 mm"
+    assert cases["joined"]["gap"] in ("3 mm", "4.5 mm")
 
 
 def test_no_optimum_writes_no_study(pound):
