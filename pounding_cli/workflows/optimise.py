@@ -25,7 +25,7 @@ from pounding_cli.study.file import Problems, get, nearest, parse
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
-from pounding_cli.workflows.expressions import at_points, error_of, getter, read_all, values_of
+from pounding_cli.workflows.expressions import at_points, error_of, read_all, values_of
 from pounding_cli.workflows.search import Point, Search
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, tabled
 
@@ -259,7 +259,6 @@ class _Solved:
         self.question, self.plan = question, question.plan(points)
         self.data = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
         self.one = self.data.sel(case=[question.case], analysis=[question.analysis])
-        self.get = getter(self.plan, self.one)
 
     def by_point(self, values: np.ndarray) -> np.ndarray:
         """Values over all axes, the one case and the one analysis; shape (other points of the sweep, points, ...)."""
@@ -275,7 +274,7 @@ class _Solved:
     @cached_property
     def _sought(self) -> np.ndarray:
         """The number sought at every point of the sweep and of the search."""
-        return self.by_point(values_of(self.question.expression, self.get, self.question.spec.over_motions))
+        return self.by_point(values_of(self.question.expression, self.one, self.question.spec.over_motions))
 
     @cached_property
     def sought(self) -> np.ndarray:
@@ -287,7 +286,7 @@ class _Solved:
     @property
     def errors(self) -> np.ndarray:
         """The numerical error of the number sought at every point."""
-        errors = self.by_point(error_of(self.question.expression, self.get, self.question.spec.over_motions))
+        errors = self.by_point(error_of(self.question.expression, self.one, self.question.spec.over_motions))
         if self.question.spec.over_sweep == "mean":
             return errors.mean(axis=0)
         worst = np.nan_to_num(self.question.sign * self._sought, nan=np.inf).argmax(axis=0)
@@ -296,7 +295,7 @@ class _Solved:
     def largest(self, quantity: Quantity) -> np.ndarray:
         """A quantity at every point: over the motions as the number sought is, over a sweep its mean or the largest."""
         expression = Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
-        values = self.by_point(values_of(expression, self.get, self.question.spec.over_motions))
+        values = self.by_point(values_of(expression, self.one, self.question.spec.over_motions))
         return values.mean(axis=0) if self.question.spec.over_sweep == "mean" else values.max(axis=0)
 
 
@@ -360,7 +359,7 @@ def _design(question: Question, whole: _Solved, at: dict[str, int | None]) -> pd
         for name in ("V_ratio", "mu", "drift", "acceleration"):
             quantities[f"largest {name} in {building}"] = Quantity(name, "largest", place)
     if whole.plan.links.places:
-        impacts = np.maximum(whole.by_point(one["impacts"].values), 0).sum(axis=-1)
+        impacts = np.nan_to_num(whole.by_point(one["impacts"].values)).sum(axis=-1)
         quantities |= {f"largest {name}": Quantity(name) for name in ("peak_force", "max_closing")}
     rows: list[tuple[str, str, int, np.ndarray]] = [
         (str(question.expression), question.expression.unit or "1", 0, whole.sought),
