@@ -82,7 +82,7 @@ _Drawing = ParamSpec("_Drawing")
 
 def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
     """Decorator of every function that draws: the settings hold while it draws and nowhere else; logarithmic axes get
-    plain numbers, over few decades at 1, 2 and 5."""
+    plain numbers at 1, 2 and 5, those of many decades at 1."""
 
     @wraps(draw)
     def drawn(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
