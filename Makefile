@@ -21,14 +21,17 @@ $(STAMP): requirements.txt pyproject.toml
 	$(POUND) schema -o configs/pound.schema.json
 	touch $(STAMP)
 
-# `pound` finds out by itself what is missing and leaves a finished file alone, so pages are drawn only when needed.
+# `pound` finds out by itself what is missing and leaves a finished file alone, so pages are drawn only when needed; with
+# `-q` it does not read a finished file to print its summary again.
 figures: studies
 	@$(MAKE) --no-print-directory pages
 	@echo "Figures and claims: $(PAGES)"
 
 studies: setup
 	@mkdir -p results
-	@for study in fig6 fig7; do $(POUND) run configs/$$study.yaml -o results/$$study.h5 || exit $$?; done
+	@for study in fig6 fig7; do \
+	  $(POUND) run configs/$$study.yaml -o results/$$study.h5 $$(test -f results/$$study.h5 && echo -q) || exit $$?; \
+	done
 
 pages: $(PAGES)
 

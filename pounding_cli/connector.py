@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Annotated, Any
 
@@ -18,7 +17,7 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import MASS, RANGES, STIFFNESS, TIME, Plausible, Quantity, Text, Whole
+from pounding_cli.study.quantity import MASS, RANGES, STIFFNESS, TIME, Quantity, Text, Whole
 
 FINEST = 4001
 """Grid on which peaks are searched at least."""
@@ -34,14 +33,11 @@ def _read_joint(given: Any) -> float | str:
 
 Mass = Annotated[float, MASS]
 Stiffness = Annotated[float, STIFFNESS]
-_PERIOD = replace(RANGES["period"], units={"s": 1.0})
-Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0, usual=_PERIOD)]
+Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0, usual=RANGES["period"])]
 Joint = Annotated[float | str, Text(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
+Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, usual=RANGES["damping ratio"])]
-_RATIO = Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)
-_NEAR = Plausible(0.05, 20.0, "neighbours differ in frequency by a factor of a few", {"": 1.0}, "frequency ratio")
-Neighbour = Annotated[float, _RATIO.but(usual=_NEAR)]
-Ratio = Annotated[float, _RATIO]
+Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
 
 
 class First(Model):
@@ -57,7 +53,7 @@ class Second(First):
     """System 2."""
 
     mass: Mass = key(200e3, "mass m2", "200 t")
-    frequency_ratio: Neighbour | None = key(None, "p = omega20 / omega10, in place of the period", 0.6)
+    frequency_ratio: Ratio | None = key(None, "p = omega20 / omega10, in place of the period", 0.6)
 
 
 class Connector(Model):
@@ -65,9 +61,7 @@ class Connector(Model):
 
     stiffness: Joint = key("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
     damping_ratio: Damping | None = key(None, "xi of its dashpot (eq. 7)", 0.1)
-    dashpot: Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)] | None = key(
-        None, "its dashpot, in place of damping_ratio", "100 kN s/m"
-    )
+    dashpot: Dashpot | None = key(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
 
 
 class Frequencies(Model):
@@ -91,11 +85,8 @@ class Study(Model):
 
     def wrong(self) -> Iterator[Wrong]:
         """Keys that say one thing in two ways, or not at all, and a range without extent."""
-        for name, keys in (
-            ("first", ("period", "stiffness")),
-            ("second", ("period", "stiffness", "frequency_ratio")),
-            ("connector", ("damping_ratio", "dashpot")),
-        ):
+        either = {"first": ("period", "stiffness"), "second": ("period", "stiffness", "frequency_ratio")}
+        for name, keys in {**either, "connector": ("damping_ratio", "dashpot")}.items():
             given = [each for each in keys if getattr(getattr(self, name), each) is not None]
             if len(given) > 1:
                 yield (name, given[1]), f"'{given[0]}' and '{given[1]}' cannot both be given", "remove one", True
@@ -178,16 +169,22 @@ def solve(study: Study) -> xr.Dataset:
     low, high, alone = study.frequencies.low, study.frequencies.high, study.omegas[0]
     ratio = np.linspace(low, high, study.frequencies.points)
     grid = np.linspace(low, high, max(ratio.size, FINEST))
+    found = {}
 
     def sizes(x: Any) -> np.ndarray:
         return np.abs(response_ratios(study, np.asarray(x) * alone))
 
-    def peak(which: int) -> tuple[float, float]:
-        best = int(np.argmax(sizes(grid)[which]))
+    for which, each in enumerate(response_ratios(study, ratio * alone)):
+        best, number = int(np.argmax(sizes(grid)[which])), which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-        top = minimize_scalar(lambda x: -float(sizes(x)[which]), bounds=ends, options={"xatol": 1e-10})
-        return max((float(sizes(x)[which]), float(x)) for x in (top.x, grid[best]))
-
+        top = minimize_scalar(lambda x, which=which: -sizes(x)[which], bounds=ends, options={"xatol": 1e-10})
+        peak, at = max((float(sizes(x)[which]), float(x)) for x in (top.x, grid[best]))
+        found[f"peak{number}"] = value("1", f"largest ratio of system {number}", peak)
+        found[f"at{number}"] = value("1", f"Omega / omega10 at the peak of system {number}", at)
+        what = f"displacement of system {number}, connected over alone"
+        found[f"R{number}"] = value("1", what, np.abs(each), "frequency")
+        found[f"R{number}_real"] = value("1", f"{what}, real part", each.real, "frequency")
+        found[f"R{number}_imag"] = value("1", f"{what}, imaginary part", each.imag, "frequency")
     smaller = sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
@@ -196,26 +193,15 @@ def solve(study: Study) -> xr.Dataset:
         crosses = smaller[i] * smaller[i + 1] < 0
         x = brentq(lambda x: sizes(x).min() - 1.0, grid[i], grid[i + 1], xtol=1e-14) if crosses else grid[i]
         edges.append(float(x))
-    edges += [high] if above[-1] else []
-    (peak1, at1), (peak2, at2) = peak(0), peak(1)
+    bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
     lower, upper = coupled_frequencies(study)
-    bands = np.array(edges).reshape(-1, 2)
-    found = {
-        "peak1": value("1", "largest ratio of system 1", peak1),
-        "at1": value("1", "Omega / omega10 at the peak of system 1", at1),
-        "peak2": value("1", "largest ratio of system 2", peak2),
-        "at2": value("1", "Omega / omega10 at the peak of system 2", at2),
+    found |= {
         "frequency_low": value("1", "lower coupled frequency over omega10", lower / alone),
         "frequency_high": value("1", "higher coupled frequency over omega10", upper / alone),
         "p": value("1", "omega20 / omega10", study.omegas[1] / alone),
         "frequency": value("1", "Omega / omega10", ratio, "frequency"),
         "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
     }
-    for number, each in enumerate(response_ratios(study, ratio * alone), 1):
-        what = f"displacement of system {number}, connected over alone"
-        found[f"R{number}"] = value("1", what, np.abs(each), "frequency")
-        found[f"R{number}_real"] = value("1", f"{what}, real part", each.real, "frequency")
-        found[f"R{number}_imag"] = value("1", f"{what}, imaginary part", each.imag, "frequency")
     return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {_in_words(bands)}"]})
 
 
@@ -267,15 +253,14 @@ def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
     panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
     for ax, point in zip(panels, drawn, strict=False):
         data, x = point.data, point.data["frequency"].to_numpy()
-        ax.set_title(point.label or "response ratios", loc="left")
         ax.plot(x, data["R1"], color="#000000", lw=1.6, label="system 1")
         ax.plot(x, data["R2"], color="#0072B2", linestyle=(0, (5, 2)), lw=1.6, label="system 2")
         for low, high in data["both_above"].to_numpy():
             ax.axvspan(low, high, color="0.88", zorder=0)
         for name in ("frequency_low", "frequency_high"):
-            if x[0] < data[name] < x[-1]:
-                ax.axvline(float(data[name]), color="#AA2211", lw=0.9, linestyle=(0, (1, 1.5)))
+            ax.axvline(float(data[name]), color="#AA2211", lw=0.9, linestyle=(0, (1, 1.5)))
         ax.axhline(1, color="0.35", lw=1.0, zorder=1)
+        ax.set_title(point.label or "response ratios", loc="left")
         ax.set(xlabel="Ω / ω₁₀", ylabel="largest displacement over that alone", xlim=(x[0], x[-1]), ylim=(0, None))
     for ax in panels[len(drawn) :]:
         ax.axis("off")

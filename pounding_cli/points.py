@@ -20,7 +20,6 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
@@ -121,25 +120,25 @@ def solved(sweep: Sweep, point: Point) -> Point:
 
 
 def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
-    """Every variable over the swept keys; arrays of points with fewer instants, cells or rows end in NaN."""
+    """Every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
     import xarray as xr
 
-    every, numbers = list[Any](), set[Any]()
-    for data in (point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in points):
-        count = {dim: np.arange(size) for dim, size in data.sizes.items() if dim not in data.coords}
-        every.append(data.assign_coords(count))  # by these shorter arrays are set beside longer ones
-        numbers |= count.keys()
-    for axis in reversed(sweep.axes[1:]):
-        every = [every[at : at + len(axis)] for at in range(0, len(every), len(axis))]
+    every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in points]
+    most = {dim: max(each.sizes.get(dim, 0) for each in every) for each in every for dim in each.sizes}
+    padded = [
+        each.pad({dim: (0, most[dim] - size) for dim, size in each.sizes.items() if dim not in each.coords})
+        for each in every
+    ]
     names = [axis.names[0] for axis in sweep.axes]
-    whole = (
-        xr.combine_nested(every, names, join="outer", data_vars="all", combine_attrs="override") if names else every[0]
-    )
+    nested: list[Any] = padded
+    for axis in reversed(sweep.axes[1:]):
+        nested = [nested[at : at + len(axis)] for at in range(0, len(nested), len(axis))]
+    how: Any = {"join": "outer", "data_vars": "all", "combine_attrs": "override"}
+    whole = xr.combine_nested(nested, names, **how) if names else padded[0]
     for number, axis in enumerate(sweep.axes):
         at = {point.place[number]: point.swept for point in points}
         whole = whole.assign_coords({name: (names[number], [at[n][name] for n in sorted(at)]) for name in axis.names})
-    about = {"kind": sweep.name, "title": sweep.title, "study": sweep.text}
-    return whole.drop_vars(numbers).transpose(*names, ...).assign_attrs(about)
+    return whole.transpose(*names, ...).assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
 
 
 def write(sweep: Sweep, points: Sequence[Point], file: Path) -> tuple[Report, list[Path]]:
@@ -161,34 +160,30 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
     from pounding_cli.results.tables import Column, Table
 
     asked, done = sweep.asked, [point for point in points if point.data["status"] == "done"]
+    scalars = [{str(name): each for name, each in point.data.data_vars.items() if not each.dims} for point in points]
     frame = pd.DataFrame([
-        {**point.swept, **{name: each.item() for name, each in point.data.data_vars.items() if not each.dims}}
-        for point in points
+        {**point.swept, **{name: each.item() for name, each in of_point.items()}}
+        for point, of_point in zip(points, scalars, strict=True)
     ])  # fmt: skip
-    columns = {
-        name: Column("swept", unit, name)
-        for axis in sweep.axes
-        for name, unit in zip(axis.names, axis.units, strict=True)
-    }
-    shown = [name for name in (*columns, *asked.SHOWN) if name in frame]
-    for name, each in (done or points)[0].data.data_vars.items():
+    swept = {name: unit for axis in sweep.axes for name, unit in zip(axis.names, axis.units, strict=True)}
+    columns = {name: Column("swept", unit, name) for name, unit in swept.items()}
+    for name, each in max(scalars, key=len).items():
         unit = _UNITS.get(each.attrs["units"], Unit(each.attrs["units"], 1.0, each.attrs["units"]))
-        columns[str(name)] = Column(each.attrs["long_name"], unit, str(name).replace("_", " "))
+        columns[name] = Column(each.attrs["long_name"], unit, name.replace("_", " "))
+    shown = frame[[name for name in (*swept, *asked.SHOWN) if name in frame]]
     pictures = asked.pictures(sweep.title, done, sweep.axes) if done else []
-    judged = []
-    for point in done:
-        verdicts = [judge(point.data) for judge in asked.STATEMENTS.values()]
-        judged.append([
-            point.label or "as given",
-            *(f"{'holds' if holds else 'does not hold'}: {found}" for holds, found in verdicts),
-        ])  # fmt: skip
+    judged = [
+        [point.label or "as given", *(f"{'holds' if holds else 'does not hold'}: {found}" for holds, found in verdicts)]
+        for point in done
+        for verdicts in [[judge(point.data) for judge in asked.STATEMENTS.values()]]
+    ]
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
     failed = len(points) - len(done)
+    said = [f"{counted(failed, 'point')} failed."] if failed else []
     return Report(
         sweep.title,
-        Section("", [f"{counted(failed, 'point')} failed."] * bool(failed), [Table("", frame[shown], columns)],
-                pictures[:1], notes),
+        Section("", said, [Table("", shown, columns)], pictures[:1], notes),
         lambda: [
             Section("Against the paper", tables=[from_rows("", ["point", *asked.STATEMENTS], judged)]),
             *([Section("Further figures", pictures=pictures[1:])] if pictures[1:] else []),
@@ -197,4 +192,4 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
             Section("Study", widget="study"),
         ],
         study=sweep.text,
-    )  # fmt: skip
+    )

@@ -72,8 +72,8 @@ def list_() -> None:
 @click.option("--window", type=float, metavar="S", help="Use only the first S seconds. Default for a name: Table 1.")
 @click.option("--whole", is_flag=True, help="Use the whole motion, also for a catalogue name.")
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw the motion to FILE.png, .svg or .pdf."
-)
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw to FILE.png, .svg or .pdf.",
+)  # fmt: skip
 @reading_options
 def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
     """Show intensity measures and the 5 % response spectrum of MOTION, a name of the catalogue or a file.

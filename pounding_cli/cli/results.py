@@ -94,13 +94,9 @@ def _swept(results: Results, given: str) -> list[str]:
 @click.argument("file", type=FILE, metavar="FILE.h5")
 @click.argument("table", type=click.Choice(TABLES), required=False, metavar="[TABLE]")
 @click.option(
-    "--format",
-    "form",
-    type=click.Choice(("table", "csv", "json")),
-    default="table",
-    show_default=True,
+    "--format", "form", type=click.Choice(("table", "csv", "json")), default="table", show_default=True,
     help="table: aligned columns in the units of the study; csv, json: all digits in SI.",
-)
+)  # fmt: skip
 @click.option("--wide", is_flag=True, help="Every column, including those that summary, scene and records leave out.")
 @rows_options
 def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> None:  # fmt: skip
@@ -186,18 +182,13 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
 @click.argument("files", nargs=-1, required=True, type=FILE, metavar="FILE.h5...")
 @click.option("-o", "--output", type=FILE, metavar="DIR", help="Folder. Default: the name of the results file.")
 @click.option(
-    "--format",
-    "formats",
-    multiple=True,
-    type=click.Choice(("png", "svg", "pdf")),
+    "--format", "formats", multiple=True, type=click.Choice(("png", "svg", "pdf")),
     help="Format of the figures; may be given more than once. Default: all three.",
-)
+)  # fmt: skip
 @click.option(
-    "--figures-for-paper",
-    "paper",
-    is_flag=True,
+    "--figures-for-paper", "paper", is_flag=True,
     help="Draw figures without titles and captions, as SVG and PDF; captions.md has the captions. No page.",
-)
+)  # fmt: skip
 @click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
 @click.option("--no-page", is_flag=True, help="Do not write report.html.")
 @click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Quantity to draw over the sweep: drift.")
@@ -289,11 +280,9 @@ def _folders(files: Sequence[Path], output: Path | None) -> list[Path]:
 @click.argument("tables", nargs=-1, type=click.Choice(TABLES), metavar="[TABLE]...")
 @click.option("-o", "--output", type=FILE, metavar="PATH", help="A folder, or a file whose extension gives the format.")
 @click.option(
-    "--format",
-    "form",
-    type=click.Choice(("csv", "parquet", "excel", "netcdf")),
+    "--format", "form", type=click.Choice(("csv", "parquet", "excel", "netcdf")),
     help="Format, if PATH does not give it. Default: csv.",
-)
+)  # fmt: skip
 @click.option("--pelicun", is_flag=True, help="Write the demands of one building for Pelicun, as CSV.")
 @rows_options
 def export(
@@ -372,27 +361,26 @@ def _told(found: Comparison, everything: bool) -> list[str]:
     """What changed, line by line."""
     from pounding_cli.results.tables import column_of
 
-    def some(lines: Sequence[str]) -> list[str]:
-        if everything or len(lines) <= _FEW:
-            return list(lines)
-        return [*lines[:_FEW], f"  ... {len(lines) - _FEW} more: --all lists them"]
-
-    said = ["Study: the same, with different wording." if found.lines else "Study: the same."]
-    if found.keys:
-        said = [f"Study: differs in {counted(len(found.keys), 'key')}."]
-    said += some([f"  {line}" for line in found.lines])
-    shown = [(key, *("nothing" if each is None else str(each) for each in values)) for key, *values in found.keys]
-    said += some([f"  {key}: {one} -> {other}" for key, one, other in shown])
-    said.append(f"Versions: {'differ' if found.software else 'the same'}.")
-    said += [f"  {name}: {one} -> {other}" for name, one, other in found.software]
-    said.append(
-        f"Scenes: {len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome."
-    )
-    said += some([f"  - {place}" for place in found.removed])
-    said += some([f"  + {place}" for place in found.added])
-    said += some([f"  {place}: {one} -> {other}" for place, one, other in found.outcomes])
+    keys = [(key, *("nothing" if each is None else str(each) for each in values)) for key, *values in found.keys]
+    study = "the same, with different wording" if found.lines else "the same"
+    study = f"differs in {counted(len(keys), 'key')}" if keys else study
+    moved = f"{len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome"
     differ = "differs" if len(found.changes) == 1 else "differ"
-    said.append(f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files.")
+    said = list[str]()
+    for head, lines in (
+        (f"Study: {study}.", found.lines),
+        ("", [f"{key}: {one} -> {other}" for key, one, other in keys]),
+        (
+            f"Versions: {'differ' if found.software else 'the same'}.",
+            [f"{n}: {a} -> {b}" for n, a, b in found.software],
+        ),
+        (f"Scenes: {moved}.", [*(f"- {place}" for place in found.removed), *(f"+ {place}" for place in found.added)]),
+        ("", [f"{place}: {one} -> {other}" for place, one, other in found.outcomes]),
+        (f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files.", []),
+    ):
+        few = len(lines) if everything else _FEW
+        said += [*([head] if head else []), *(f"  {line}" for line in lines[:few])]
+        said += [f"  ... {len(lines) - few} more: --all lists them"] if len(lines) > few else []
     if found.unestimated:
         what = counted(found.unestimated, "scene carries", "scenes carry")
         said.append(f"  {what} no error estimate: the accuracy asked or rounding is used instead.")

@@ -93,11 +93,9 @@ run, gap, fragility, sensitivity = map(_question, ("run", "gap", "fragility", "s
 @study_argument
 @output_option("results/STUDY-optimise.h5")
 @click.option(
-    "--write",
-    type=FILE,
-    metavar="FILE.yaml",
+    "--write", type=FILE, metavar="FILE.yaml",
     help="Write STUDY with the best values, its comments kept. A file that is there is replaced only with --replace.",
-)
+)  # fmt: skip
 @solving_options
 def optimise(ctx: click.Context, study: Path, write: Path | None, **options: Any) -> None:  # fmt: skip
     if write is not None:

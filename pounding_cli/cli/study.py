@@ -25,13 +25,9 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("name")
 @click.option(
-    "-t",
-    "--template",
-    type=click.Choice(("pair", "measures", "connector", "wall")),
-    default="pair",
-    show_default=True,
-    help="Study to start from.",
-)
+    "-t", "--template", type=click.Choice(("pair", "measures", "connector", "wall")), default="pair",
+    show_default=True, help="Study to start from.",
+)  # fmt: skip
 def init(name: str, template: str) -> None:  # fmt: skip
     """Write NAME.yaml, a commented study that is ready to run, and print the next steps.
 
@@ -132,13 +128,12 @@ def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
 
 def _lines(plan: Plan) -> list[str]:
     """What a run of a plan would solve and leave out."""
-    from pounding_cli.batch.forecast import ALONE, START, forecast
+    from pounding_cli.batch.forecast import START, forecast
     from pounding_cli.study.build import meetings_in_words
     from pounding_cli.workflows import workflow_of
 
     study, first = plan.study, (0,) * len(plan.axes)
     found = forecast(plan, workflow_of("run").first(plan))
-    rows = math.prod(plan.shape)
     step = "" if plan.time_step is None else f"time step {study.unit('time step').text(plan.time_step)}"
     lines = [study.title, f"group      {' | '.join(plan.buildings)}"]
     for axis in plan.axes:
@@ -149,18 +144,11 @@ def _lines(plan: Plan) -> list[str]:
         f"method     {plan.method}, {step or f'accuracy {plan.accuracy:g}'}",
         f"scenes     {len(plan)}, on one core about {time_text(START + found.total)} with estimate: {plan.estimate}",
         f"           timed by {counted(found.timed, 'scene')} of them",
-        *(
-            f"  run      {n:6d} {what}, about {time_text(found.seconds[what])}"
-            for what, n in sorted(found.scenes.items())
-        ),
     ]
+    for what, count in sorted(found.scenes.items()):
+        lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
     if found.looked_at < 1:
         lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
-    repeat = counted(max(0, rows - (len(plan) - found.scenes[ALONE])), "row repeats", "rows repeat")
-    baselines = counted(rows * len(plan.buildings), "baseline")
-    lines.append(f"  shared   {baselines} asked for, {found.scenes[ALONE]} run; {repeat} another's scene")
-    if plan.time_step is None:
-        lines.append("  not run         scenes whose gaps are wider than ones that turn out never to close")
     lines.append("meetings (at the first point of the sweep)" if any(study.touching("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]
@@ -229,13 +217,9 @@ def _stiffness(law: LinkLaw, unit: Unit) -> str:
 @click.command()
 @click.argument("source", type=FILE, metavar="STUDY|FILE.h5")
 @click.option(
-    "--format",
-    "form",
-    type=click.Choice(("text", "bibtex")),
-    default="text",
-    show_default=True,
+    "--format", "form", type=click.Choice(("text", "bibtex")), default="text", show_default=True,
     help="Plain text, or entries for a .bib file.",
-)
+)  # fmt: skip
 def cite(source: Path, form: str) -> None:  # fmt: skip
     """List the references of a study or a results file, what each is used for, and the sources of the motions.
 

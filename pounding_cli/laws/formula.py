@@ -10,7 +10,7 @@ import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import IntEnum
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,11 +19,8 @@ from pounding_cli.laws import pounding
 from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw
 
-LONGEST = 500
-"""Characters of a formula."""
-
-MOST_POWER = 8
-"""Largest whole power."""
+LONGEST, MOST_OPERATIONS = 500, 200
+"""Characters and operations of a formula."""
 
 Dimension = tuple[float, float, float]
 """Powers of kg, m and s."""
@@ -31,15 +28,15 @@ Dimension = tuple[float, float, float]
 PLAIN: Dimension = (0.0, 0.0, 0.0)
 FORCE: Dimension = (1.0, 1.0, -2.0)
 
-GIVEN: Mapping[str, tuple[Dimension, str]] = {
-    "v": ((0.0, 1.0, 0.0), "closing [m]"),
-    "r": ((0.0, 1.0, -1.0), "its rate [m/s]"),
-    "m": ((1.0, 0.0, 0.0), "reduced mass of the two floors [kg]"),
-    "d": ((0.0, 1.0, 0.0), "gap [m]"),
-}
-"""What a formula may use besides its parameters."""
+GIVEN: Mapping[str, Dimension] = {
+    "v": (0.0, 1.0, 0.0), "r": (0.0, 1.0, -1.0), "m": (1.0, 0.0, 0.0), "d": (0.0, 1.0, 0.0),
+}  # fmt: skip
+"""What a formula may use besides its parameters: closing, its rate, reduced mass of the floors, gap."""
 
 _SAYS = f"a formula is made of numbers, {', '.join(GIVEN)}, parameters, + - * / **, brackets and sqrt()"
+
+Constants = tuple[tuple[str, float, Dimension], ...]
+"""Parameters of a formula: name, SI value, dimension."""
 
 
 class FormulaError(ValueError):
@@ -50,214 +47,186 @@ class FormulaError(ValueError):
         self.message, self.hint, self.line, self.column = message, hint, line, column
 
 
-class Operation(IntEnum):
-    """What an operation makes of the registers x and y and the number a. Registers 0 and 1 hold v [m] and v' [m/s],
-    each operation fills the next one, and the last one is the force [N]."""
-
-    NUMBER = 0  # a
-    PLUS = 1  # x + y
-    TIMES = 2  # x y
-    POWER = 3  # x^a; 0 where a is no whole number and x is below zero
-
-
-MOST_OPERATIONS = 300
-"""A formula of `LONGEST` characters has no more."""
+NUMBER, PLUS, TIMES, POWER = range(4)
+"""What an operation makes of the registers x and y and the number a: a; x + y; x y; x^a, 0 where a is no whole number
+and x is below zero. Registers 0 and 1 hold v [m] and v' [m/s], and each operation fills the next one."""
 
 Row = tuple[float, float, float, float]
 """An operation: (code, x, y, a)."""
 
 
+def carried_out(formula: Any, v: float, r: float) -> float:
+    """The result of `count` operations at a closing [m] and its rate [m/s]."""
+    operations, registers = formula.operations, formula.registers
+    registers[0], registers[1] = v, r
+    for i in range(formula.count):
+        code, a = operations[i, 0], operations[i, 3]
+        x, y = registers[int(operations[i, 1])], registers[int(operations[i, 2])]
+        if code == PLUS:
+            a = x + y
+        elif code == TIMES:
+            a = x * y
+        elif code == POWER:
+            a = 0.0 if x < 0.0 and a != int(a) else x**a
+        registers[i + 2] = a
+    return registers[formula.result]
+
+
 @dataclass(frozen=True)
 class Formula:
-    """A force [N] of v and r as operations; whether it is straight in both."""
+    """Operations, the register that holds their result in the end, and whether it is straight in v and r."""
 
     rows: tuple[Row, ...]
-    is_straight: bool
+    result: int
+    is_straight: bool = False
 
-    def at(self, v: Any, r: Any) -> Any:
-        """Its value at closings [m] and rates [m/s]; numbers or arrays of one shape."""
-        return _carried_out(self.rows, v, r)[-1]
-
-
-def _carried_out(rows: tuple[Row, ...] | list[Row], v: Any, r: Any) -> list[Any]:
-    """All registers after these operations."""
-    registers = [np.asarray(v, float), np.asarray(r, float)]
-    for code, x, y, a in rows:
-        one, other = registers[int(x)], registers[int(y)]
-        if code == Operation.NUMBER:
-            registers.append(np.full_like(registers[0], a))
-        elif code == Operation.POWER:
-            with np.errstate(divide="ignore"):
-                registers.append((one if a.is_integer() else np.maximum(one, 0.0)) ** a)
-        else:
-            registers.append(one + other if code == Operation.PLUS else one * other)
-    return registers
+    def at(self, v: float, r: float) -> float:
+        """The result at a closing [m] and its rate [m/s]."""
+        room = SimpleNamespace(count=len(self.rows), result=self.result)
+        room.operations, room.registers = np.reshape(self.rows, (-1, 4)), np.zeros(2 + len(self.rows))
+        with np.errstate(all="ignore"):
+            return float(carried_out(room, v, r))
 
 
 @dataclass(frozen=True)
 class Term:
-    """A part of a formula with its dimension.
+    """A part of a formula: the register that holds it, its dimension, and its degree in v and r, 2 where it is not
+    straight in them."""
 
-    number : its value, where it does not depend on v and r; NaN otherwise
-    at : the register that holds it otherwise
-    degree : in v and r: 0, 1 where it is straight in them, 2 where it is not
-    """
-
-    number: float = math.nan
-    dimension: Dimension = PLAIN
-    at: int = -1
+    at: int
+    dimension: Dimension
     degree: int = 0
 
 
-def read(text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> Formula:
+@functools.lru_cache(maxsize=4096)
+def read(text: str, constants: Constants, mass: float, gap: float, closings: tuple[float, ...]) -> Formula:
     """The force [N] that a formula says.
 
     Parameters
     ----------
-    known : parameters, m and d by name
-    lows : closings [m] at which what stands under a root has to be above zero, at any rate
+    constants : its parameters
+    mass, gap : m [kg] and d [m]
+    closings : [m] at which what stands under a root has to be above zero, at any rate
 
     Raises
     ------
     FormulaError : it is not a formula, or its unit is not N
     """
-    own = {"v": Term(dimension=GIVEN["v"][0], at=0, degree=1), "r": Term(dimension=GIVEN["r"][0], at=1, degree=1)}
-    reader = _Reader(text.strip(), {**own, **known}, lows)
-    term = reader.term(_parsed(text))
+    text = text.strip()
+    if len(text) > LONGEST:
+        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {LONGEST}")
+    try:
+        tree = ast.parse(text, mode="eval").body
+    except SyntaxError as error:
+        line, column = (error.lineno or 1) - 1, max((error.offset or 1) - 1, 0)
+        raise FormulaError(f"'{text}' is not a formula", _SAYS, line, column) from None
+    except (ValueError, RecursionError, MemoryError):
+        raise FormulaError("this is not a formula", _SAYS) from None
+    known = {name: (value, dimension) for name, value, dimension in constants}
+    reader = _Reader(text, {**known, "m": (mass, GIVEN["m"]), "d": (gap, GIVEN["d"])}, closings)
+    term = reader.term(tree)
     if term.dimension != FORCE:
         raise FormulaError(f"the formula gives {in_units(term.dimension)}, not N", "correct it or a parameter's unit")
-    if reader.register(term) != 1 + len(reader.rows):  # the last operation makes the force
-        reader.operate(Operation.TIMES, term.at, reader.register(Term(1.0)))
-    return Formula(tuple(reader.rows), term.degree < 2)
+    return Formula(tuple(reader.rows), term.at, term.degree < 2)
 
 
 def in_units(dimension: Dimension) -> str:
-    """A dimension in SI units, such as `kg m/s^2`."""
+    """A dimension in SI units, such as `kg m s^-2`."""
     powers = zip(("kg", "m", "s"), dimension, strict=True)
     parts = [unit if power == 1 else f"{unit}^{power:g}" for unit, power in powers if power]
     return "N" if dimension == FORCE else " ".join(parts) or "a plain number"
 
 
-def _parsed(text: str) -> ast.expr:
-    if len(text) > LONGEST:
-        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {LONGEST}")
-    try:
-        return ast.parse(text.strip(), mode="eval").body
-    except SyntaxError as error:
-        line, column = (error.lineno or 1) - 1, max((error.offset or 1) - 1, 0)
-        raise FormulaError(f"'{text.strip()}' is not a formula", _SAYS, line, column) from None
-    except (ValueError, RecursionError, MemoryError):
-        raise FormulaError("this is not a formula", _SAYS) from None
-
-
 class _Reader:
-    """Reads one formula; `rows` are the operations so far, each once."""
+    """Reads one formula with these values and dimensions; `rows` are the operations so far, each once."""
 
-    def __init__(self, text: str, known: Mapping[str, Term], lows: tuple[float, ...]) -> None:
-        self.text, self.known, self.lows, self.rows = text, known, lows, list[Row]()
+    def __init__(self, text: str, known: Mapping[str, tuple[float, Dimension]], closings: tuple[float, ...]) -> None:
+        self.text, self.known, self.closings, self.rows = text, known, closings, list[Row]()
 
     def wrong(self, node: ast.expr, message: str, hint: str = _SAYS) -> FormulaError:
-        return FormulaError(message, hint, node.lineno - 1, node.col_offset)
-
-    def says(self, node: ast.expr) -> str:
-        return f"'{ast.get_source_segment(self.text, node)}'"
-
-    def operate(self, code: Operation, x: int = 0, y: int = 0, a: float = 0.0) -> int:
-        """The register that an operation fills."""
-        row = float(code), float(x), float(y), a
-        if row not in self.rows:
-            self.rows.append(row)
-        return 2 + self.rows.index(row)
-
-    def register(self, term: Term) -> int:
-        """The register that holds a term."""
-        return term.at if term.degree else self.operate(Operation.NUMBER, a=term.number)
+        said = f"'{ast.get_source_segment(self.text, node)}' {message}"
+        return FormulaError(said, hint, node.lineno - 1, node.col_offset)
 
     def term(self, node: ast.expr) -> Term:
         """What a node says; only what is named here is taken."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return self.number(node, float(number))
+                return self.made(node, PLAIN, 0, NUMBER, a=float(number))
+            case ast.Name(id="v" | "r" as name):
+                return Term(0 if name == "v" else 1, GIVEN[name], 1)
             case ast.Name(id=name) if name in self.known:
-                return self.known[name]
-            case ast.Name(id=name):
+                value, dimension = self.known[name]
+                return self.made(node, dimension, 0, NUMBER, a=value)
+            case ast.Name():
                 names = ", ".join(dict.fromkeys((*GIVEN, *self.known)))
-                raise self.wrong(node, f"'{name}' is not known", f"give it under `parameters`; known: {names}")
+                raise self.wrong(node, "is not known", f"give it under `parameters`; known: {names}")
             case ast.UnaryOp(op=ast.UAdd(), operand=inner):
                 return self.term(inner)
             case ast.UnaryOp(op=ast.USub(), operand=inner):
-                return self.times(node, self.term(inner), Term(-1.0))
-            case ast.BinOp(op=ast.Add() | ast.Sub()):
-                return self.plus(node, self.term(node.left), self.term(node.right))
-            case ast.BinOp(op=ast.Mult()):
-                return self.times(node, self.term(node.left), self.term(node.right))
-            case ast.BinOp(op=ast.Div()):
-                return self.times(node, self.term(node.left), self.power(node, node.right, -1.0))
-            case ast.BinOp(op=ast.Pow(), right=right):
+                return self.negative(node, inner)
+            case ast.BinOp(left=left, op=ast.Add(), right=right):
+                return self.plus(node, self.term(left), self.term(right))
+            case ast.BinOp(left=left, op=ast.Sub(), right=right):
+                return self.plus(node, self.term(left), self.negative(node, right))
+            case ast.BinOp(left=left, op=ast.Mult(), right=right):
+                return self.times(node, self.term(left), self.term(right))
+            case ast.BinOp(left=left, op=ast.Div(), right=right):
+                return self.times(node, self.term(left), self.power(right, -1.0))
+            case ast.BinOp(left=left, op=ast.Pow(), right=right):
                 exponent = self.term(right)
                 if exponent.degree or exponent.dimension != PLAIN:
-                    raise self.wrong(right, f"the power {self.says(right)} is not a plain number", "write a number")
-                return self.power(node, node.left, exponent.number)
+                    raise self.wrong(right, "is a power but not a plain number", "write a number")
+                return self.power(left, self.rows[exponent.at - 2][3])
             case ast.Call(func=ast.Name(id="sqrt"), args=[inner], keywords=[]):
-                return self.power(node, inner, 0.5)
-            case ast.Call(func=ast.Name(id="sqrt")):
-                raise self.wrong(node, "sqrt() takes one value", "write sqrt(...)")
-        raise self.wrong(node, f"{self.says(node)} is not allowed in a formula")
+                return self.power(inner, 0.5)
+        raise self.wrong(node, "is not allowed in a formula")
 
-    def number(self, node: ast.expr, value: float, dimension: Dimension = PLAIN) -> Term:
-        if not math.isfinite(value):
-            raise self.wrong(node, f"{self.says(node)} is not a finite number", "write a finite one")
-        return Term(value, dimension)
+    def made(
+        self, node: ast.expr, dimension: Dimension, degree: int, code: int, x: int = 0, y: int = 0, a: float = 0.0
+    ) -> Term:
+        """What an operation makes of registers x and y: of constants a constant."""
+        row: Row = (float(code), float(x), float(y), a)
+        if not degree:
+            number = Formula((*self.rows, row), 2 + len(self.rows)).at(0.0, 0.0)
+            if not math.isfinite(number):
+                raise self.wrong(node, "is not a finite number", "write a finite one")
+            row = (float(NUMBER), 0.0, 0.0, number)
+        if row not in self.rows:
+            self.rows.append(row)
+        if len(self.rows) > MOST_OPERATIONS:
+            raise FormulaError(f"the formula has more than {MOST_OPERATIONS} operations", "write a shorter one")
+        return Term(2 + self.rows.index(row), dimension, degree)
 
     def plus(self, node: ast.BinOp, one: Term, other: Term) -> Term:
         if one.dimension != other.dimension:
-            message = f"{self.says(node.left)} is in {in_units(one.dimension)}, {self.says(node.right)} in "
-            raise self.wrong(node, message + in_units(other.dimension), "add what has one unit")
-        if isinstance(node.op, ast.Sub):
-            other = self.times(node, other, Term(-1.0))
+            left, right = (ast.get_source_segment(self.text, each) for each in (node.left, node.right))
+            message = f"'{left}' is in {in_units(one.dimension)}, '{right}' in {in_units(other.dimension)}"
+            raise FormulaError(message, "add what has one unit", node.lineno - 1, node.col_offset)
         degree = max(one.degree, other.degree)
-        if not degree:
-            return self.number(node, one.number + other.number, one.dimension)
-        at = self.operate(Operation.PLUS, self.register(one), self.register(other))
-        return Term(dimension=one.dimension, at=at, degree=degree)
+        return self.made(node, one.dimension, degree, PLUS, one.at, other.at)
+
+    def negative(self, node: ast.expr, inner: ast.expr) -> Term:
+        return self.times(node, self.term(inner), self.made(node, PLAIN, 0, NUMBER, a=-1.0))
 
     def times(self, node: ast.expr, one: Term, other: Term) -> Term:
-        dimension = _sum(one.dimension, other.dimension)
-        degree = 2 if one.degree and other.degree else one.degree + other.degree
-        if not degree:
-            return self.number(node, one.number * other.number, dimension)
-        at = self.operate(Operation.TIMES, self.register(one), self.register(other))
-        return Term(dimension=dimension, at=at, degree=degree)
+        dimension, degree = _sum(one.dimension, other.dimension), min(one.degree + other.degree, 2)
+        return self.made(node, dimension, degree, TIMES, one.at, other.at)
 
-    def power(self, node: ast.expr, base: ast.expr, exponent: float) -> Term:
-        term = self.term(base)
-        dimension = _sum(PLAIN, term.dimension, exponent)
-        if not term.degree:
-            try:
-                value = term.number**exponent
-            except (ZeroDivisionError, OverflowError):
-                value = math.inf
-            if isinstance(value, complex):
-                raise self.wrong(base, f"{self.says(base)} is below zero", "a root needs a value above zero")
-            return self.number(node, float(value), dimension)
-        if exponent == 0.0:
-            return Term(1.0)
-        is_whole = exponent > 0.0 and exponent.is_integer()
-        if is_whole and exponent > MOST_POWER:
-            raise self.wrong(node, f"the power {exponent:g} is above {MOST_POWER}", f"write at most {MOST_POWER}")
-        is_pressed = term.at == 0 and exponent > 0.0 and min(self.lows) >= 0.0
-        if not (is_whole or is_pressed):
-            self.stays_positive(base, term.at)
-        return Term(dimension=dimension, at=self.operate(Operation.POWER, term.at, a=exponent), degree=2)
-
-    def stays_positive(self, node: ast.expr, at: int) -> None:
-        """Refuse what a root or a division cannot take."""
-        for v in self.lows:
-            for r in (-3.0, -0.1, 0.0, 0.1, 3.0):
-                if not _carried_out(self.rows, v, r)[at] > 0.0:
-                    message = f"{self.says(node)} is not above zero at v = {v:g} m, r = {r:g} m/s"
-                    hint = "divisors and arguments of roots and fractional powers must stay above zero"
-                    raise self.wrong(node, message, f"{hint}; of v itself write v**1.5")
+    def power(self, node: ast.expr, exponent: float) -> Term:
+        """A node to a power. Roots, and divisors that vary, have to be above zero; of v itself it is enough that the
+        law acts in compression alone."""
+        base = self.term(node)
+        of_closing = base.at == 0 and exponent > 0.0 and min(self.closings) >= 0.0
+        if not of_closing and (not exponent.is_integer() or (base.degree and exponent < 0.0)):
+            formula = Formula(tuple(self.rows), base.at)
+            for v in self.closings:
+                for r in (-3.0, -0.1, 0.0, 0.1, 3.0):
+                    if not formula.at(v, r) > 0.0:
+                        message = f"is not above zero at v = {v:g} m, r = {r:g} m/s"
+                        hint = "divisors and arguments of roots and fractional powers must stay above zero"
+                        raise self.wrong(node, message, f"{hint}; of v itself write v**1.5")
+        dimension, degree = _sum(PLAIN, base.dimension, exponent), 2 if base.degree else 0
+        return self.made(node, dimension, degree, POWER, base.at, a=exponent)
 
 
 def _sum(one: Dimension, other: Dimension, times: float = 1.0) -> Dimension:
@@ -283,7 +252,6 @@ class WrittenLaw(LinkLaw):
 
     called : its name
     formula : its force [N] of v, r, m, d and its constants
-    constants : (name, SI value, dimension), ...
     tension_cut : no force that pulls the floors together
 
     Raises
@@ -297,7 +265,7 @@ class WrittenLaw(LinkLaw):
 
     called: str = ""
     formula: str = ""
-    constants: tuple[tuple[str, float, Dimension], ...] = ()
+    constants: Constants = ()
     tension_cut: bool = False
 
     @property
@@ -311,22 +279,22 @@ class WrittenLaw(LinkLaw):
 
     def force(self, mass: float) -> Formula:
         """Its force where the reduced mass of the floors is `mass` [kg]."""
-        return _read(self.formula, self.constants, mass, self.gap, self.closings)
+        return read(self.formula, self.constants, mass, self.gap, self.closings)
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """Parameters of `laws.pounding`: of a straight force its line."""
         force = self.force(reduced_mass(left_mass, right_mass))
         k = c = f0 = 0.0
         if force.is_straight:
-            f0 = float(force.at(0.0, 0.0))
-            k, c = float(force.at(1.0, 0.0)) - f0, float(force.at(0.0, 1.0)) - f0
+            f0 = force.at(0.0, 0.0)
+            k, c = force.at(1.0, 0.0) - f0, force.at(0.0, 1.0) - f0
         return k, c, float(self.tension_cut), f0, float(not force.is_straight), float(self.joins)
 
     @property
     def damped(self) -> bool:
         """Where its force depends on the rate."""
         force = self.force(1.0)
-        return any(float(force.at(v, 1.0)) != float(force.at(v, 0.0)) for v in self.closings)
+        return any(force.at(v, 1.0) != force.at(v, 0.0) for v in self.closings)
 
     @property
     def cut(self) -> bool:
@@ -341,9 +309,10 @@ class WrittenLaw(LinkLaw):
     @property
     def steepest(self) -> tuple[float, float]:
         """At a closing of `PRESSED`; its dashpot at rest, or up to 1 m/s where that is more."""
-        closings, rates = np.array([1.0, 0.999, 1.0, 1.0]) * PRESSED, np.array([0.0, 0.0, 1.0, 1e-6])
-        here, before, moving, still = self.force(1.0).at(closings, rates).tolist()
-        return (here - before) / (0.001 * PRESSED), max(moving - here, (still - here) * 1e6, 0.0)
+        force = self.force(1.0)
+        here, before = force.at(PRESSED, 0.0), force.at(0.999 * PRESSED, 0.0)
+        moving, still = force.at(PRESSED, 1.0) - here, (force.at(PRESSED, 1e-6) - here) * 1e6
+        return (here - before) / (0.001 * PRESSED), max(moving, still, 0.0)
 
     def stored(self, closing: float, force: float) -> float:
         """The work of its force, pressed slowly from where it begins to act [J]. With v = x^4 powers of v by quarters
@@ -351,10 +320,10 @@ class WrittenLaw(LinkLaw):
         v = closing - self.offset
         if v <= 0.0 and not self.joins:
             return 0.0
+        half, way = 0.5 * abs(v) ** 0.25, math.copysign(1.0, v)
         x, weight = np.polynomial.legendre.leggauss(24)
-        x = 0.5 * abs(v) ** 0.25 * (x + 1.0)
-        pressed = self.force(1.0).at(math.copysign(1.0, v) * x**4, np.zeros_like(x))
-        return float(0.5 * abs(v) ** 0.25 * math.copysign(1.0, v) * np.sum(weight * 4.0 * x**3 * pressed))
+        pressed = [self.force(1.0).at(way * (half * (each + 1.0)) ** 4, 0.0) for each in x]
+        return float(half * way * np.sum(weight * 4.0 * (half * (x + 1.0)) ** 3 * pressed))
 
 
 @dataclass(frozen=True)
@@ -381,7 +350,7 @@ class WrittenJoint(WrittenLaw):
         super().__post_init__()
         if self.tension_cut:
             raise FormulaError("a law that acts always may pull", "leave `tension_cut` out")
-        still = float(self.force(1.0).at(0.0, 0.0))
+        still = self.force(1.0).at(0.0, 0.0)
         if still != 0.0:
             raise FormulaError(f"the force at rest, v = r = 0, is {still:g} N", "let it be zero there")
 
@@ -392,15 +361,3 @@ WRITTEN: Mapping[str, type[WrittenLaw]] = {
     "always": WrittenJoint,
 }
 """By when they act."""
-
-
-@functools.lru_cache(maxsize=4096)
-def _read(
-    formula: str,
-    constants: tuple[tuple[str, float, Dimension], ...],
-    mass: float,
-    gap: float,
-    closings: tuple[float, ...],
-) -> Formula:
-    known = {name: Term(value, dimension) for name, value, dimension in constants}
-    return read(formula, {**known, "m": Term(mass, GIVEN["m"][0]), "d": Term(gap, GIVEN["d"][0])}, closings)

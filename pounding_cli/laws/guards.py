@@ -24,8 +24,8 @@ FORCE = 5
 CROSSES = 6
 """The history variable passes zero; where `crosses` is 1."""
 
-COLLAPSE = 7
-"""The drift passes what the building stands, either way: the run ends."""
+COLLAPSE_LOW, COLLAPSE_HIGH = 7, 8
+"""The drift passes what the building stands: the run ends."""
 
 INSIDE = 1e-14
 """Part of the elastic range and of the deformation by which a turning point is moved into the elastic range: in numbers

@@ -23,9 +23,6 @@ LEAST_RESTITUTION = 0.01
 DAMPING_FORMULA = "formula of the damping: `exact` gives the wanted restitution, the others are published formulas"
 """What `damping_formula` is."""
 
-SERIES_ABOVE = 0.9
-"""Coefficient of restitution above which `_exact` goes by powers of zeta."""
-
 
 class HertzDamping(StrEnum):
     """Where the damping of `HertzDamp` comes from: the coefficient of restitution that comes out, or a formula."""
@@ -48,29 +45,26 @@ class HertzDamping(StrEnum):
         return _exact(restitution)
 
 
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function of one sign at `low` and the other at `high` is zero."""
+    from scipy.optimize import brentq
+
+    return float(brentq(function, low, high, xtol=1e-300, rtol=1e-14))
+
+
 @functools.lru_cache(maxsize=256)
 def _exact(restitution: float) -> float:
     """The root above zero. With y = -ln(1 - e zeta) it is that of ln(1 + zeta) + y = zeta (1 + e), where nothing is
-    lost for a small e; for an e near one, that of the same by powers of zeta, less zeta^2."""
+    lost for a small e; for an e near one, that of its first two powers of zeta."""
     e = restitution
-    if e == 1.0:
-        return 0.0
-    from scipy.optimize import brentq
-
-    about = 1.5 * (1.0 - e) / (1.0 - e + e**2)  # the root of the first two powers
-    if e > SERIES_ABOVE:
-
-        def by_powers(zeta: float) -> float:
-            return sum(zeta ** (n - 2) * ((-1.0) ** (n + 1) + e**n) / n for n in range(2, 40))
-
-        return float(brentq(by_powers, 0.5 * about, 2.0 * about, xtol=1e-300, rtol=1e-14))
+    if 1.0 - e < 1e-4:
+        return 1.5 * (1.0 - e) / (1.0 - e + e**2)
 
     def missing(y: float) -> float:
         zeta = -math.expm1(-y) / e
         return math.log1p(zeta) + y - zeta * (1.0 + e)
 
-    y = brentq(missing, 0.75 * (1.0 - e) * e, (1.0 + e) / e, xtol=1e-300, rtol=1e-14)
-    return -math.expm1(-y) / e
+    return -math.expm1(-_root(missing, 0.75 * (1.0 - e) * e, (1.0 + e) / e)) / e
 
 
 K, ZETA = range(2)
@@ -242,7 +236,7 @@ class JankowskiDamping(StrEnum):
     def ratio(self, restitution: float) -> float:
         """xi [-] for a coefficient of restitution e, 0 < e <= 1.
 
-        exact : the root of `restitution_of`, so that e comes out
+        exact : the root of `loss_of`, so that e comes out
         jankowski : 9 sqrt(5) (1 - e^2) / (2 e (e (9 pi - 16) + 16)) (Jankowski 2006)
         """
         e = restitution
@@ -251,38 +245,24 @@ class JankowskiDamping(StrEnum):
         return _exact_jankowski(e)
 
 
-def restitution_of(ratio: float) -> float:
-    """Coefficient of restitution [-] that a damping ratio xi >= 0 gives two free masses.
+def loss_of(ratio: float) -> float:
+    """-ln e of the coefficient of restitution e that a damping ratio xi >= 0 gives two free masses.
 
     With s = v^1.25 the approach is that of a damped oscillator, m' v' dv' = -0.8 (k s + 2 xi sqrt(k m') v') ds, of the
     damping ratio b = sqrt(0.8) xi, and the release gives back what its spring then holds: e = exp(-p cot p), cos p = b.
     """
     b = math.sqrt(0.8) * ratio
-    if b < 1.0:
-        p = math.acos(b)
-        return math.exp(-p / math.tan(p)) if p > 0.0 else math.exp(-1.0)
-    p = math.acosh(b)
-    return math.exp(-p / math.tanh(p)) if p > 0.0 else math.exp(-1.0)
+    if b == 1.0:
+        return 1.0
+    sine = math.sqrt(abs((1.0 - b) * (1.0 + b)))
+    return b / sine * (math.acos(b) if b < 1.0 else math.acosh(b))
 
 
 @functools.lru_cache(maxsize=256)
 def _exact_jankowski(restitution: float) -> float:
-    """The xi of which `restitution_of` is e, with p cot p = -ln e; where that is small, with pi / 2 - p."""
+    """The xi of which `loss_of` is -ln e."""
     loss = -math.log(restitution)
-    if loss == 0.0:
-        return 0.0
-    from scipy.optimize import brentq
-
-    def root(excess: Callable[[float], float], most: float) -> float:
-        return float(brentq(lambda p: excess(p) - loss, 0.0, most, xtol=1e-300, rtol=1e-15))
-
-    if loss < 0.5:
-        ratio = math.sin(root(lambda q: (0.5 * math.pi - q) * math.tan(q), 1.0))
-    elif loss < 1.0:
-        ratio = math.cos(root(lambda p: p / math.tan(p) if p else 1.0, 0.5 * math.pi))
-    else:
-        ratio = math.cosh(root(lambda p: p / math.tanh(p) if p else 1.0, loss + 1.0))
-    return ratio / math.sqrt(0.8)
+    return _root(lambda ratio: loss_of(ratio) - loss, 0.0, math.exp(loss + 1.0)) if loss else 0.0
 
 
 @dataclass(frozen=True)

@@ -19,14 +19,11 @@ from pounding_cli.laws.storey import StoreyLaw
 strength [N], shear at which the first post-capping line meets zero drift [N]; energy capacities [J], inf where nothing
 deteriorates; exponent c; 1 where anything deteriorates; kappa_F, 0 without pinching, and kappa_D [-]."""
 
-(
-    STRENGTH, _, CAP, _, TARGET, _, UNLOADING, SLOPE, OFFSET, END, TURNED, UNLOADING_OFFSET, WORK, DISSIPATED,
-) = range(14)  # fmt: skip
+STRENGTH, _, CAP, _, TARGET, _, UNLOADING, SLOPE, OFFSET, END, WORK, DISSIPATED = range(12)
 """History variables. Of each side, up and then down: what is left of the yield shear [-], of the shear at which the
 post-capping line meets zero drift [-], and the drift that reloading aims at [m]. Unloading stiffness [N/m]. Stiffness
-[N/m] and offset [N] of the line that the storey loads on, and the drift at which it ends [m]; drift at which it last
-turned back [m]; offset of the unloading line [N]. Work done on the storey in this excursion, less that of the line it
-is on [J]; energy dissipated in the excursions before [J]."""
+[N/m] and offset [N] of the line that the storey loads on, and the drift at which it ends [m]. Work done on the storey
+in this excursion, less that of the line it is on [J]; energy dissipated in the excursions before [J]."""
 
 ELASTIC, BACKBONE, RELOADING, PINCHED, UNLOADS = range(5)
 """Branches, up positive and down negative; unloading from one of the three lines adds `UNLOADS` - 1 to it."""
@@ -42,128 +39,121 @@ the rounding of its drift until the energy does not close."""
 def next_branch(e: Any, guard: int) -> None:
     """Elastic; then on either side the backbone, one or two lines of reloading, and unloading from each."""
     if guard == START:
-        _rest(e)
+        limit = e.p[LIMIT]
+        for i in range(4):
+            e.h[STRENGTH + i] = 1.0
+        e.h[TARGET], e.h[TARGET + 1], e.h[UNLOADING] = limit, -limit, e.p[K]
+        e.branch = ELASTIC
+        line(e, e.p[K], e.c, 0.0, -limit, limit)
         return
     side = 1 if e.branch > 0 or (e.branch == ELASTIC and guard == HIGH) else -1
-    was = abs(e.branch)
-    outward = guard == (HIGH if side > 0 else LOW)
-    if was == ELASTIC:
-        _take_backbone(e, side, e.p[LIMIT])
-    elif was >= UNLOADS:
+    was, outward = abs(e.branch), guard == (HIGH if side > 0 else LOW)
+    if was >= UNLOADS:
         if outward:  # back on the line that it came from
-            _go_on(e, e.h[SLOPE], e.h[OFFSET])
-            _load(e, side * (was - UNLOADS + 1))
-        else:  # the shear has come to zero: an excursion to the other side begins
+            _load(e, side * (was - UNLOADS + 1), e.h[SLOPE], e.h[OFFSET], e.h[END])
+        else:  # the shear has come to zero
             _begin_excursion(e, -side)
-    elif not outward:
+    elif was != ELASTIC and not outward:
         _turn_back(e, side, was)
     elif was == PINCHED:
         _aim(e, side)
     else:
-        _take_backbone(e, side, e.high if side > 0 else -e.low)
+        _take_backbone(e, side)
 
 
-def _rest(e: Any) -> None:
-    """Full strength, the yield drifts, the initial stiffness."""
-    k, limit = e.p[K], e.p[LIMIT]
-    for i in range(4):
-        e.h[STRENGTH + i] = 1.0
-    e.h[TARGET], e.h[TARGET + 1], e.h[UNLOADING] = limit, -limit, k
-    e.branch = ELASTIC
-    line(e, k, e.c, 0.0, -limit, limit)
-
-
-def _load(e: Any, branch: int) -> None:
-    """On the line that is remembered, until the drift turns back or reaches its end."""
-    side = 1 if branch > 0 else -1
-    end = side * e.h[TARGET + (side < 0)] if abs(branch) == RELOADING else side * e.h[END]
+def _load(e: Any, branch: int, k: float, f0: float, end: float) -> None:
+    """Go on along a line of stiffness k and offset f0, until the drift turns back or reaches its end."""
+    _leave_line(e, k, f0)
+    e.h[SLOPE], e.h[OFFSET], e.h[END] = k, f0, end
     e.branch = branch
-    if side > 0:
-        line(e, e.h[SLOPE], e.c, e.h[OFFSET], -math.inf, end, side)
+    if branch > 0:
+        line(e, k, e.c, f0, -math.inf, end, 1)
     else:
-        line(e, e.h[SLOPE], e.c, e.h[OFFSET], -end, math.inf, side)
+        line(e, k, e.c, f0, end, math.inf, -1)
 
 
-def _go_on(e: Any, k: float, f0: float) -> None:
+def _leave_line(e: Any, k: float, f0: float) -> None:
     """The work done, where the present line ends and one of stiffness k and offset f0 begins."""
-    if e.p[DETERIORATES] > 0.0:
-        e.h[WORK] += (0.5 * (e.k - k) * e.v1 + (e.f0 - f0)) * e.v1
+    e.h[WORK] += (0.5 * (e.k - k) * e.v1 + (e.f0 - f0)) * e.v1
 
 
-def _take_backbone(e: Any, side: int, drift: float) -> None:
-    """The line of the backbone beyond a drift to a side: hardening, falling, or at the residual strength."""
-    k, strength, cap = e.p[K], e.h[STRENGTH + (side < 0)], e.h[CAP + (side < 0)]
-    capping, residual = _capping_drift(e, strength, cap), _residual_drift(e, cap)
-    if drift < capping:
-        slope, offset, end = e.p[A] * k * strength, _plateau(e, strength), capping
-    elif drift < residual:
-        slope, offset, end = -e.p[POST] * k, e.p[CAP_SHEAR] * cap, residual
+def _backbone(e: Any, side: int) -> tuple[float, float, float, float]:
+    """Shear at zero drift [N] and slope [N/m] of the hardening line of a side, and of the post-capping line, whose
+    slope is downwards. The hardening line begins at the yield drift that belongs to its strength."""
+    strength, cap = e.h[STRENGTH + (side < 0)], e.h[CAP + (side < 0)]
+    plateau = e.p[K] * e.p[LIMIT] * strength * (1.0 - e.p[A] * strength)
+    return plateau, e.p[A] * e.p[K] * strength, e.p[CAP_SHEAR] * cap, e.p[POST] * e.p[K]
+
+
+def _shear_at(e: Any, side: int, drift: float) -> float:
+    """Shear of the backbone of a side [N] at a drift beyond the yield."""
+    plateau, hardening, cap, falling = _backbone(e, side)
+    return max(min(plateau + hardening * drift, cap - falling * drift), e.p[RESIDUAL])
+
+
+def _take_backbone(e: Any, side: int) -> None:
+    """The line of the backbone beyond here to a side: hardening, falling, or at the residual strength."""
+    plateau, hardening, cap, falling = _backbone(e, side)
+    capping, residual = (cap - plateau) / (hardening + falling), (cap - e.p[RESIDUAL]) / falling
+    if side * e.v1 < capping:
+        slope, offset, end = hardening, plateau, capping
+    elif side * e.v1 < residual:
+        slope, offset, end = -falling, cap, residual
     else:
         slope, offset, end = 0.0, e.p[RESIDUAL], math.inf
-    _go_on(e, slope, side * offset)
-    e.h[SLOPE], e.h[OFFSET], e.h[END] = slope, side * offset, side * end
-    _load(e, side * BACKBONE)
+    _load(e, side * BACKBONE, slope, side * offset, side * end)
 
 
 def _turn_back(e: Any, side: int, was: int) -> None:
     """A reversal: the unloading stiffness deteriorates."""
-    k, drift = e.p[K], e.v1
+    drift, unloading = e.v1, e.h[UNLOADING]
     shear = e.k * drift + e.f0
-    unloading = e.h[UNLOADING]
     if e.p[BY_UNLOADING] < math.inf:
         done = e.h[WORK] + (0.5 * e.k * drift + e.f0) * drift
         spent = max(done - 0.5 * shear * shear / unloading, 0.0)
-        left = 1.0 - _loss(e, e.p[BY_UNLOADING], spent, e.h[DISSIPATED] + spent)
         least = e.p[A] + LEAST_UNLOADING * (1.0 - e.p[A])
-        unloading = max(left * unloading, least * k)
+        unloading = max((1.0 - _loss(e, e.p[BY_UNLOADING], spent)) * unloading, least * e.p[K])
         if was != BACKBONE:  # unloading with less than the line gave would give back more than was put in
             unloading = max(unloading, e.k)
         e.h[UNLOADING] = unloading
     offset = shear - unloading * drift
-    _go_on(e, unloading, offset)
-    e.h[TURNED], e.h[UNLOADING_OFFSET] = drift, offset
+    _leave_line(e, unloading, offset)
     if was == BACKBONE:
         e.h[TARGET + (side < 0)] = drift
     e.branch = side * (was + UNLOADS - 1)
-    if side > 0:
-        line(e, unloading, e.c, offset, -offset / unloading, drift)
-    else:
-        line(e, unloading, e.c, offset, drift, -offset / unloading)
+    end = -offset / unloading
+    line(e, unloading, e.c, offset, min(drift, end), max(drift, end))
 
 
-def _loss(e: Any, capacity: float, energy: float, dissipated: float) -> float:
-    """beta = (E / (Et - sum E))^c, 1 where no more than E is left."""
-    left = max(capacity - dissipated, energy)
+def _loss(e: Any, capacity: float, energy: float) -> float:
+    """beta = (E / (Et - sum E))^c of an energy E that comes to those before, 1 where no more than E is left."""
+    left = max(capacity - e.h[DISSIPATED] - energy, energy)
     return (energy / left) ** e.p[EXPONENT] if energy > 0.0 else 0.0
 
 
 def _begin_excursion(e: Any, side: int) -> None:
     """An excursion to this side begins at zero shear: its backbone, and the line towards the target."""
     drift = e.v1
+    done = (0.5 * e.k * drift + e.f0) * drift
     if e.p[DETERIORATES] > 0.0:
-        _deteriorate(e, side, max(e.h[WORK] + (0.5 * e.k * drift + e.f0) * drift, 0.0))
+        _deteriorate(e, side, max(e.h[WORK] + done, 0.0))
+    e.h[WORK] = -done
     target = side * e.h[TARGET + (side < 0)]
-    shear = _backbone(e, side, target)
-    slope = _slope(shear, target - side * drift)
+    shear = _shear_at(e, side, target)
+    slope, branch, end = _slope(shear, target - side * drift), RELOADING, target
     if e.p[PINCHED_FORCE] > 0.0:
-        slope *= e.p[PINCHED_FORCE]
+        slope, branch = slope * e.p[PINCHED_FORCE], PINCHED
         plastic = max(target - shear / e.h[UNLOADING], 0.0)
-        e.h[END] = side * max((1.0 - e.p[PINCHED_DRIFT]) * plastic, side * drift)
-    e.h[SLOPE], e.h[OFFSET] = slope, -slope * drift
-    if e.p[DETERIORATES] > 0.0:
-        e.h[WORK] = 0.5 * slope * drift * drift
-    _load(e, side * (PINCHED if e.p[PINCHED_FORCE] > 0.0 else RELOADING))
+        end = max((1.0 - e.p[PINCHED_DRIFT]) * plastic, side * drift)
+    _load(e, side * branch, slope, -slope * drift, side * end)
 
 
 def _aim(e: Any, side: int) -> None:
     """The second line of reloading, from here towards the target."""
     target = side * e.h[TARGET + (side < 0)]
     shear = e.k * e.v1 + e.f0
-    slope = _slope(_backbone(e, side, target) - side * shear, target - side * e.v1)
-    offset = shear - slope * e.v1
-    _go_on(e, slope, offset)
-    e.h[SLOPE], e.h[OFFSET], e.h[END] = slope, offset, side * target
-    _load(e, side * RELOADING)
+    slope = _slope(_shear_at(e, side, target) - side * shear, target - side * e.v1)
+    _load(e, side * RELOADING, slope, shear - slope * e.v1, side * target)
 
 
 def _slope(rise: float, run: float) -> float:
@@ -173,58 +163,30 @@ def _slope(rise: float, run: float) -> float:
 
 def _deteriorate(e: Any, side: int, energy: float) -> None:
     """What an excursion that dissipated `energy` [J] leaves of strength and post-capping line, and the target."""
-    at = 1 if side < 0 else 0
-    dissipated = e.h[DISSIPATED] + energy
-    strength, cap, target = e.h[STRENGTH + at], e.h[CAP + at], side * e.h[TARGET + at]
-    if e.p[BY_STRENGTH] < math.inf:
-        limit = e.p[K] * e.p[LIMIT]
-        left = 1.0 - _loss(e, e.p[BY_STRENGTH], energy, dissipated)
-        strength = max(left * strength, e.p[RESIDUAL] / limit)
-    if e.p[BY_CAPPING] < math.inf:
-        cap *= 1.0 - _loss(e, e.p[BY_CAPPING], energy, dissipated)
+    at, yields = 1 if side < 0 else 0, e.p[K] * e.p[LIMIT]
+    strength = max((1.0 - _loss(e, e.p[BY_STRENGTH], energy)) * e.h[STRENGTH + at], e.p[RESIDUAL] / yields)
     # The post-capping line does not fall below the yield point.
-    cap = max(cap, e.p[K] * e.p[LIMIT] * (1.0 + e.p[POST]) / e.p[CAP_SHEAR] * strength)
-    if dissipated < e.p[BY_RELOADING] < math.inf:
-        target *= 1.0 + _loss(e, e.p[BY_RELOADING], energy, dissipated)
+    least = yields * (1.0 + e.p[POST]) / e.p[CAP_SHEAR] * strength
+    cap = max((1.0 - _loss(e, e.p[BY_CAPPING], energy)) * e.h[CAP + at], least)
+    target, more = side * e.h[TARGET + at], _loss(e, e.p[BY_RELOADING], energy)
+    e.h[STRENGTH + at], e.h[CAP + at] = strength, cap
+    e.h[DISSIPATED] += energy
+    if e.h[DISSIPATED] < e.p[BY_RELOADING]:
+        target *= 1.0 + more
     if e.p[BY_UNLOADING] < math.inf:
-        target = max(target, _nearest_target(e, side, strength, cap))
-    e.h[STRENGTH + at], e.h[CAP + at], e.h[TARGET + at] = strength, cap, side * target
-    e.h[DISSIPATED] = dissipated
+        target = max(target, _nearest_target(e, side))
+    e.h[TARGET + at] = side * target
 
 
-def _nearest_target(e: Any, side: int, strength: float, cap: float) -> float:
+def _nearest_target(e: Any, side: int) -> float:
     """Where the backbone is met by a line with the unloading stiffness: reloading is no stiffer."""
-    k, unloading = e.p[K], e.h[UNLOADING]
-    begins = side * e.v1
+    plateau, hardening, cap, falling = _backbone(e, side)
+    begins, unloading = side * e.v1, e.h[UNLOADING]
     if e.p[PINCHED_FORCE] > 0.0:
         begins = max(begins, 0.0)
     reach = unloading * begins
-    hardening = (_plateau(e, strength) + reach) / (unloading - e.p[A] * k * strength)
-    capping = (e.p[CAP_SHEAR] * cap + reach) / (unloading + e.p[POST] * k)
-    return max(min(hardening, capping), (reach + e.p[RESIDUAL]) / unloading)
-
-
-def _backbone(e: Any, side: int, drift: float) -> float:
-    """Shear of the backbone of a side [N] at drifts beyond the yield."""
-    strength, cap = e.h[STRENGTH + (side < 0)], e.h[CAP + (side < 0)]
-    hardening = _plateau(e, strength) + e.p[A] * e.p[K] * strength * drift
-    capping = e.p[CAP_SHEAR] * cap - e.p[POST] * e.p[K] * drift
-    return max(min(hardening, capping), e.p[RESIDUAL])
-
-
-def _plateau(e: Any, strength: float) -> float:
-    """The hardening line at zero drift [N]: it begins at the yield drift that belongs to its strength."""
-    return e.p[K] * e.p[LIMIT] * strength * (1.0 - e.p[A] * strength)
-
-
-def _capping_drift(e: Any, strength: float, cap: float) -> float:
-    """Where the hardening line meets the post-capping line [m]."""
-    return (e.p[CAP_SHEAR] * cap - _plateau(e, strength)) / ((e.p[A] * strength + e.p[POST]) * e.p[K])
-
-
-def _residual_drift(e: Any, cap: float) -> float:
-    """Where the post-capping line meets the residual strength [m]."""
-    return (e.p[CAP_SHEAR] * cap - e.p[RESIDUAL]) / (e.p[POST] * e.p[K])
+    nearest = min((plateau + reach) / (unloading - hardening), (cap + reach) / (unloading + falling))
+    return max(nearest, (reach + e.p[RESIDUAL]) / unloading)
 
 
 PLAIN = 1.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 1.0, 0.0, 0.0, 0.0

@@ -14,6 +14,5 @@ from pounding_cli.records.scaling import (
     pgv_factor,
     sa_factor,
     spectrum_factors,
-    spectrum_match,
 )
 from pounding_cli.records.units import UNITS, acceleration_unit

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.records import formats
+from pounding_cli.records import columns, formats
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.text import Asked, Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
@@ -21,9 +21,8 @@ _NETWORKS = {
     "knet": formats.knet,
     "esm": formats.esm,
 }
-_PLAIN = {"two-column": formats.read_two_columns, "column": formats.read_column, "table": formats.read_table}
 
-FORMATS = (*_NETWORKS, *_PLAIN)
+FORMATS = (*_NETWORKS, *columns.FORMATS)
 """The formats, as users name them; the plain ones need not state a unit: g is taken."""
 
 _STRONGEST = 5.0 * GRAVITY
@@ -100,23 +99,24 @@ def read_file(
     used, who, stated = _unit(text, kind, samples, unit)
     values = _sound(text, samples, used)
     label = f"{source}, unit {used} assumed" if who == "nobody" else source
-    motion = Motion(name or text.header.get("name") or Path(path).stem, samples.dt, values, label)
+    said, _ = text.header.get("name", ("", 0))
+    motion = Motion(name or said or Path(path).stem, samples.dt, values, label)
     return Reading(motion, kind, used, who, samples.unclear if who == "nobody" else "", stated)
 
 
 def _samples(text: Text, asked: Asked, format: str | None) -> tuple[str, Samples]:
     """The format of a file and what it holds; raises `InputError` for channels and columns that it does not have."""
-    networks = [format] if format in _NETWORKS else _NETWORKS if format is None else []
-    tried = ((name, _NETWORKS[name](text, asked)) for name in networks)
+    tried = ((name, read(text, asked)) for name, read in _NETWORKS.items() if format in (None, name))
     kind, found = next(((name, found) for name, found in tried if found), (format, None))
-    if kind in _NETWORKS and found is None:
+    if found is None and kind in _NETWORKS:
         raise text.refuse(f"its first lines are not those of a file of format '{format}'", "leave 'format' out", 1)
-    kind = kind or formats.kind_of(text, asked)
+    if kind is None or found is None:
+        kind, found = columns.read_columns(text, asked, format)
     if asked.channel is not None and kind not in ("cosmos", "csmip"):
         raise text.refuse(f"a file of format '{kind}' has no channels", "leave 'channel' out")
     if asked.column is not None and kind != "table":
         raise text.refuse(f"a file of format '{kind}' has no columns to choose from", "leave 'column' out")
-    return kind, found or _PLAIN[kind](text, asked)
+    return kind, found
 
 
 def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[str, str, str]:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -87,22 +86,15 @@ def spectrum_factors(
 
     Raises InputError for a motion at rest.
     """
-    spectra = {name: spectrum(motion, target.grid, target.damping) for name, motion in motions.items()}
-    for name, found in spectra.items():
-        _measured(motions[name], float(found.min()))
-
-    def fitted(found: np.ndarray) -> float:
-        return float(np.exp(np.mean(np.log(target.ordinates / found))))
-
-    if each:
-        factors = {name: fitted(found) for name, found in spectra.items()}
-    else:
-        factors = dict.fromkeys(spectra, fitted(np.mean(list(spectra.values()), axis=0)))
+    spectra = np.array([spectrum(motion, target.grid, target.damping) for motion in motions.values()])
+    for motion, found in zip(motions.values(), spectra, strict=True):
+        _measured(motion, float(found.min()))
+    fitted = spectra if each else np.broadcast_to(spectra.mean(axis=0), spectra.shape)
+    factors = np.exp(np.log(target.ordinates / fitted).mean(axis=1))
     if at_least is not None:
-        mean = np.mean([factors[name] * found for name, found in spectra.items()], axis=0)
-        lift = max(1.0, float((at_least * target.ordinates / mean).max()))
-        factors = {name: lift * factor for name, factor in factors.items()}
-    return factors
+        mean = (factors[:, None] * spectra).mean(axis=0)
+        factors = factors * max(1.0, float((at_least * target.ordinates / mean).max()))
+    return dict(zip(motions, map(float, factors), strict=True))
 
 
 def _measured(motion: Motion, value: float) -> float:
@@ -123,7 +115,7 @@ class SpectrumMatch:
     each : whether every motion has a factor of its own; at_least : part of the target the mean may not fall below
     lift : the factor that `at_least` added for all [-]
     lowest : the mean spectrum over the target where that is least in the range [-], and the period there [s]
-    periods : [s]; spectra : pseudo-accelerations by motion [m/s2] at `periods`
+    spectra : pseudo-accelerations by motion [m/s2] at `periods`
     """
 
     target: TargetSpectrum
@@ -131,13 +123,31 @@ class SpectrumMatch:
     at_least: float | None
     lift: float
     lowest: tuple[float, float]
-    periods: tuple[float, ...]
-    spectra: Mapping[str, tuple[float, ...]]
+    spectra: Mapping[str, Sequence[float]]
 
-    @cached_property
+    @classmethod
+    def of(
+        cls, used: Mapping[str, Motion], target: TargetSpectrum, each: bool, at_least: float | None
+    ) -> SpectrumMatch:
+        """The match of motions already cut and scaled; `each` and `at_least` as in `spectrum_factors`."""
+        # What least squares alone would still change in the motions is the factor that `at_least` added.
+        lift = 1.0 if at_least is None else 1.0 / min(spectrum_factors(used, target, each).values())
+        inside = np.mean([spectrum(motion, target.grid, target.damping) for motion in used.values()], axis=0)
+        ratios = inside / target.ordinates
+        least = int(np.argmin(ratios))
+        lowest = float(ratios[least]), float(target.grid[least])
+        spectra = {name: spectrum(m, _drawn(target), target.damping).tolist() for name, m in used.items()}
+        return cls(target, each, at_least, lift if lift > 1 + 1e-9 else 1.0, lowest, spectra)
+
+    @property
+    def periods(self) -> np.ndarray:
+        """Of the spectra [s]."""
+        return _drawn(self.target)
+
+    @property
     def mean(self) -> np.ndarray:
         """The mean of the spectra [m/s2] at `periods`."""
-        return np.mean(np.array(list(self.spectra.values())), axis=0)
+        return np.mean(list(self.spectra.values()), axis=0)
 
     @property
     def words(self) -> str:
@@ -150,30 +160,6 @@ class SpectrumMatch:
         ratio, period = self.lowest
         return f"{said}The mean spectrum is lowest at {period:.2f} s: {ratio:.2f} of the target."
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers and texts, for a file."""
-        return asdict(self)
 
-    @classmethod
-    def of_dict(cls, data: Mapping[str, Any]) -> SpectrumMatch:
-        """What `as_dict` gave, read back."""
-        from pydantic import TypeAdapter
-
-        return TypeAdapter(cls).validate_python(data)
-
-
-def spectrum_match(
-    used: Mapping[str, Motion], target: TargetSpectrum, each: bool, at_least: float | None
-) -> SpectrumMatch:
-    """The match of motions already cut and scaled; `each` and `at_least` as in `spectrum_factors`."""
-    # What least squares alone would still change in the motions is the factor that `at_least` added.
-    lift = 1.0 if at_least is None else 1.0 / min(spectrum_factors(used, target, each).values())
-    inside = np.mean([spectrum(motion, target.grid, target.damping) for motion in used.values()], axis=0)
-    ratios = inside / target.ordinates
-    least = int(np.argmin(ratios))
-    periods = np.geomspace(target.low / 2, 2 * target.high, DRAWN)
-    spectra = {name: tuple(map(float, spectrum(m, periods, target.damping))) for name, m in used.items()}
-    lowest = (float(ratios[least]), float(target.grid[least]))
-    return SpectrumMatch(
-        target, each, at_least, lift if lift > 1 + 1e-9 else 1.0, lowest, tuple(map(float, periods)), spectra
-    )
+def _drawn(target: TargetSpectrum) -> np.ndarray:
+    return np.geomspace(target.low / 2, 2 * target.high, DRAWN)

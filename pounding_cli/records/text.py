@@ -1,19 +1,16 @@
-"""A motion file as text: its lines and header, the numbers on them, even steps of time, and how it is refused."""
+"""A motion file as text: its lines and header, the numbers on them, and how it is refused."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.reading import read_bytes
+from pounding_cli.reading import read_bytes, shortened
 
 MOST_BYTES = 20_000_000
 """Size of a motion file [bytes]."""
@@ -24,14 +21,10 @@ SHORTEST, LONGEST = 1e-6, 10.0
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z", re.ASCII)
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
-_HEADER = re.compile(r"([A-Za-z0-9 ]+)[:=](.*)\Z")
+_HEADER = re.compile(r"[#%!\s]*([A-Za-z][A-Za-z ]{,30})[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
-_FORTRAN = re.compile(r"\(\s*(\d*)\s*[IFEDG]\s*(\d+)", re.IGNORECASE)
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
 _DAMAGED = "the file is cut short or damaged: download it again, or correct the header"
-_UNEVEN = 0.02
-# Times are printed with few digits: a sample may stand off its even place by this part of a step, or by the last digit
-# printed where that is less than a quarter of a step.
 
 
 class Asked(NamedTuple):
@@ -56,16 +49,16 @@ class Samples(NamedTuple):
 
 @dataclass
 class Text:
-    """The file as lines, and its `# key: value` header."""
+    """The file as lines, and its header: of every line `key: value` over the numbers its value and place (from 1)."""
 
     path: Path
     lines: list[str]
-    header: dict[str, str] = field(default_factory=dict)
+    header: dict[str, tuple[str, int]] = field(default_factory=dict)
 
     def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
         """The error that says so at a place of this file."""
         line = min(line, len(self.lines))
-        return InputError(Problem(message, hint, str(self.path), line, column if line else 0))
+        return InputError(Problem(message, hint, shortened(self.path), line, column if line else 0))
 
     def wrong_quantity(self, quantity: str, line: int) -> InputError:
         """The refusal of a velocity, a displacement, a spectrum."""
@@ -151,31 +144,6 @@ class Text:
             raise self.refuse(f"more than the {count} values that the header says follow", _DAMAGED, index + 1)
         return values, index
 
-    def even_step(self, times: Sequence[float], lines: Sequence[int], given: float | None, digit: float) -> float:
-        """The time step [s] of evenly rising `times` [s]; refused where they fall, stand or are uneven.
-
-        lines : their indices in the file; given : the step the user gave; digit : the last digit they are printed with
-        """
-        t = np.array(times)
-        if t.size < 2:
-            raise self.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
-        gaps = np.diff(t)
-        if (gaps <= 0).any():
-            worst = int(np.argmax(gaps <= 0)) + 1
-            message = f"the time {t[worst]:g} s does not come after {t[worst - 1]:g} s"
-            hint = "write the times in rising order; for values printed row by row say format 'column' and dt"
-            raise self.refuse(message, hint, lines[worst] + 1)
-        step = self.step(float(f"{(t[-1] - t[0]) / (t.size - 1):.9g}"), lines[0] + 1, given)
-        allowed = max(_UNEVEN * step, min(1.02 * digit, 0.25 * step))
-        for one in (given, step):  # the step given is the exact one, where times are rounded
-            if one is not None and np.abs(t - t[0] - one * np.arange(t.size)).max() <= allowed:
-                return one
-        usual = float(np.median(gaps))
-        worst = int(np.argmax(np.abs(gaps - usual)))
-        message = f"uneven time steps: {gaps[worst]:.6g} s here, {usual:.6g} s elsewhere"
-        hint = "resample the record to even steps, or restore the missing samples"
-        raise self.refuse(message, hint, lines[worst + 1] + 1)
-
     def _row(self, index: int) -> list[float]:
         """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""
         line, values = self.lines[index], list[float]()
@@ -205,40 +173,31 @@ def tokens(line: str) -> list[str]:
     return line.replace(",", " ").replace(";", " ").split()
 
 
-def fortran(written: str) -> tuple[int, int] | None:
-    """Numbers a line and width of each, from a Fortran format such as (8F10.5)."""
-    found = _FORTRAN.search(written)
-    columns = (int(found[1] or 1), int(found[2])) if found else (0, 0)
-    return columns if 1 <= columns[0] <= 100 and 1 <= columns[1] <= 40 else None
-
-
-def load(path: Path) -> Text:
+def load(path: Path, what: str = "motion file") -> Text:
     """The file's lines and header.  Raises `InputError` for a file that is missing, empty or not text."""
+    shown = shortened(path)
     try:
-        raw = read_bytes(path, MOST_BYTES, "motion file")
+        raw = read_bytes(path, MOST_BYTES, what)
     except InputError:
         raise
-    except (FileNotFoundError, ValueError):  # a NUL in the path
-        shown = str(path).replace("\0", "\\0")
-        raise InputError(Problem("no such file", "give the path of a motion", shown)) from None
-    except OSError as error:
-        raise InputError(Problem(f"cannot be read: {error.strerror}", "give a readable file", str(path))) from None
+    except (OSError, ValueError) as error:  # a NUL in the path
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(Problem(f"cannot be read: {reason}", f"give the path of a {what}", shown)) from None
     if len(raw.translate(None, _CONTROL)) < len(raw):
         hint = "unpack an archive; give a text file in one of the formats of docs/records.md"
-        raise InputError(Problem("not a text file", hint, str(path)))
+        raise InputError(Problem("not a text file", hint, shown))
     try:
         written = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         written = raw.decode("latin-1")  # names of places in old files; every number is ASCII
     text = Text(path, re.split(r"\r\n|\r|\n", written))
     if not written.strip():
-        raise text.refuse("the file is empty", "give a file that holds a ground motion")
+        raise text.refuse("the file is empty", f"give a {what} that holds numbers")
+    top = True
     for place, line in enumerate(text.lines, 1):
         if len(line) > LONGEST_LINE and not _NUMERIC.match(line):
-            raise text.refuse(f"a line of {len(line)} characters", "no header of a motion file is that long", place)
-    for words in filter(None, map(str.strip, text.lines)):
-        if words[0] not in "#%!":
-            break
-        if found := _HEADER.match(words[1:].strip()):
-            text.header[found[1].strip().lower()] = found[2].strip()
+            raise text.refuse(f"a line of {len(line)} characters", "no header is that long", place)
+        top = top and number((tokens(line) or [""])[0]) is None
+        if top and (found := _HEADER.match(line)):
+            text.header[found[1].strip().lower()] = found[2].strip(), place
     return text

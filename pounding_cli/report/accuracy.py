@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import platform
 import sys
-from dataclasses import asdict
 from functools import partial
 from importlib.metadata import version
 
@@ -40,7 +39,7 @@ LOWEST = 1e-13
 
 def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
     """What was measured; `command` repeats it."""
-    runs = runs_frame(found)
+    runs = pd.DataFrame(found.runs)
     lines = lines_frame(runs)
     said = [_wish(lines, wanted, len(found.references)) for wanted in WISHES]
     pictures = [
@@ -56,8 +55,7 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
         "of its repeats, without compiling. Miscounted: scenes with other impacts than the reference.",
         _reference(found),
         *(f"Did not end: {text}." for text in _lost(runs)),
-        *(f"Left out because the reference did not end: {place}." for place in found.without_reference),
-        *(f"Left out because the budget ended before them (--budget gives more): {what}." for what in found.left_out),
+        *(f"Left out: {what}." for what in found.left_out),
         f"Runs took {found.spent:.2g} s, compiling before them {found.compiling:.2g} s.",
     ]
     cited = [
@@ -75,13 +73,6 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
             Section("Sources", sources, [from_rows("Methods and who published them", ("method", "source"), cited)]),
         ],
     )
-
-
-def runs_frame(found: WorkPrecision) -> pd.DataFrame:
-    """One row a run: errors [-], seconds [s]."""
-    rows = [asdict(run) | {f"error_{quantity}": error for quantity, error in run.errors.items()} for run in found.runs]
-    names = {"expected": "impacts_reference", "residual": "energy_residual"}
-    return pd.DataFrame(rows).drop(columns="errors").rename(columns=names)
 
 
 def lines_frame(runs: pd.DataFrame) -> pd.DataFrame:
@@ -121,7 +112,8 @@ def _wish(lines: pd.DataFrame, wanted: float, scenes: int) -> str:
     if not best:
         return f"For {100 * wanted:g} %: no method and setting that was tried reaches it on every scene."
     first, *others = best
-    use = METHODS[first["method"]].setting.said(first["setting"])
+    setting = METHODS[first["method"]].setting
+    use = f"{setting.title} {setting.text(first['setting'])}"
     text = f"For {100 * wanted:g} % use {first['method']} with {use}: {1e3 * first['seconds']:.3g} ms a scene."
     slower = ", ".join(f"{line['method']} {1e3 * line['seconds']:.3g} ms" for line in others)
     text += f" The others: {slower}." if others else ""
@@ -133,9 +125,9 @@ def _reference(found: WorkPrecision) -> str:
     """How well the two reference methods agree."""
     if not found.references:
         return "No scene has a reference."
-    worst = pd.DataFrame([reference.differences for reference in found.references]).max()
+    worst = pd.DataFrame(found.references)[list(QUANTITIES)].max()
     differences = ", ".join(f"{quantity} {difference:.1e}" for quantity, difference in worst.items())
-    differing = sum(reference.impacts > 0 for reference in found.references)
+    differing = sum(reference["impacts"] > 0 for reference in found.references)
     impacts = f"and counts other impacts in {differing} of them" if differing else "with the same impacts"
     return (
         f"Reference: {REFERENCE[0]} at accuracy {REFERENCE[1]:g}; {SECOND[0]} at {SECOND[1]:g} differs from it by at "
@@ -153,7 +145,7 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
     axes = figure.subplots(len(QUANTITIES), len(cases), sharex=True, sharey="row", squeeze=False)
     for column, case in enumerate(cases):
         mine = runs[(runs["case"] == case) & (runs["status"] == "done")]
-        here = [each for each in found.references if (each.case, each.analysis) == (case, analysis)]
+        here = [each for each in found.references if (each["case"], each["analysis"]) == (case, analysis)]
         for ax, quantity in zip(axes[:, column], QUANTITIES, strict=True):
             for name, own in mine.groupby("method", sort=False):
                 points = own.groupby("setting", sort=False).agg({"seconds": "mean", f"error_{quantity}": "max"})
@@ -161,7 +153,7 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
                 if (errors > 0).any():  # not so of a quantity that no run has, such as a force without contact
                     ax.plot(1e3 * points["seconds"], np.maximum(errors, LOWEST), color=look.color, ls=look.line,
                             marker=look.marker, ms=3.5, lw=1.2)  # fmt: skip
-            differ = max([LOWEST, *(each.differences[quantity] for each in here)])
+            differ = max([LOWEST, *(each[quantity] for each in here)])
             ax.axhspan(LOWEST / 10, differ, color="0.88", zorder=0)
             ax.set(xscale="log", yscale="log", ylim=(LOWEST / 3, 3.0))
         axes[0, column].set_title(case)

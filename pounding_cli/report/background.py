@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
@@ -68,7 +67,6 @@ def background(results: Results, shown: Evidence, scene: pd.DataFrame, tables: S
         *([limited] if limited else []),
         _motions(results, shown),
         _simulated(results, shown, scene),
-        _accuracy(results, scene if len(tables) == 1 else shown.scene),
         _tables(results, tables),
         _study(results),
     ]
@@ -83,8 +81,8 @@ def limits(results: Results) -> Section | None:
     tables, found = [], list(spreads(results.data))
     for key in dict.fromkeys(spread.key for spread in found):
         mine = [spread for spread in found if spread.key == key]
-        heads = ["result", *(f"at {end.value}" for end in mine[0].ends)]
-        rows = [[spread.quantity, *map(str, spread.ends)] for spread in mine]
+        heads = ["result", *(f"at {value}" for value in mine[0].ends)]
+        rows = [[spread.quantity, *spread.words] for spread in mine]
         what = f"Bracket of {key}: results at both ends over those at {mine[0].middle}, median (smallest to largest)"
         tables.append(from_rows(what, heads, rows))
         said += depends(mine)
@@ -157,28 +155,6 @@ def _effects(scene: pd.DataFrame) -> Table:
     if rest := others([effect for effect in every if effect not in told]):
         rows.append(["all others", NOTHING, str(len(scene)), rest])
     return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
-
-
-def _accuracy(results: Results, scene: pd.DataFrame) -> Section:
-    """Median and largest of what was measured of the runs' accuracy, case by case."""
-    words = {"error_estimate": "error", "sensitivity": "sensitivity", "energy_residual": "energy imbalance"}
-    rows = []
-    for (case, analysis), here in scene.groupby(["case", "analysis"], sort=False):
-        row = {"case": case, "analysis": analysis, "runs": len(here)}
-        for name, word in words.items():
-            if scene[name].notna().any():
-                sizes = here[name].abs()
-                row |= {f"{word}, median": sizes.median(), f"{word}, largest": sizes.max()}
-        row |= {"steps": here["steps"].sum(), "events": here["events"].sum(), "seconds": here["seconds"].mean()}
-        rows.append(row)
-    columns = {"seconds": Column(label="solver time a run", unit=Unit("ms", 1e-3, "s"))}
-    study = Path(str(results.attrs["study_file"])).name
-    said = [
-        "The numerical error comes from the solver and decreases with the accuracy asked, relative to each peak. The "
-        "sensitivity is a property of the scene: at 4, a motion that grows by 1 % changes a peak by 4 %.",
-        f"What accuracy costs with every method: `pound accuracy {study}`.",
-    ]
-    return Section("Accuracy and cost", said, [Table("", pd.DataFrame(rows), columns, "Accuracy of the runs")])
 
 
 def _tables(results: Results, tables: Sequence[str]) -> Section:

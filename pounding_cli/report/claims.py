@@ -296,8 +296,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Question) -> Iterator[Ser
 # what is shown of them
 
 
-def text(number: float, unit: str) -> str:
-    """A number with its unit; a dash where there is none."""
+def _text(number: float, unit: str) -> str:
     return f"{digits(number, 3)} {unit}".removesuffix(" -")
 
 
@@ -314,7 +313,7 @@ def claim_sections(results: Results, here: str) -> list[Section]:
         rows.append([f"{key}\n“{paper}” {' '.join(str(find.__doc__).split())}", mine["verdict"].iloc[0], ""])
         for row in mine.to_dict("records"):
             met = {True: "met", False: "missed"}.get(row["passed"], NOTHING)
-            rows.append([row["finding"], met, text(row["number"], row["unit"])])
+            rows.append([row["finding"], met, _text(row["number"], row["unit"])])
     heads = ("claim, and its numbers", "verdict", "found")
     tables = [from_rows("The paper’s claims, and the numbers found", heads, rows)]
     if len(every["where"].unique()) > 1:
@@ -336,7 +335,7 @@ def compare_claims(results: Mapping[str, Results], folder: Path) -> list[Path]:
     if frame.empty:
         lines.append("No results here name a figure of the paper (`claims: fig6` or `fig7`).")
     else:
-        numbers = pd.Series(map(text, frame["number"], frame["unit"]), frame.index)
+        numbers = pd.Series(map(_text, frame["number"], frame["unit"]), frame.index)
         numbers = numbers.mask(frame["passed"].eq(False).to_numpy(), "**" + numbers + "**")
         lines += [*_lines(_wide(frame, "claim", "where", frame["verdict"])), ""]
         lines += ["Numbers found; those that miss their threshold are bold.", ""]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 
 PIPE_WIDTH = 250
 """Characters of a line where no terminal sets them: nothing is cut or wrapped."""
-
-PAGE = "report.html"
-"""File name of the page."""
 
 
 @dataclass(frozen=True)
@@ -93,22 +90,15 @@ class Report:
         """All sections, the answer first."""
         return [self.answer, *self.more()]
 
-    @property
-    def pictures(self) -> Iterator[Picture]:
-        """Every figure."""
-        return (picture for section in self.sections for picture in section.pictures)
-
     def print(self) -> None:
         """Print title and answer."""
-        answer = self.answer
         width = None if sys.stdout.isatty() else PIPE_WIDTH
         print(self.title)
-        for table in answer.tables:
+        for table in self.answer.tables:
             print(to_text(table, width), end="")
-            left = len(table.frame) - TERMINAL_ROWS
-            if left > 0:
+            if (left := len(table.frame) - TERMINAL_ROWS) > 0:
                 print(f"{counted(left, 'more row')}: pound report, or pound show")
-        for sentence in (*answer.sentences, *answer.notes):
+        for sentence in (*self.answer.sentences, *self.answer.notes):
             print(textwrap.fill(sentence, 118, break_long_words=False, break_on_hyphens=False))
 
     def save(self, folder: Path, formats: Sequence[str] = ("png", "svg", "pdf"), page: bool = True) -> list[Path]:
@@ -124,12 +114,13 @@ class Report:
         from pounding_cli.report.style import save
 
         tables = [table for section in self.sections for table in section.tables if table.name]
+        pictures = [picture for section in self.sections for picture in section.pictures]
         check_folder(folder)  # what is asked for was refused before anything is written
-        drawn = {picture.name: picture.draw() for picture in self.pictures} if formats else {}
+        drawn = {picture.name: picture.draw() for picture in pictures} if formats else {}
         try:
             (folder / "tables").mkdir(parents=True, exist_ok=True)
             files = [*save(drawn, folder, formats), *(to_csv(table, folder / "tables") for table in tables)]
-            return [*files, write_page(self, folder / PAGE, drawn)] if page else files
+            return [*files, write_page(self, folder / "report.html", drawn)] if page else files
         except OSError as error:
             hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"
             problem = Problem(f"cannot write the report to {folder}: {error.strerror or error}", hint)

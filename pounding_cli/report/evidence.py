@@ -41,11 +41,6 @@ class Evidence:
         """The study's title."""
         return self.results.title
 
-    @property
-    def resolved(self) -> dict[str, Any]:
-        """The study with every default filled in."""
-        return self.results.resolved
-
     @cached_property
     def data(self) -> xr.Dataset:
         """Every variable here, without the swept axes."""
@@ -55,11 +50,6 @@ class Evidence:
     def link(self) -> pd.DataFrame:
         """The table of links here."""
         return self._table("link")
-
-    @cached_property
-    def scene(self) -> pd.DataFrame:
-        """The table of scenes here."""
-        return self._table("scene")
 
     @cached_property
     def records(self) -> pd.DataFrame:
@@ -81,8 +71,8 @@ class Evidence:
 
     def of_study(self, place: str) -> dict[str, Any]:
         """What the study says of the building at a place of the group."""
-        number = self.resolved["places"].index(place)
-        return dict(self.resolved["buildings"][self.resolved["group"][number]])
+        number = self.results.resolved["places"].index(place)
+        return dict(self.results.resolved["buildings"][self.results.resolved["group"][number]])
 
     def here(self, frame: pd.DataFrame) -> pd.DataFrame:
         """The rows of a table of the whole file at this point; swept keys that are no column of it do not matter."""
@@ -123,13 +113,13 @@ class Evidence:
     @cached_property
     def main(self) -> str:
         """The building that comes first: `report: {building: NAME}` of the study, else the one of shortest period."""
-        chosen = (self.resolved.get("report") or {}).get("building")
+        chosen = (self.results.resolved.get("report") or {}).get("building")
         return str(chosen) if chosen in self.group else min(self.built, key=lambda name: self.periods[name])
 
     @cached_property
     def plotted(self) -> list[str]:
         """The cases of the figures: `report: {plot: [..]}` of the study, else all of them; at most MOST_CASES."""
-        chosen = (self.resolved.get("report") or {}).get("plot") or self.cases
+        chosen = (self.results.resolved.get("report") or {}).get("plot") or self.cases
         return [case for case in self.cases if case in chosen][:MOST_CASES]
 
     def means(self, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
@@ -145,7 +135,7 @@ class Evidence:
     @cached_property
     def meaningless(self) -> dict[tuple[str, str], FlagGroup]:
         """By case and analysis the flag that takes the meaning from the numbers of some of its scenes."""
-        groups = flag_groups_of(self.scene, self.results.units)
+        groups = flag_groups_of(self._table("scene"), self.results.units)
         return {(group.case, group.analysis): group for group in groups if group.meaningless}
 
     @property

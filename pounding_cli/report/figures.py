@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,8 +16,18 @@ from matplotlib.patches import Rectangle
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.style import caption, entitle, is_for_paper, legend, looks, new_figure, styled
-from pounding_cli.report.table import column_of, digits
+from pounding_cli.report.style import (
+    caption,
+    entitle,
+    is_for_paper,
+    legend,
+    looks,
+    new_figure,
+    panels,
+    shared_legend,
+    styled,
+)
+from pounding_cli.report.table import column_of
 
 RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
 """The paper's panels: analysis and column."""
@@ -26,9 +37,9 @@ def profiles(evidence: Evidence) -> list[Picture]:
     """Every figure: response and accelerations of every building, forces of the links."""
     found = []
     for building in sorted(evidence.built, key=lambda name: name != evidence.main):
-        said = f"Ratios to the building alone, storey by storey, one line per case. {largest_means(evidence, building)}"
-        heading = f"{building}: storey shears and ductilities"
-        found.append(Picture(f"{building}-response", heading, said, partial(response, evidence, building)))
+        said = "Ratios to the building alone, storey by storey, one line per case."
+        draw = partial(response, evidence, building)
+        found.append(Picture(f"{building}-response", f"{building}: storey shears and ductilities", said, draw))
         said = "Largest floor accelerations over those of the building alone, and over touching, floor by floor."
         draw = partial(accelerations, evidence, building)
         found.append(Picture(f"{building}-accelerations", f"{building}: floor accelerations", said, draw))
@@ -38,64 +49,65 @@ def profiles(evidence: Evidence) -> list[Picture]:
     return found
 
 
-def largest_means(evidence: Evidence, building: str) -> str:
-    """The largest mean ratios of a building in sentences, analysis by analysis."""
-    said = []
-    for analysis, ratio in RESPONSES:
-        means = {case: evidence.means(case, analysis, building, ratio) for case in evidence.plotted}
-        parts = [f"{case} {digits(of.max(), 3)} (storey {of.idxmax()})" for case, of in means.items() if len(of)]
-        if parts:
-            over = f"mean of {counted(len(evidence.records), 'motion')}, " if len(evidence.records) > 1 else ""
-            what = f"{column_of(ratio).label} of {building}, {analysis}"
-            said.append(f"{what}, {over}largest over the height: {', '.join(parts)}.")
-    return " ".join(said)
-
-
 @styled
 def response(evidence: Evidence, building: str) -> Figure:
     """V/V0 elastic (left) and mu/mu0 inelastic (right) of one building, as in Figs 6 and 7."""
-    shown = [panel for panel in RESPONSES if panel[0] in evidence.analyses]
-    figure, axes = framed(evidence, [building], 1, max(len(shown), 1), headline(evidence, building))
-    for ax, (analysis, column) in zip(axes[0], shown, strict=False):
-        values = evidence.data[column].sel(analysis=analysis, building=building)
-        what = "storey shear" if column == "V_ratio" else "ductility"
-        _panel(ax, evidence, values, f"{analysis.capitalize()}: {what}", column_of(column).label)
-        ax.axvline(1, color="0.35", lw=1.0, zorder=1)
-    caption(figure, _caption(evidence, f"Ratios to {building} alone under the same motion"))
-    return figure
+    words = {"V_ratio": "storey shear", "mu_ratio": "ductility"}
+    line = [
+        (evidence.data[ratio].sel(analysis=analysis, building=building), words[ratio], column_of(ratio).label)
+        for analysis, ratio in RESPONSES
+        if analysis in evidence.analyses
+    ]
+    return _grid(evidence, building, [line], f"Ratios to {building} alone under the same motion")
 
 
 @styled
 def accelerations(evidence: Evidence, building: str) -> Figure:
     """Largest floor accelerations of one building over those alone (top) and over touching (bottom)."""
-    data = evidence.data.sel(building=building)
-    lines = {"alone": data["acceleration_ratio"]}
+    data, label = evidence.data.sel(building=building), "floor acceleration over that"
+    lines = {f"{label} alone": data["acceleration_ratio"]}
     if "touching" in evidence.cases:
         touching = data["acceleration"].sel(case="touching", drop=True)
-        lines["touching"] = (data["acceleration"] / touching.where(touching > 0)).drop_sel(case="touching")
-    figure, axes = framed(evidence, [building], len(lines), len(evidence.analyses), headline(evidence, building))
-    for row, (base, values) in zip(axes, lines.items(), strict=True):
-        for ax, analysis in zip(row, evidence.analyses, strict=True):
-            label = f"floor acceleration over that {base}"
-            _panel(ax, evidence, values.sel(analysis=analysis), analysis.capitalize(), label)
-            ax.axvline(1, color="0.35", lw=1.0, zorder=1)
-    caption(figure, _caption(evidence, f"Largest total accelerations of the floors of {building}"))
-    return figure
+        over = data["acceleration"] / touching.where(touching > 0)
+        lines[f"{label} touching"] = over.drop_sel(case="touching")
+    grid = [[(values.sel(analysis=each), "", label) for each in evidence.analyses] for label, values in lines.items()]
+    return _grid(evidence, building, grid, f"Largest total accelerations of the floors of {building}")
 
 
 @styled
 def link_forces(evidence: Evidence) -> Figure:
     """Largest force between the floors, one by one: one row of panels a pair of neighbours."""
     forces = by_floor(evidence.data, "peak_force") / 1e6
-    pairs = forces["pair"].values.tolist()
-    figure, axes = framed(evidence, [], len(pairs), len(evidence.analyses), "Forces between neighbours")
-    for row, pair in zip(axes, pairs, strict=True):
-        for ax, analysis in zip(row, evidence.analyses, strict=True):
-            values = forces.sel(pair=pair, analysis=analysis)
-            _panel(ax, evidence, values, f"{analysis.capitalize()}: {pair}", "largest force [MN]")
-            if ax.get_xscale() == "linear":
+    grid = [
+        [(forces.sel(pair=pair, analysis=each), pair, "largest force [MN]") for each in evidence.analyses]
+        for pair in forces["pair"].values.tolist()
+    ]
+    return _grid(evidence, "", grid, "Largest force in each link")
+
+
+Panel = tuple[xr.DataArray, str, str]
+"""A quantity over case, record and storey or floor, of one analysis; its heading and the label of its axis."""
+
+
+def _grid(evidence: Evidence, building: str, grid: Sequence[Sequence[Panel]], what: str) -> Figure:
+    """Panels with storeys or floors upwards; of a building ratios, whose 1 is marked.
+
+    what : is drawn, for the caption
+    """
+    title = f"{building} (T = {evidence.periods[building]:.2f} s)" if building else "Forces between neighbours"
+    figure, axes = framed(evidence, [building] if building else [], len(grid), max(map(len, grid)), title)
+    for row, line in zip(axes, grid, strict=True):
+        for ax, (values, heading, label) in zip(row, line, strict=True):
+            analysis = str(values["analysis"].item()).capitalize()
+            _panel(ax, evidence, values, f"{analysis}: {heading}".removesuffix(": "), label)
+            if building:
+                ax.axvline(1, color="0.35", lw=1.0, zorder=1)
+            elif ax.get_xscale() == "linear":
                 ax.set_xlim(left=-0.02 * ax.get_xlim()[1])  # markers at zero stand clear of the axis
-    caption(figure, _caption(evidence, "Largest force in each link"))
+    spread = f"mean over the {counted(evidence.records['record'].nunique(), 'motion')}; whiskers: smallest to largest"
+    where = f" Point of the sweep: {evidence.label}." if evidence.label else ""
+    text = f"{what}: {spread}. {motion_sentence(evidence.records)}{where} {evidence.footnote}"
+    caption(figure, text.rstrip())
     return figure
 
 
@@ -111,18 +123,6 @@ def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
         found[at] = np.fmax(found[at], values.values[..., number])
     coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": levels}
     return xr.DataArray(found, coords, (*values.dims[:-1], "pair", "floor"))
-
-
-def headline(evidence: Evidence, building: str) -> str:
-    """A figure's title: the building and its period."""
-    return f"{building} (T = {evidence.periods[building]:.2f} s)"
-
-
-def _caption(evidence: Evidence, what: str) -> str:
-    motions = counted(evidence.records["record"].nunique(), "motion")
-    where = f" Point of the sweep: {evidence.label}." if evidence.label else ""
-    spread = f"mean over the {motions}; whiskers: smallest to largest"
-    return f"{what}: {spread}. {motion_sentence(evidence.records)}{where} {evidence.footnote}".rstrip()
 
 
 def framed(
@@ -162,7 +162,7 @@ def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray, title: str, label
     """
     level, analysis = str(values.dims[-1]), str(values["analysis"].item())
     cases = [case for case in evidence.plotted if case in values["case"].values]
-    cases = [case for case in cases if values.sel(case=case).notnull().any()]
+    cases = [case for case in cases if np.isfinite(values.sel(case=case)).any()]
     # Whiskers of neighbouring cases would hide each other on one height.
     shifts = np.linspace(0.09, -0.09, len(cases)) if len(cases) > 1 else np.zeros(len(cases))
     look = looks(evidence.plotted)
@@ -186,6 +186,47 @@ def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray, title: str, label
     ax.set(xlabel=label, ylabel=level, ylim=(low - 0.4, top + 0.4))
     ax.set_yticks(ticks, [str(tick or "base") for tick in ticks])
     ax.tick_params(length=3)
+
+
+# isolators
+
+MOST_LOOPS = 6
+"""Scenes in the figure of the loops."""
+
+
+def loop_pictures(evidence: Evidence) -> list[Picture]:
+    """The force of isolators over the displacement of their base, of kept scenes; nothing where there are none."""
+    bases = {name: evidence.of_study(name).get("foundation") for name in evidence.group}
+    isolated = [name for name, base in bases.items() if isinstance(base, dict) and base.get("isolation")]
+    kept = evidence.here(evidence.results.histories()).head(MOST_LOOPS)
+    if not isolated or kept.empty:
+        return []
+    text = f"Force of the isolators of {', '.join(isolated)} over the displacement of the base, of kept scenes."
+    return [Picture("isolators", "Isolators", text, partial(draw_loops, evidence, isolated, kept))]
+
+
+@styled
+def draw_loops(evidence: Evidence, isolated: list[str], kept: pd.DataFrame) -> Figure:
+    """A panel for each building on isolators, a line for each kept scene."""
+    figure, axes = panels(1, len(isolated), 4.2, 3.4)
+    look = looks(list(kept["case"]))
+    for row in kept.to_dict("records"):
+        place = {name: row[name] for name in ("case", "analysis", "record")}
+        history = evidence.results.history(**place, **evidence.point)
+        for ax, name in zip(axes.flat, isolated, strict=True):
+            number = list(history.buildings).index(name)
+            line = "--" if row["analysis"] == "inelastic" else "-"
+            ax.plot(
+                100 * history.sway[:, number], history.base_force[:, number] / 1e6, line, lw=0.9,
+                color=look[row["case"]].color, label=", ".join(place.values()),
+            )  # fmt: skip
+            ax.set_title(name, loc="left")
+            ax.set_xlabel("displacement of the base [cm]")
+    axes.flat[0].set_ylabel("force of the isolators [MN]")
+    shared_legend(figure, axes.flat)
+    entitle(figure, evidence.title)
+    caption(figure, "Without the dashpots beside the isolators.")
+    return figure
 
 
 # the drawing of the group

@@ -286,7 +286,7 @@ def draw_sweep(answer: Table, pairs: pd.DataFrame, shown: Evidence, key: str) ->
             x = here[key] / across.factor if here[key].dtype.kind == "f" else here[key]
             _line(ax, str(rule), x, here["mean"] / unit.factor)
         ax.set_ylim(0, None)
-        name_axis(ax, "x", [key], [across], shown.resolved)
+        name_axis(ax, "x", [key], [across])
     for ax in axes[:, 0]:
         ax.set_ylabel(f"gap, mean over the motions [{unit.name}]")
     shared_legend(figure, axes.flat)

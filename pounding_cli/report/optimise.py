@@ -220,7 +220,7 @@ def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
 
 
 def _name(ax: Axes, which: str, found: Optimum, key: Key, shown: Evidence) -> None:
-    name_axis(ax, which, [key["key"]], [found.units[key["key"]]], shown.resolved, 7.5, 32)
+    name_axis(ax, which, [key["key"]], [found.units[key["key"]]], 7.5, 32)
     ax.tick_params(labelsize=7.5)
 
 

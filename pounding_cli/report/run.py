@@ -15,8 +15,7 @@ from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
 from pounding_cli.report.explorer import explored
-from pounding_cli.report.figures import RESPONSES, profiles
-from pounding_cli.report.isolators import loop_pictures
+from pounding_cli.report.figures import RESPONSES, loop_pictures, profiles
 from pounding_cli.report.player import players
 from pounding_cli.report.sweep import Asked, sweep_pictures
 from pounding_cli.report.table import NOTHING, column_of, digits, from_rows
@@ -59,7 +58,7 @@ def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Sectio
         Section("Look around", widget="explorer", data=explored(results, shown)),
         Section("Moving buildings", [said], widget="player", data={"scenes": scenes}),
         *claim_sections(results, shown.label),
-        Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(results, shown)]),
+        Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(shown)]),
         *background(results, shown, results.scene(), TABLES),
     ]
 

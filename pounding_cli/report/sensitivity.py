@@ -169,7 +169,7 @@ def draw_indices(is_sobol: bool, drawn: list[tuple[str, pd.DataFrame]], shown: E
     axes = figure.subplots(len(drawn), 2 if is_sobol else 1, squeeze=False, sharey="row")
     for line, (title, most_first) in zip(axes, drawn, strict=True):
         rows, y = most_first[::-1], np.arange(keys)
-        named = [f"{textwrap.fill(key_words(key, shown.resolved), 32)}\n{key}" for key in rows["key"]]
+        named = [f"{textwrap.fill(key_words(key), 32)}\n{key}" for key in rows["key"]]
         line[0].set_yticks(y, named, fontsize=7)
         line[0].set_title(title, loc="left")
         if is_sobol:
@@ -221,7 +221,7 @@ def draw_samples(samples: Table, frame: pd.DataFrame, drawn: list[tuple[str, pd.
             here = here[here["independent"] == 1]
         for ax, key in zip(line, rows["key"], strict=False):
             _scatter(ax, here[key], here[f"output {first['output']}"].to_numpy(float), samples.columns[key].unit)
-            name_axis(ax, "x", [key], [samples.columns[key].unit], shown.resolved, 7, 28)
+            name_axis(ax, "x", [key], [samples.columns[key].unit], 7, 28)
             ax.tick_params(labelsize=7)
         line[0].set_ylabel(textwrap.fill(title, 30), fontsize=7)
     entitle(figure, shown.title)

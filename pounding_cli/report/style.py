@@ -82,14 +82,15 @@ _Drawing = ParamSpec("_Drawing")
 
 def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
     """Decorator of every function that draws: the settings hold while it draws and nowhere else; logarithmic axes get
-    plain numbers at 1, 2 and 5."""
+    plain numbers at 1, 2 and 5, those of many decades at 1."""
 
     @wraps(draw)
     def drawn(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
         with mpl.rc_context(_SETTINGS):
             figure = draw(*args, **named)
             for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if axis.get_scale() == "log"):
-                axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+                low, high = axis.get_view_interval()
+                axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,)))
                 axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
                 axis.set_minor_formatter(NullFormatter())
         return figure
@@ -191,46 +192,22 @@ def _write(figure: Figure, target: Path | io.BytesIO, suffix: str) -> None:
         figure.savefig(target, format=suffix, metadata=dated)
 
 
-# what keys of a study are called
-
-_WORDS = {
-    "pga": "peak ground acceleration", "pgv": "peak ground velocity", "sa": "spectral acceleration",
-    "arias": "Arias intensity", "base_shear": "base-shear coefficient", "restitution": "coefficient of restitution",
-    "mass": "floor mass", "height": "storey height", "columns": "share of the struck columns",
-    "p_delta": "P-Delta", "Rw": "Rw", "K": "K", "Z": "Z",
-}  # fmt: skip
-
-
-def key_words(key: str, resolved: Mapping[str, Any]) -> str:
-    """A dotted key in words: "stiffness of the connector" for `cases.connected.stiffness`; one of one part as it is.
-
-    resolved : the study with every default filled in
-    """
+def key_words(key: str) -> str:
+    """A dotted key in words: "stiffness of connected" for `cases.connected.stiffness`; one of one part as it is."""
     section, *rest = key.split(".")
-    if not rest:
-        return key
-    what = _WORDS.get(rest[-1], rest[-1].replace("_", " "))
-    if section == "buildings":
-        return f"{what} of {rest[0]}"
-    if section == "impact":
-        return f"impact {what}" if what == "stiffness" else f"{what} of impacts"
-    if section == "cases" and len(rest) > 1 and what != "gap":
-        kind = (resolved.get("cases") or {}).get(rest[0], {}).get("link")
-        link = f"the {kind}" if kind in ("connector", "infill") else "the impact" if kind == "pounding" else "the link"
-        return f"{what} of {link}"
-    return what
+    words = rest[-1].replace("_", " ") if rest else key
+    return f"{words} of {rest[0]}" if section in ("buildings", "cases") and words != rest[0] else words
 
 
 def name_axis(
-    ax: Axes, which: str, keys: Sequence[str], units: Sequence[Any], resolved: Mapping[str, Any], size: float = 9.5,
-    room: int = 0,
+    ax: Axes, which: str, keys: Sequence[str], units: Sequence[Any], size: float = 9.5, room: int = 0
 ) -> None:  # fmt: skip
     """Entitle an axis ("x" or "y") with what keys are, and below with the keys; figures for a paper leave these out.
 
     size : of the words [pt]; room : characters in a line, 0: any number
     """
-    lines = [", ".join(unit.label(key_words(key, resolved)) for key, unit in zip(keys, units, strict=True))]
-    if not is_for_paper() and any(key_words(key, resolved) != key for key in keys):
+    lines = [", ".join(unit.label(key_words(key)) for key, unit in zip(keys, units, strict=True))]
+    if not is_for_paper() and any(key_words(key) != key for key in keys):
         lines.append(", ".join(keys))
     label = "\n".join(textwrap.fill(line, room) if room else line for line in lines)
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(label, fontsize=size)

@@ -49,13 +49,11 @@ class SweptAxis:
     keys : the swept keys; more than one where they move together
     points : one tuple a point, as long as `keys`: SI numbers or texts, as in the tables
     units : per key the unit the study wrote it in
-    resolved : the study with every default filled in, which says what the keys are
     """
 
     keys: tuple[str, ...]
     points: tuple[tuple[Any, ...], ...]
     units: tuple[Unit, ...]
-    resolved: Mapping[str, Any] = field(repr=False)
 
     def __len__(self) -> int:
         return len(self.points)
@@ -74,7 +72,7 @@ class SweptAxis:
     def words(self) -> str:
         """What the keys are, with their units, and the keys in brackets."""
         named = zip(self.keys, self.units, strict=True)
-        return ", ".join(f"{unit.label(key_words(key, self.resolved))} ({key})" for key, unit in named)
+        return ", ".join(f"{unit.label(key_words(key))} ({key})" for key, unit in named)
 
     @cached_property
     def coordinates(self) -> np.ndarray:
@@ -99,7 +97,7 @@ def swept_axes(results: Results) -> tuple[SweptAxis, ...]:
     found = []
     for keys in results.swept:
         points, units = zip(*(results.axes[key] for key in keys), strict=True), [results.units[key] for key in keys]
-        found.append(SweptAxis(tuple(keys), tuple(points), tuple(units), results.resolved))
+        found.append(SweptAxis(tuple(keys), tuple(points), tuple(units)))
     return tuple(found)
 
 
@@ -281,7 +279,7 @@ def _set_axis(ax: Axes, side: Literal["x", "y"], axis: SweptAxis, names: Sequenc
     if names:
         step = -(-len(names) // MOST_TICKS)
         ax.set(**{f"{side}ticks": range(1, len(names) + 1, step), f"{side}ticklabels": names[::step]})
-    name_axis(ax, side, axis.keys, axis.units, axis.resolved, room=room)
+    name_axis(ax, side, axis.keys, axis.units, room=room)
 
 
 @styled

@@ -6,7 +6,7 @@ import json
 import os
 import platform
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import cache, partial
 from importlib import metadata
@@ -267,7 +267,7 @@ def _study(plan: Plan) -> Variables:
         "study_warnings": (json.dumps([vars(each) for each in study.warnings]), "what pound check says of it; JSON"),
     }
     if match is not None:
-        texts["study_spectrum"] = json.dumps(match.as_dict()), "spectra of the motions against their target; JSON"
+        texts["study_spectrum"] = json.dumps(asdict(match)), "spectra of the motions against their target; JSON"
     return {name: _variable((), np.array(text, object), {"long_name": about}) for name, (text, about) in texts.items()}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import stat
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,9 +26,6 @@ SEAL = b"pound seal 2\n\0\0\0"
 
 SMALL = 1 << 20
 """Bytes that any variable of a file may have."""
-
-AT_ONCE = 32 << 20
-"""Bytes up to which a file is read into memory when it is opened; of a larger one variables are when asked for."""
 
 MOST_COMPRESSED = 1100
 """Deflate makes data smaller by this factor at most."""
@@ -65,39 +61,37 @@ def write(path: Path, found: xr.Dataset, tables: Iterable[Table] = (), histories
         hidden.unlink(missing_ok=True)
 
 
-def opened(path: Path, group: str = "/", version: int | None = FORMAT_VERSION) -> xr.Dataset:
-    """A results file; of a large one numbers are read when they are asked for.
-
-    Parameters
-    ----------
-    group : of the file
-    version : format version that it must have; None: any, only attributes are to be read
+def opened(path: Path, group: str = "/") -> xr.Dataset:
+    """A group of a results file; large arrays are read when they are asked for.
 
     Raises
     ------
     InputError : missing, no results file, damaged, of another format version; one that would read other files or
         declares more than it holds
     """
-    facts(path, version, group)
-    import xarray as xr  # here: it takes longer to load than most commands need
-
-    from pounding_cli.results.netcdf import read
+    facts(path)
+    from pounding_cli.results.netcdf import read  # here: xarray takes longer to load than most commands need
 
     try:
-        if path.stat().st_size < AT_ONCE:
-            return read(path, group)
-        return xr.open_dataset(path, engine="h5netcdf", group=group, decode_times=False, cache=True)
+        return read(path, group)
     except Exception as error:
         raise _bad(path, f"cannot be read ({error})") from None
 
 
-def facts(path: Path, version: int | None = FORMAT_VERSION, group: str = "/") -> dict[str, Any]:
-    """The attributes of a results file, which is checked; parameters and errors as those of `opened`."""
+def facts(path: Path, version: int | None = FORMAT_VERSION) -> dict[str, Any]:
+    """The attributes of a results file, which is checked.
+
+    Parameters
+    ----------
+    version : format version that it must have; None: any, only attributes are to be read
+
+    Raises InputError as `opened`.
+    """
     try:
-        if path.is_dir():
-            raise _bad(path, "is a folder, not a results file", "name the .h5 file in it")
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise _bad(path, "cannot be read: it is not a regular file")
+        if not path.exists():
+            raise _bad(path, "there is no such results file", "make one with: pound run STUDY -o FILE.h5")
+        if not path.is_file():
+            raise _bad(path, "cannot be read: it is not a regular file", "name the .h5 file, not its folder")
         sound = _is_sealed(path)
         with h5py.File(path) as file:
             _check_kind(file, path, version)
@@ -105,20 +99,15 @@ def facts(path: Path, version: int | None = FORMAT_VERSION, group: str = "/") ->
                 again = "run the study again: what its cache holds is not solved again"
                 raise _bad(path, "is damaged, or was changed by another program", again)
             _check(file.id, path, path.stat().st_size)
-            if group.strip("/") and group not in file:
-                raise KeyError(group)
             return dict(file.attrs)
-    except (InputError, KeyError):
+    except InputError:
         raise
-    except FileNotFoundError:
-        raise _bad(path, "there is no such results file", "make one with: pound run STUDY -o FILE.h5") from None
-    except OSError as error:
-        what = f": {os.strerror(error.errno)}" if error.errno else f" as HDF5 ({error})"
-        raise _bad(path, f"cannot be read{what}") from None
-    except Exception as error:
-        raise _bad(
-            path, f"cannot be read as HDF5 ({str(error).partition(chr(10))[0] or type(error).__name__})"
-        ) from None
+    except Exception as error:  # whatever HDF5 says of a file that is none
+        why = (
+            getattr(error, "strerror", "")
+            or f"it is no sound HDF5 file ({str(error).partition(chr(10))[0] or type(error).__name__})"
+        )
+        raise _bad(path, f"cannot be read: {why}") from None
 
 
 def is_results(path: Path) -> bool:
@@ -148,30 +137,34 @@ def groups(path: Path, below: str) -> list[str]:
         return list(file[below]) if below in file else []
 
 
+# Tables of answers, and units
+
+
 def _of_table(table: Table) -> xr.Dataset:
     """A table as a Dataset over `row`, its columns by number; `columns` names them in their order."""
     import xarray as xr
 
     found = {}
     for number, name in enumerate(table.frame.columns):
-        values = table.frame[name].to_numpy()
-        values = np.array(list(map(str, values)), object) if values.dtype.kind in "OU" else values
-        values = values.astype(np.int8) if values.dtype.kind == "b" else values
-        column = table.columns[name]
+        values, column = table.frame[name].to_numpy(), table.columns[name]
+        if values.dtype.kind in "OU":
+            values = np.array(list(map(str, values)), object)
+        elif values.dtype.kind == "b":
+            values = values.astype(np.int8)
         attrs = {"long_name": column.text} | unit_attributes(column.unit)
         found[f"column_{number}"] = xr.Variable("row", values, attrs)
     return xr.Dataset(found, attrs={"columns": json.dumps(list(table.frame.columns))})
 
 
 def read_table(path: Path, name: str) -> Table:
-    """A table of the group `answer`.  Raises KeyError: there is none of that name; InputError as `opened`."""
+    """A table of the group `answer`.  Raises InputError as `opened`."""
     import pandas as pd
 
-    with opened(path, f"answer/{name}") as found:
-        data = {column: found[f"column_{number}"] for number, column in enumerate(json.loads(found.attrs["columns"]))}
-        columns = {name: Column(str(v.attrs["long_name"]), written(v.attrs), name) for name, v in data.items()}
-        frame = pd.DataFrame({column: v.values for column, v in data.items()})
-        return Table(name, frame, columns, name.replace("_", " ").capitalize())
+    found = opened(path, f"answer/{name}")
+    data = {column: found[f"column_{number}"] for number, column in enumerate(json.loads(found.attrs["columns"]))}
+    columns = {name: Column(str(v.attrs["long_name"]), written(v.attrs), name) for name, v in data.items()}
+    frame = pd.DataFrame({column: v.values for column, v in data.items()})
+    return Table(name, frame, columns, name.replace("_", " ").capitalize())
 
 
 def plain_value(value: Any) -> Any:
@@ -190,6 +183,9 @@ def written(attrs: Mapping[Any, Any]) -> Unit:
     """The unit the study wrote a quantity in; SI where a file does not say."""
     si = str(attrs.get("units", ""))
     return Unit(str(attrs.get("unit_written", si)), float(attrs.get("unit_factor", 1.0)), si)
+
+
+# What is checked before a file is read
 
 
 def _is_sealed(path: Path) -> bool:

@@ -3,19 +3,15 @@ a person looks at it: in a line, as tables, as curves."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
-from pathlib import Path
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.results.file import groups, opened, plain_value
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.plan import Plan
-from pounding_cli.variables import PLACE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from pounding_cli.solver import histories as solver
-
-GROUP = "histories"
 
 FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
     "ground_acceleration": (("time",), "m/s2", "ground acceleration"),
@@ -56,9 +50,6 @@ QUANTITIES["energy"] = (("time", "kind"), "J", "energy put in, held and lost so 
 WORTH_TELLING = 20
 """So many scenes to run for their histories take some seconds, and the user is told."""
 
-_FACTS = ("number", "scene", "every", "times")
-"""What is known of a kept scene besides its place."""
-
 
 class History:
     """What a scene does over time; NaN where a floor, storey or link does not exist.
@@ -75,15 +66,26 @@ class History:
     @classmethod
     def of(cls, history: solver.History) -> History:
         """The same, to look at."""
+        import xarray as xr
+
         numbers = np.arange(1, history.displacement.shape[2] + 1)
-        names = {"building": np.array(history.buildings, object), "link": np.array(history.links, object)}
-        return cls(_over({**names, "storey": numbers, "floor": numbers}, history, np.float64))
+        coords = {
+            "time": ("time", history.time, {"units": "s", "long_name": "time since the motion began"}),
+            "building": np.array(history.buildings, object),
+            "storey": numbers,
+            "floor": numbers,
+            "link": np.array(history.links, object),
+        }
+        data = {}
+        for name, (dims, unit, text) in FIELDS.items():
+            of = name.removeprefix("energy_")
+            values = getattr(history, name) if of == name else history.energy[of]
+            data[name] = (dims, values, {"units": unit, "long_name": text})
+        return cls(xr.Dataset(data, coords))
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name != "time" and name not in FIELDS:
             raise AttributeError(f"a history has no {name!r}")
-        if name not in self.dataset:  # no case of the file has a link
-            return np.empty((self.dataset.sizes["time"], 0))
         return self.dataset[name].values
 
     @property
@@ -94,7 +96,7 @@ class History:
     @property
     def links(self) -> tuple[str, ...]:
         """Names in the order of the tables."""
-        return tuple(self.dataset["link"].values.tolist()) if "link" in self.dataset else ()
+        return tuple(self.dataset["link"].values.tolist())
 
     @property
     def energy(self) -> dict[str, np.ndarray]:
@@ -122,17 +124,18 @@ class History:
             said = f"no quantity '{quantity}' in a history"
             raise InputError(Problem(said, f"write one of {', '.join(QUANTITIES)}"))
         (_, *dims), unit, text = QUANTITIES[quantity]
-        values = np.stack(list(self.energy.values()), axis=1) if quantity == "energy" else getattr(self, quantity)
-        names = {"building": self.buildings, "link": self.links, "kind": ENERGIES}
-        columns: Any = pd.Index([quantity])
-        if len(dims) == 2:
-            numbers = range(1, values.shape[2] + 1)
-            columns = pd.MultiIndex.from_product([self.buildings, numbers], names=dims)
-        elif dims:
-            columns = pd.Index(names[dims[0]], name=dims[0])
         index = pd.Index(self.time, name="time")
-        frame = pd.DataFrame(values.reshape(len(index), -1), index=index, columns=columns)
-        frame = frame.loc[:, ~np.isnan(values.reshape(len(index), -1)).all(axis=0)]
+        if quantity == "energy":
+            frame = pd.DataFrame(self.energy, index).rename_axis(columns="kind")
+        elif not dims:
+            frame = pd.DataFrame({quantity: getattr(self, quantity)}, index)
+        else:
+            names: Any = [self.dataset[dim].values for dim in dims]
+            columns = (
+                pd.MultiIndex.from_product(names, names=dims) if len(dims) > 1 else pd.Index(names[0], name=dims[0])
+            )
+            frame = pd.DataFrame(getattr(self, quantity).reshape(len(index), -1), index, columns)
+        frame = frame.dropna(axis=1, how="all")
         frame.attrs = {"units": unit, "long_name": text}
         return frame
 
@@ -160,7 +163,8 @@ class History:
         """
         import matplotlib.pyplot as plt
 
-        chosen = quantities or ("displacement", *(("closing", "link_force") if self._has_links else ()))
+        has_links = not self.frame("link_force").empty
+        chosen = quantities or ("displacement", *(("closing", "link_force") if has_links else ()))
         frames = [self._curves(name, level) for name in chosen]
         given: Any = axes
         if given is None:
@@ -176,29 +180,25 @@ class History:
                 ax.plot(part.index, part[column], label=_label(column, part.columns.names), lw=1.2)
             ax.set_ylabel(f"{name.replace('_', ' ')} [{frame.attrs['units']}]")
             ax.grid(alpha=0.3)
-            if len(part.columns) > 1 or part.columns.names[0] is not None:
-                ax.legend(fontsize="small")
+            ax.legend(fontsize="small")
         panels[-1].set_xlabel("time [s]")
         return panels
 
     def _curves(self, quantity: str, level: int | None) -> pd.DataFrame:
         """What is drawn of a quantity: one floor or storey a building, one link a pair."""
-        from pounding_cli.solver.histories import link_ends
-
         frame = self.frame(quantity)
-        if quantity not in ("link_force", "closing") and frame.columns.nlevels == 1:
+        if frame.columns.names == ["link"]:
+            parts = [label.rpartition(" floor ") for label in frame.columns]
+            places: list[Any] = [(pair, floors.split(",")[0].split("|")[0]) for pair, _, floors in parts]
+        elif frame.columns.nlevels == 1:
             return frame
-        places: list[Any] = list(frame.columns)
-        if frame.columns.nlevels == 1:
-            ends = dict(zip(self.links, link_ends(self.buildings, self.links), strict=True))
-            places = [ends[label][:2] for label in frame.columns]
+        else:
+            places = list(frame.columns)
         top = dict(places)  # the highest number comes last
-        kept = [number == (level or top[of]) for of, number in places]
+        kept = [str(number) == str(level or top[of]) for of, number in places]
         if not any(kept):
             raise InputError(Problem(f"{quantity}: there is nothing at level {level}", "give an existing floor"))
-        part = frame.loc[:, kept]
-        part.attrs = frame.attrs
-        return part
+        return frame.loc[:, kept]
 
     def largest(self) -> pd.DataFrame:
         """The largest value of every quantity in every building and over the links, where it is and when [s].
@@ -231,17 +231,10 @@ class History:
 
         return f"<p>{escape(repr(self))}</p>{self.largest().to_html(float_format='{:.4g}'.format)}"
 
-    @property
-    def _has_links(self) -> bool:
-        return not self.frame("link_force").empty
-
 
 def _label(column: Any, names: Sequence[Any]) -> str:
     """A column in words: "soft, floor 5"."""
     return f"{column[0]}, {names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
-
-
-# Those of a results file
 
 
 def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -> Iterator[xr.Dataset]:
@@ -252,96 +245,23 @@ def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -
     """
     if len(plan.kept) >= WORTH_TELLING:
         tell(f"{counted(len(plan.kept), 'scene')} to run for their histories")
-    status, names = found["status"].values, (plan.cases, plan.analyses, plan.records)
     over = {name: found[name].values for name in ("building", "storey", "floor", "link") if name in found.coords}
     for row in plan.kept:
-        at = (*row.point, *(known.index(name) for known, name in zip(names, row[1:4], strict=True)))
-        if status[at] != DONE:
-            continue
         place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
+        status = (
+            found["status"].sel(place).isel({axis.names[0]: n for axis, n in zip(plan.axes, row.point, strict=True)})
+        )
+        if status.item() != DONE:
+            continue
         for axis, number in zip(plan.axes, row.point, strict=True):
             place |= dict(zip(axis.names, axis.values[number], strict=True))
         from pounding_cli.solver.histories import history  # here: a study without any needs no numba
 
         try:
-            data = _over(over, history(plan.scene(row.scene), plan.accuracy, plan.every), np.float32)
+            whole = History.of(history(plan.scene(row.scene), plan.accuracy, plan.every)).dataset
         except InputError as error:
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue
+        data = whole.astype(np.float32).reindex(over)
         digest = plan.digests[row.scene].tobytes().hex()
-        data.attrs = place | {"scene": digest, "every": plan.every}
-        yield data
-
-
-def _over(names: Mapping[str, np.ndarray], history: solver.History, kind: type) -> xr.Dataset:
-    """A history over some buildings, storeys, floors and links; of those that it does not have NaN."""
-    import xarray as xr
-
-    variable = partial(xr.Variable, fastpath=True)  # see `dataset._variable`
-    coords = {name: variable(name, values) for name, values in names.items()}
-    coords["time"] = variable("time", history.time, {"units": "s", "long_name": "time since the motion began"})
-    labels = names["link"].tolist() if "link" in names else []
-    known = [number for number, label in enumerate(history.links) if label in labels]
-    columns = [labels.index(history.links[number]) for number in known]
-    data = {}
-    for name, (dims, unit, text) in FIELDS.items():
-        if "link" in dims and "link" not in names:
-            continue
-        of = name.removeprefix("energy_")
-        values = getattr(history, name) if of == name else history.energy[of]
-        whole: np.ndarray = np.full([coords[dim].size for dim in dims], np.nan, kind)
-        if "link" in dims:
-            whole[:, columns] = values[:, known]
-        else:
-            whole[tuple(slice(size) for size in values.shape)] = values
-        data[name] = variable(dims, whole, {"units": unit, "long_name": text})
-    return xr.Dataset(data, coords)
-
-
-def kept_places(path: Path) -> list[dict[str, Any]]:
-    """Every kept scene of a file in the order of the tables: its attributes, `number` and `times`.
-
-    Raises InputError, see `file.opened`.
-    """
-    found = []
-    for number in sorted(groups(path, GROUP), key=int):
-        with opened(path, f"{GROUP}/{number}") as data:
-            facts = {str(name): plain_value(value) for name, value in data.attrs.items()}
-            found.append(facts | {"number": int(number), "times": data["time"].size})
-    return found
-
-
-def chosen_place(places: Sequence[dict[str, Any]], wanted: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """The one of `kept_places` whose attributes are `wanted`; `name`: what errors call the file.
-
-    Raises
-    ------
-    InputError : there is none, or more than one
-    """
-    if not places:
-        hint = "add `keep: histories` to the study and run it again; what is solved stays"
-        raise InputError(Problem("keeps no histories", hint, name))
-    meant = [facts for facts in places if all(_same(facts.get(key), value) for key, value in wanted.items())]
-    if len(meant) == 1:
-        return meant[0]
-    shown = []
-    for facts in meant or places:
-        swept = [f"{key} = {value}" for key, value in facts.items() if key not in (*PLACE, *_FACTS)]
-        shown.append(", ".join((*swept, *(facts[key] for key in PLACE))))
-    listed = "; ".join(shown[:12]) + (f"; ... {len(shown)} in all" if len(shown) > 12 else "")
-    said = ", ".join(f"{key} {value}" for key, value in wanted.items())
-    what = (f"keeps {len(meant)} histories" if meant else "keeps no history") + (f" of {said}" if said else "")
-    raise InputError(Problem(what, f"{'say which of' if meant else 'kept are'}: {listed}", name))
-
-
-def _same(one: Any, other: Any) -> bool:
-    """Whether two values of a key are the same, numbers to nine digits."""
-    if isinstance(one, float) and isinstance(other, int | float):
-        return abs(one - other) <= 1e-9 * max(abs(one), abs(other))
-    return bool(one == other)
-
-
-def read_history(path: Path, number: int) -> History:
-    """A kept scene; links in the file's order, NaN where the scene has none.  Raises InputError, see `file.opened`."""
-    with opened(path, f"{GROUP}/{number}") as data:
-        return History(data.load())
+        yield data.assign_attrs(place | {"scene": digest, "every": plan.every})

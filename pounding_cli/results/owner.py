@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
 from pounding_cli.results import file
 from pounding_cli.results.keys import FORMAT_VERSION
@@ -39,43 +38,33 @@ def check_results(path: Path, study: Study, workflow: str = "run", replace: bool
 
     Raises
     ------
-    InputError : as `outputs.check_output`; results of another study or of a newer program; damaged results that do not
-        tell their study
+    InputError : as `outputs.check_output`; results of another study, another command or a newer program; damaged
+        results that do not tell their study
     """
     check_output(path, [study.path], lambda place, _: file.is_results(place))
-    if not path.exists() or not path.stat().st_size:
-        return
-    held, facts = "damaged results whose study cannot be read", {}
-    try:
-        facts = file.facts(path, version=None)
-    except InputError:
-        pass
-    else:
-        version, command = int(facts.get("format_version", 0)), facts.get("workflow", facts.get("kind", "run"))
-        if version > FORMAT_VERSION:
-            said = f"the output has format version {version}, newer than this program's {FORMAT_VERSION}"
-            raise InputError(Problem(said, "choose another name with -o FILE.h5, or move it away", str(path)))
-        of = "" if command == "run" else f" of `pound {command}`"
-        if not _is_of(facts, study, path):
-            source = f" ({facts['study_file']})" if facts.get("study_file") else ""
-            scenes = f" with {counted(int(facts['scenes']), 'scene')}" if "scenes" in facts else ""
-            held = f"another study{of}: '{facts.get('title')}'{source}{scenes}"
-        elif command == workflow:
-            return
-        else:
-            held = f"results of `pound {command}`"
-    if not replace:
-        free = next(name for n in range(2, 1000) if not (name := path.with_stem(f"{path.stem}-{n}")).exists())
-        hint = f"name another file, e.g. -o {free}, or use --replace to delete it (in Python: replace=True)"
+    held = _held(path, study, workflow)
+    if held and not replace:
+        hint = "name another file with -o, or use --replace to delete it (in Python: replace=True)"
         raise InputError(Problem(f"the output holds {held}", hint, str(path)))
 
 
-def _is_of(facts: dict, study: Study, path: Path) -> bool:
-    """Whether the results in `path` came from a study."""
-    place, same_title = facts.get("study_file"), str(facts.get("title")) == study.title
-    if not place:
-        return (place is None or study.from_data) and same_title
+def _held(path: Path, study: Study, workflow: str) -> str:
+    """What other results than those of the same study and command stand at `path`, in words."""
+    if not path.exists() or not path.stat().st_size:
+        return ""
+    try:
+        facts = file.facts(path, version=None)
+    except InputError:
+        return "damaged results whose study cannot be read"
+    version, command = int(facts.get("format_version", 0)), facts.get("workflow", facts.get("kind", "run"))
+    if version > FORMAT_VERSION:
+        return f"results of a newer program, of format version {version}"
+    title, place = str(facts.get("title")), facts.get("study_file")
     there = path.parent / str(place).replace("\0", "")
-    if study.from_data:
-        return False
-    return there.resolve() == study.path.resolve() or (not os.path.exists(there) and same_title)
+    if place and not study.from_data and os.path.exists(there):
+        is_same = there.resolve() == study.path.resolve()
+    else:
+        is_same = title == study.title and (place is None or bool(place) != study.from_data)
+    if not is_same:
+        return f"another study: '{title}'" + (f" ({place})" if place else "")
+    return "" if command == workflow else f"results of `pound {command}`"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -12,13 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, counted, listed
 from pounding_cli.records.scaling import SpectrumMatch
 from pounding_cli.results.file import groups, opened, plain_value, read_table, written
 from pounding_cli.results.flags import counts_of_flags, flagged_scenes
-from pounding_cli.results.histories import History, chosen_place, kept_places, read_history
+from pounding_cli.results.histories import History
 from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
 from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.texts import plain, plain_tree
@@ -111,7 +113,7 @@ class Results:
         """The spectra of the motions as used against the target they were scaled to; None where there is none."""
         if "study_spectrum" not in self.data:
             return None
-        return SpectrumMatch.of_dict(json.loads(str(self.data["study_spectrum"].item())))
+        return TypeAdapter(SpectrumMatch).validate_json(str(self.data["study_spectrum"].item()))
 
     # Tables
 
@@ -153,22 +155,22 @@ class Results:
 
     def link(self) -> pd.DataFrame:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]."""
+        dims = (*self._dims, *PLACE, "link")
         facts = ["link_left", "link_right", "link_floor"]
-        names = ["kind", "gap", *_OVER[LINK], "link_right_floor", *(name for name in OF_COLUMNS if name in self.data)]
+        names = [*facts, "kind", "gap", *_OVER[LINK], "link_right_floor", *(n for n in OF_COLUMNS if n in self.data)]
         if "link" not in self.data:
             import pandas as pd
 
-            columns = [*self.axes, *PLACE, "link", *facts, *names]
-            return pd.DataFrame({name.removeprefix("link_"): [] for name in columns})
-        frame = self._frame([*facts, *names, "status"], (*self._dims, *PLACE, "link"))
-        frame.columns = [str(name).removeprefix("link_") for name in frame]
-        return frame[(frame["kind"] != "") & (frame["status"] != "")].drop(columns="status").reset_index(drop=True)
+            frame = pd.DataFrame(columns=[*self.axes, *PLACE, "link", *names])
+        else:
+            frame = self._frame(names, dims, self._solved(dims) & (self._over("kind", dims) != ""))
+        return frame.rename(columns=lambda name: str(name).removeprefix("link_"))
 
     def base(self) -> pd.DataFrame:
         """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
-        names = ["sway", "rocking", *(["isolator_displacement"] if "isolator_displacement" in self.data else [])]
-        frame = self._solved(self._frame([*names, "status"], (*self._dims, *PLACE, "building")))
-        return frame[(frame[names] > 0).any(axis=1)].drop(columns="status").reset_index(drop=True)
+        names = [name for name in ("sway", "rocking", "isolator_displacement") if name in self.data]
+        dims = (*self._dims, *PLACE, "building")
+        return self._frame(names, dims, self._solved(dims) & np.any([self._over(n, dims) > 0 for n in names], axis=0))
 
     def struck(self) -> pd.DataFrame:
         """Per row of columns that a slab strikes between floors: building, storey, height of the blow over that of the
@@ -193,7 +195,8 @@ class Results:
 
     @cached_property
     def _scene(self) -> pd.DataFrame:
-        return self._solved(self._frame(_SCENE, (*self._dims, *PLACE)))
+        dims = (*self._dims, *PLACE)
+        return self._frame(_SCENE, dims, self._solved(dims))
 
     def flagged(self) -> pd.DataFrame:
         """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, meaningless; no row where
@@ -209,7 +212,8 @@ class Results:
         """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
         energy left open [-], steps, events, Taylor orders, seconds in the solver.
         """
-        return self._solved(self._frame(_ACCURACY, (*self._dims, *PLACE)))
+        dims = (*self._dims, *PLACE)
+        return self._frame(_ACCURACY, dims, self._solved(dims))
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
@@ -231,17 +235,13 @@ class Results:
         counts = counts_of_flags(flags) | {"records_collapsed": (status == COLLAPSED).sum(axis=-1)}
         found |= {name: xr.Variable(places, count) for name, count in counts.items()}
         dims = (*places, "building", "storey")
-        return self._frame(list(found), dims, found)[self._there(dims)].reset_index(drop=True)
+        return self._frame(list(found), dims, self._there(dims), found)
 
     def records(self) -> pd.DataFrame:
         """Per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.
 
         Swept axes that change a motion come first.
         """
-        return self._records.copy()
-
-    @cached_property
-    def _records(self) -> pd.DataFrame:
         dims = [dim for dim in (*self._dims, "record") if dim in self.data["record_scale"].dims]
         frame = self._frame([f"record_{name}" for name in _RECORD], dims)
         return frame.rename(columns=lambda name: str(name).removeprefix("record_"))
@@ -256,10 +256,10 @@ class Results:
         """
         names = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear_ratio", "slab", "separation"]
         dims = [dim for dim in (*self._dims, "building", "storey") if dim in self.data["mass"].dims]
-        frame = self._frame(names, dims)
+        frame = self._frame(names, dims, self._there(dims))
         places = {name: place for place, name in enumerate(self.data["building"].values.tolist(), start=1)}
         frame.insert(list(frame.columns).index("storey"), "place", frame["building"].map(places))
-        return frame[frame["height"].notna()].reset_index(drop=True)
+        return frame
 
     # Scenes over time
 
@@ -267,12 +267,12 @@ class Results:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
         import pandas as pd
 
-        names = (*self.axes, *PLACE, "number", "scene", "every", "times")
-        return pd.DataFrame({name: [row[name] for row in self._kept] for name in names})
-
-    @cached_property
-    def _kept(self) -> list[dict[str, Any]]:
-        return kept_places(self.path)
+        rows = []
+        for number in sorted(groups(self.path, "histories"), key=int):
+            kept = opened(self.path, f"histories/{number}")
+            facts = {str(name): plain_value(value) for name, value in kept.attrs.items()}
+            rows.append(facts | {"number": int(number), "times": kept["time"].size})
+        return pd.DataFrame(rows, columns=[*self.axes, *PLACE, "number", "scene", "every", "times"])
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
@@ -288,9 +288,25 @@ class Results:
         ------
         InputError : no kept scene, or more than one, is meant
         """
+        meant = kept = self.histories()
         given = {"case": case, "analysis": analysis, "record": record, **swept}
-        wanted = {k: v for k, v in given.items() if v is not None}
-        return read_history(self.path, chosen_place(self._kept, wanted, str(self.path))["number"])
+        given = {key: value for key, value in given.items() if value is not None}
+        for key, value in given.items():
+            is_number = isinstance(value, int | float) and key in self.axes
+            meant = meant[np.isclose(meant[key], value, 1e-9, 0.0) if is_number else meant.get(key) == value]
+        if len(meant) == 1:
+            return History(opened(self.path, f"histories/{meant['number'].iloc[0]}").load())
+        if kept.empty:
+            hint = "add `keep: histories` to the study and run it again; what is solved stays"
+            raise InputError(Problem("keeps no histories", hint, str(self.path)))
+        places = (kept if meant.empty else meant)[[*self.axes, *PLACE]].to_dict("records")
+        shown = [
+            ", ".join(f"{key} = {place[key]}" if key in self.axes else place[key] for key in place) for place in places
+        ]
+        said = " of " + ", ".join(f"{key} {value}" for key, value in given.items()) if given else ""
+        what = "keeps no history" if meant.empty else f"keeps {len(meant)} histories"
+        hint = f"{'kept are' if meant.empty else 'say which of'}: {listed(shown)}"
+        raise InputError(Problem(f"{what}{said}", hint, str(self.path)))
 
     def first_sample(self) -> Results:
         """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
@@ -299,7 +315,7 @@ class Results:
     def at(self, index: Mapping[str, int]) -> Results:
         """The same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
         found = copy.copy(self)
-        for kept in ("buildings", "_scene", "_records"):  # of the whole
+        for kept in ("buildings", "_scene"):  # of the whole
             found.__dict__.pop(kept, None)
         found.data = self.data.isel({dim: [place] for dim, place in index.items()})
         cut = {name: index[names[0]] for names in self.swept if names[0] in index for name in names}
@@ -341,31 +357,47 @@ class Results:
 
     def _levels(self, level: str, names: list[str]) -> pd.DataFrame:
         dims = (*self._dims, *PLACE, "building", level)
-        frame = self._frame([*names, "status"], dims)
-        there = self._there(dims) & (frame["status"] != "").to_numpy()
-        return frame[there].drop(columns="status").reset_index(drop=True)
+        return self._frame(names, dims, self._there(dims) & self._solved(dims))
 
-    def _solved(self, frame: pd.DataFrame) -> pd.DataFrame:
-        """The rows that have a scene: a question need not ask for all."""
-        return frame[frame["status"] != ""].reset_index(drop=True)
+    def _over(self, name: str, dims: Sequence[str]) -> np.ndarray:
+        """A variable at every row over `dims`."""
+        return self._ravelled(self.data[name].variable, dims)
+
+    def _ravelled(self, v: xr.Variable, dims: Sequence[str]) -> np.ndarray:
+        return v.set_dims({dim: self.data.sizes[dim] for dim in dims}).transpose(*dims).values.ravel()
+
+    def _solved(self, dims: Sequence[str]) -> np.ndarray:
+        """Which rows over `dims` have a scene: a question need not ask for all."""
+        return self._ravelled(self.data["status"].variable != "", dims)
 
     def _there(self, dims: Sequence[str]) -> np.ndarray:
         """Which rows over `dims` stand for a storey, or its floor, that exists."""
-        mass = self.data["mass"].rename(storey=dims[-1]).variable
-        sizes = {dim: self.data.sizes[dim] for dim in dims}
-        return np.isfinite(mass.set_dims(sizes).transpose(*dims).values).ravel()
+        return np.isfinite(self._ravelled(self.data["mass"].rename(storey=dims[-1]).variable, dims))
 
     def _frame(
-        self, names: Sequence[str], dims: Sequence[str], more: Mapping[str, xr.Variable] | None = None
+        self,
+        names: Sequence[str],
+        dims: Sequence[str],
+        rows: np.ndarray | None = None,
+        more: Mapping[str, xr.Variable] | None = None,
     ) -> pd.DataFrame:
         """Variables over `dims`, which come first as columns; an axis gives one for each of its keys.
 
+        rows : which are wanted of all rows; every one unless given
         more : variables that the file does not have
         """
         import pandas as pd
 
         variables: dict[Any, xr.Variable] = dict(self.data.variables) | dict(more or {})
-        sizes = {dim: self.data.sizes[dim] for dim in dims}
+        sizes = [self.data.sizes[dim] for dim in dims]
+        at = np.arange(math.prod(sizes)) if rows is None else np.flatnonzero(rows)
+        place: dict[Any, np.ndarray] = dict(zip(dims, np.unravel_index(at, sizes), strict=True))
         keys = [key for key in self.axes if set(variables[key].dims) <= set(dims)]
-        columns = (*keys, *(dim for dim in dims if dim not in self._dims), *names)
-        return pd.DataFrame({name: variables[name].set_dims(sizes).transpose(*dims).values.ravel() for name in columns})
+        found: dict[str, Any] = {}
+        for name in (*keys, *(dim for dim in dims if dim not in self._dims), *names):
+            v = variables[name]
+            if v.ndim == 1:  # texts that repeat are made once
+                found[name] = pd.Series(v.values).array.take(place[v.dims[0]])
+            else:
+                found[name] = self._ravelled(v, dims)[at]
+        return pd.DataFrame(found)

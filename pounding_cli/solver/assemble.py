@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.formula import Row, WrittenLaw
+from pounding_cli.laws.formula import Formula, WrittenLaw
 from pounding_cli.laws.joints import Maxwell
-from pounding_cli.laws.law import JOINED, PARAMETERS
+from pounding_cli.laws.law import JOINED, PARAMETERS, Behaviour
+from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
-from pounding_cli.model.effects import effects_of
-from pounding_cli.model.foundation import Foundation
+from pounding_cli.model.effects import Effects
 from pounding_cli.model.links import Link
-from pounding_cli.model.scene import Analysis, Scene
+from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver.records import COLUMN, DOF, ELEMENT, FORMULA, RUN, SERIES, STATE, TERM, Data, Room, Watch
@@ -90,7 +90,7 @@ class _Elements:
     storeys: list[dict[str, Any]] = field(default_factory=list)
     drags: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
     links: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
-    formulas: list[tuple[Row, ...]] = field(default_factory=list)
+    formulas: list[Formula] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +114,6 @@ class Layout:
     feet: tuple[int, ...]
     drags: int
     struck: tuple[Columns, ...]
-    collapses: bool
     has_smooth: bool
 
     @property
@@ -128,9 +127,17 @@ class Layout:
         return slice(self.number + self.drags, self.elements.size)
 
 
-def _element(law_behaviour: Any, p: Sequence[float], **more: float) -> dict[str, Any]:
+def _element(behaviour: Behaviour, p: Sequence[float], **more: float) -> dict[str, Any]:
     """The fields of an element with these parameters."""
-    return {"kind": BEHAVIOURS.index(law_behaviour), "p": tuple(p) + (0.0,) * (PARAMETERS - len(p)), **more}
+    return {"kind": BEHAVIOURS.index(behaviour), "p": tuple(p) + (0.0,) * (PARAMETERS - len(p)), **more}
+
+
+def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
+    """The element of a storey or under a base, with a dashpot c [N s/m]; with a spring k [N/m] where it cannot
+    yield."""
+    if law is None:
+        return _element(JOINED, (k, c), c=c)
+    return _element(law.behaviour, law.numbers(), c=c, yields=1)
 
 
 def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool) -> tuple[slice, int, int]:
@@ -140,53 +147,33 @@ def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool
     sways, rocks = f is not None and f.sways, f is not None and f.rocks
     base = len(made.dofs) if sways else -1
     if f is not None and sways:
-        made.dofs.append({"mass": f.mass, "loaded": 1.0})
-        made.storeys.append(_base(b, f))
+        made.dofs.append({"mass": f.mass, "inv_mass": 1.0 / f.mass, "loaded": 1.0})
+        made.storeys.append(_storey(*b.base_spring, b.isolators))
     first = len(made.dofs)
     if isinstance(b, Wall) and not b.moves:
         made.dofs.append({"mass": 1.0, "inv_mass": 0.0, "loaded": 1.0})
-        made.storeys.append(_element(JOINED, (0.0, 0.0)))
+        made.storeys.append(_storey(0.0, 0.0))
         return slice(first, first + 1), -1, -1
     foot = first + b.storeys if rocks else -1
-    for j in range(b.storeys):
-        below = 1.0 if j or sways else 0.0
-        lean = -float(b.height[j]) if rocks else 0.0
-        drag = b.alpha if f is None else 0.0
-        made.dofs.append(
-            {"mass": b.mass[j], "loaded": 1.0, "drag": drag, "below": below, "lean": lean, "foot": max(foot, 0)}
-        )
+    for j, law in enumerate(b.laws):
+        mass, height = float(b.mass[j]), float(b.height[j])
+        made.dofs.append({
+            "mass": mass, "inv_mass": 1.0 / mass, "loaded": 1.0, "drag": b.alpha if f is None else 0.0,
+            "below": 1.0 if j or sways else 0.0, "lean": -height if rocks else 0.0, "foot": max(foot, 0),
+        })  # fmt: skip
         limit = float(b.collapse_drift[j]) if collapses else math.inf
-        load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] / b.height[j])
-        made.storeys.append(_storey(b, j, inelastic) | {"collapse": limit, "load": load})
+        load = 0.0 if b.gravity_load is None else float(b.gravity_load[j]) / height
+        storey = _storey(law.stiffness, b.beta * law.stiffness, law if inelastic and law.can_yield else None)
+        made.storeys.append(storey | {"collapse": limit, "load": load})
         if f is not None and b.alpha > 0:
             weights = {first + j: 1.0} | ({base: -1.0} if sways else {})
             if rocks:
                 weights[foot] = -float(b.elevation[j])
-            made.drags.append((_element(JOINED, (0.0, b.alpha * b.mass[j])), weights))
+            made.drags.append((_element(JOINED, (0.0, b.alpha * mass)), weights))
     if f is not None and rocks:
-        made.dofs.append({"mass": f.inertia})
-        made.storeys.append(_element(JOINED, (f.rocking_stiffness, f.rocking_damping), c=f.rocking_damping))
+        made.dofs.append({"mass": f.inertia, "inv_mass": 1.0 / f.inertia})
+        made.storeys.append(_storey(f.rocking_stiffness, f.rocking_damping))
     return slice(first, first + b.storeys), base, foot
-
-
-def _base(b: Building, f: Foundation) -> dict[str, Any]:
-    """The element under a base that sways."""
-    if b.isolators is None:
-        return _element(JOINED, b.base_spring, c=b.base_spring[1])
-    return _element(b.isolators.behaviour, b.isolators.numbers(), c=f.sway_damping, yields=1)
-
-
-def _storey(b: Building, j: int, inelastic: bool) -> dict[str, Any]:
-    """The element of storey j (from 0)."""
-    law, c = b.laws[j], float(b.beta * b.stiffness[j])
-    if not (inelastic and law.can_yield):
-        return _element(JOINED, (law.stiffness, c), c=c)
-    return _element(law.behaviour, law.numbers(), c=c, yields=1)
-
-
-def _inv_mass(dof: Mapping[str, Any]) -> float:
-    """1 / mass [1/kg]; 0 of what does not move."""
-    return float(dof.get("inv_mass", 1.0 / dof["mass"]))
 
 
 def _end(b: Building, floors: slice, base: int, foot: int, floor: int, at: float) -> Weights:
@@ -208,12 +195,11 @@ def _end(b: Building, floors: slice, base: int, foot: int, floor: int, at: float
 
 def _add_link(made: _Elements, link: Link, ends: Sequence[Weights]) -> None:
     """A link between two ends; its law is told the masses that move with them."""
-    inverse = [sum(w * w * _inv_mass(made.dofs[i]) for i, w in end.items()) for end in ends]
+    inverse = [sum(w * w * made.dofs[i]["inv_mass"] for i, w in end.items()) for end in ends]
     masses = [1.0 / each if each else math.inf for each in inverse]
     numbers = link.law.numbers(*masses)
     if isinstance(link.law, WrittenLaw):
-        force = link.law.force(1.0 / sum(inverse))
-        made.formulas.append(() if force.is_straight else force.rows)
+        made.formulas.append(link.law.force(1.0 / sum(inverse)))
     left, right = ends
     weights = left | {dof: -weight for dof, weight in right.items()}
     eased = link.law.behaviour.force is not None
@@ -233,21 +219,20 @@ def _filled(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) 
     return records
 
 
-def _formulas(lists: Sequence[Sequence[Row]]) -> np.ndarray:
-    """Records of formulas with these operations, one at least."""
-    records = np.zeros(max(len(lists), 1), FORMULA)
-    for record, rows in zip(records, lists, strict=False):
-        record["count"] = len(rows)
-        record["operations"][: len(rows)] = np.reshape(rows, (-1, 4))
+def _formulas(formulas: Sequence[Formula]) -> np.ndarray:
+    """Records of formulas, one at least."""
+    records = np.zeros(max(len(formulas), 1), FORMULA)
+    for record, formula in zip(records, formulas, strict=False):
+        record["count"], record["result"] = len(formula.rows), formula.result
+        record["operations"][: len(formula.rows)] = formula.rows
     return records
 
 
 def _tied(elements: np.ndarray, first: int, all_weights: Sequence[Weights], terms: list[tuple[float, int]]) -> None:
     """Enter the degrees of freedom of links: two plain ends where there are, all else as terms."""
-    for e, weights in enumerate(all_weights, first):
+    for element, weights in zip(elements[first:], all_weights, strict=True):
         ends = [next((i for i, w in weights.items() if w == sign), -1) for sign in (1.0, -1.0)]
         left, right = (0, 0) if -1 in ends else ends  # no plain ends: all weights are terms
-        element = elements[e]
         element["left"], element["right"], element["hold"], element["first"] = left, right, 1.0, len(terms)
         terms += [(w, i) for i, w in weights.items() if left == right or i not in (left, right)]
         element["last"] = len(terms)
@@ -275,46 +260,36 @@ def _column_shears(
 
 
 @functools.lru_cache(maxsize=64)  # the same for every motion
-def layout_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Layout:
+def layout_of(buildings: tuple[Building, ...], links: tuple[Link, ...], effects: Effects) -> Layout:
     """Lay out buildings and links."""
-    effects = effects_of(Scene(buildings, links, _still(), analysis))
     made = _Elements()
-    places = [
-        _add_building(made, b, effects.yielding, effects.collapse) for b in buildings
-    ]  # storeys first, then what acts besides
+    places = [_add_building(made, b, effects.yielding, effects.collapse) for b in buildings]
     for link in links:
         ends = [_end(buildings[b], *places[b], floor, at) for b, floor, at in link.ends]
         _add_link(made, link, ends)
     n, others = len(made.dofs), [*made.drags, *made.links]
     dofs = _filled(DOF, made.dofs)
-    dofs["inv_mass"] = [_inv_mass(each) for each in made.dofs]
-    elements = _filled(
-        ELEMENT, [{"collapse": math.inf} | fields for fields in (*made.storeys, *(own for own, _ in others))]
-    )
-    terms: list[tuple[float, int]] = []
-    for i in range(n):
-        element = elements[i]
-        element["left"], element["right"], element["first"] = i, max(i - 1, 0), len(terms)
-        element["hold"] = dofs[i]["below"]
-        if dofs[i]["lean"]:
-            terms.append((dofs[i]["lean"], dofs[i]["foot"]))
+    rows = [{"collapse": math.inf} | fields for fields in (*made.storeys, *(own for own, _ in others))]
+    elements, terms = _filled(ELEMENT, rows), list[tuple[float, int]]()
+    for i, element in enumerate(elements[:n]):
+        element["left"], element["right"], element["hold"] = i, max(i - 1, 0), dofs[i]["below"]
+        element["first"] = len(terms)
+        terms += [(dofs[i]["lean"], dofs[i]["foot"])] if dofs[i]["lean"] else []
         element["last"] = len(terms)
     _tied(elements, n, [weights for _, weights in others], terms)
     struck, floors = struck_columns(links), tuple(place[0] for place in places)
     columns = _filled(COLUMN, _column_shears(struck, floors, n + len(made.drags), terms), 1)
     table = np.zeros(max(len(terms), 1), TERM)
-    if terms:
-        table["weight"], table["dof"] = zip(*terms, strict=True)
+    table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
     behaviours = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
     storeys = np.flatnonzero([each.force is not None for each in behaviours[:n]])
     elements["row"][storeys] = elements.size - n + np.arange(storeys.size)
-    changing = [e for e, each in enumerate(behaviours) if each.history_rate is not None]
-    changing += [e for e, link in enumerate(links, n + len(made.drags)) if link.law.behaviour is Maxwell.behaviour]
+    maxwell = Maxwell.behaviour
+    changing = [e for e, each in enumerate(behaviours) if each.history_rate is not None or each is maxwell]
     elements["state"][changing] = 2 * n + np.arange(len(changing))
     return Layout(
-        buildings, links, dofs, elements, table, columns,
-        _formulas(made.formulas), floors, tuple(place[1] for place in places),
-        tuple(place[2] for place in places), len(made.drags), struck, effects.collapse,
+        buildings, links, dofs, elements, table, columns, _formulas(made.formulas), floors,
+        tuple(place[1] for place in places), tuple(place[2] for place in places), len(made.drags), struck,
         any(each.force is not None for each in behaviours),
     )  # fmt: skip
 
@@ -328,12 +303,6 @@ def term_matrix(layout: Layout) -> np.ndarray:
         for x in range(element["first"], element["last"]):
             row[layout.terms["dof"][x]] += layout.terms["weight"][x]
     return matrix
-
-
-@functools.cache
-def _still() -> Motion:
-    """Two samples of still ground."""
-    return Motion("still", 1.0, np.zeros(2))
 
 
 def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
@@ -356,14 +325,6 @@ def _at_line(rows: np.ndarray) -> np.ndarray:
     made = room[first : first + rows.nbytes].view(rows.dtype)
     made[:] = rows
     return made
-
-
-NO_TIMES = np.zeros(0)
-
-
-@functools.lru_cache(maxsize=64)
-def _watch_of_nothing(layout: Layout) -> Watch:
-    return watch_of(layout, NO_TIMES)
 
 
 def watch_of(layout: Layout, times: np.ndarray) -> Watch:
@@ -393,7 +354,7 @@ def records_of(
     r["smooth_tolerance"] = max(SMOOTHER * tolerance, FINEST_SMOOTH)
     r["points"] = next(points for above, points in POINTS if accuracy >= above)
     r["max_order"], r["has_lean"] = max_order(tolerance), bool(np.any(dofs["lean"] != 0.0))
-    r["most_steps"], r["most_events"], r["collapses"] = *bounds, layout.collapses
+    r["most_steps"], r["most_events"] = bounds
     r["always_smooth"] = always_smooth
     room = None
     if layout.has_smooth or always_smooth or method.takes_step:
@@ -401,7 +362,7 @@ def records_of(
         room = Room(np.zeros(2 * layout.number + changing, STATE), layout.formulas.copy())
         room.states["scale"] = LEAST_STATE
     rows = max(elements.size - layout.number + layout.number * layout.has_smooth, 1)
-    watch = _watch_of_nothing(layout) if times is None else watch_of(layout, times)
+    watch = watch_of(layout, np.zeros(0) if times is None else times)
     return Data(dofs, elements, layout.terms, run, np.zeros(rows, SERIES), layout.columns.copy(), room, watch)
 
 

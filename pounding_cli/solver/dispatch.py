@@ -5,79 +5,62 @@ from __future__ import annotations
 import functools
 import math
 import types
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from numba import njit
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, Operation
+from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, carried_out
 from pounding_cli.solver.options import CALLED, PART
 
 WRITTEN = BEHAVIOURS.index(WRITTEN_BEHAVIOUR)
 """Kind of the elements whose force is a formula of the study."""
 
-PLUS, TIMES, POWER = int(Operation.PLUS), int(Operation.TIMES), int(Operation.POWER)
+
+HOW = {"part": PART, "called": CALLED}
+"""Options of numba for a function of a law."""
 
 
 @functools.cache
-def compiled(function: Callable) -> Any:
-    """A function of a law, and those of the laws that it calls, compiled."""
+def _compiled(function: Callable, how: str) -> Any:
+    """A function of a law, and those of the laws that it calls, compiled as a part of its callers or to be called."""
     known = dict(function.__globals__)
     for name in function.__code__.co_names:
         called = known.get(name)
         if isinstance(called, types.FunctionType) and called.__module__.startswith("pounding_cli.laws"):
-            known[name] = compiled(called)
+            known[name] = _compiled(called, how)
     copy = types.FunctionType(function.__code__, known, function.__name__, function.__defaults__)
-    return njit(**PART)(copy)
+    return njit(**HOW[how])(copy)
 
 
-def _by_kind(functions: Sequence[tuple[int, Callable]]) -> Any:
-    """One compiled function of (element, a, b) that calls the one of the element's kind, found by halves."""
-    if len(functions) == 1:
-        return functions[0][1]
-    middle = len(functions) // 2
-    at = functions[middle][0]
-    left, right = _by_kind(functions[:middle]), _by_kind(functions[middle:])
-
-    @njit(**PART)
-    def choose(e, a, b):
-        if e.kind < at:
-            return left(e, a, b)
-        return right(e, a, b)
-
-    return choose
+def _by_kind(name: str, arguments: str, how: str) -> Any:
+    """One function that calls the one of the element's kind, of those that the behaviours name so. Its text is written
+    here, because a function that is compiled cannot choose from a list of others."""
+    own = {kind: getattr(each, name) for kind, each in enumerate(BEHAVIOURS)}
+    known = {f"of_{kind}": _compiled(each, how) for kind, each in own.items() if each is not None}
+    calls = "".join(f"    if e.kind == {key[3:]}:\n        return {key}({arguments})\n" for key in known)
+    exec(f"def choose({arguments}):\n{calls}    return {list(known)[-1]}({arguments})", known)
+    return njit(**PART)(known["choose"])
 
 
-def _next_branch(behaviour: Any) -> Any:
-    """With the three arguments of `_by_kind`."""
-    function = compiled(behaviour.next_branch)
-
-    @njit(**PART)
-    def choose(e, guard, unused):
-        function(e, guard)
-
-    return choose
-
-
-_branches = _by_kind([(kind, _next_branch(each)) for kind, each in enumerate(BEHAVIOURS)])
-_forces = _by_kind([(kind, compiled(each.force)) for kind, each in enumerate(BEHAVIOURS) if each.force is not None])
-_rates = _by_kind(
-    [(kind, compiled(each.history_rate)) for kind, each in enumerate(BEHAVIOURS) if each.history_rate is not None]
-)
+_next_branch = _by_kind("next_branch", "e, guard", "called")
+_force = _by_kind("force", "e, v, r", "part")
+_history_rate = _by_kind("history_rate", "e, r, h", "part")
+_written_force = njit(**PART)(carried_out)
 
 
 @njit(**CALLED)
 def next_branch(e, guard):
     """Element e meets a guard; what its storey carries of P-Delta goes with the stiffness of the branch."""
-    _branches(e, guard, guard)
+    _next_branch(e, guard)
     e.stiffness = e.k - e.load
 
 
 @njit(**PART)
 def history_rate(e, r, h):
     """Rate of the history variable h of a smooth storey [1/s] at the rate r [m/s] of its drift."""
-    return _rates(e, r, h)
+    return _history_rate(e, r, h)
 
 
 @njit(**PART)
@@ -102,27 +85,4 @@ def force(e, v, r, formula):
 @njit(**PART)
 def smooth_force(e, v, r, formula):
     """Force [N] of a law without a Taylor series, beside that of its line, at v [m] and v' [m/s]."""
-    if e.kind == WRITTEN:
-        return _written_force(formula, v, r)
-    return _forces(e, v, r)
-
-
-@njit(**PART)
-def _written_force(formula, v, r):
-    """The force [N] of a formula, operation by operation (`laws.formula.Operation`)."""
-    operations, registers = formula.operations, formula.registers
-    registers[0], registers[1] = v, r
-    to = 2
-    for i in range(formula.count):
-        code, x, y, a = operations[i, 0], operations[i, 1], operations[i, 2], operations[i, 3]
-        if code == PLUS:
-            registers[to] = registers[int(x)] + registers[int(y)]
-        elif code == TIMES:
-            registers[to] = registers[int(x)] * registers[int(y)]
-        elif code == POWER:
-            base = registers[int(x)]
-            registers[to] = 0.0 if base < 0.0 and a != int(a) else base**a
-        else:
-            registers[to] = a
-        to += 1
-    return registers[to - 1]
+    return _written_force(formula, v, r) if e.kind == WRITTEN else _force(e, v, r)

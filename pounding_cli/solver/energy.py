@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.options import PART
+from pounding_cli.solver.options import CALLED, PART
 from pounding_cli.solver.records import MOST_POINTS
 
 
@@ -25,7 +25,7 @@ def _lobatto_rules() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 PLACES, WEIGHTS, ENDS = _lobatto_rules()
 
 
-@njit(**PART)
+@njit(**CALLED)
 def add_energy(dofs, elements, r, series):
     """Add the energies of the step up to s = run.end [J]."""
     _look_inside(dofs, r)

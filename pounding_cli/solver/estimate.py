@@ -70,17 +70,11 @@ def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
 
 
 def change(first: Response, second: Response) -> float:
-    """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-].
-
-    Storeys at rest in both do not count; nan when either run did not end, inf where only one collapses, or another
-    storey does.
-    """
-    if not (first.has_result and second.has_result):
-        return float("nan")
-    if not _end_alike(first, second):
-        return float("inf")
-    pairs = zip(first.buildings, second.buildings, strict=True)
-    return _largest([(x, y, x) for a, b in pairs for x, y in ((a.shear, b.shear), (a.drift, b.drift))])
+    """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-], as
+    `difference`."""
+    pairs = list(zip(first.buildings, second.buildings, strict=True))
+    found = [(a.shear, b.shear, a.shear) for a, b in pairs] + [(a.drift, b.drift, a.drift) for a, b in pairs]
+    return _largest(first, second, found)
 
 
 def difference(first: Response, second: Response) -> float:
@@ -92,44 +86,36 @@ def difference(first: Response, second: Response) -> float:
     closings, impulses and contact times of links to the largest of their kind in the scene. Counts are left out, and
     so are energies, whose error is the ledger's residual.
     """
-    if not (first.has_result and second.has_result):
-        return float("nan")
-    if not _end_alike(first, second):
-        return float("inf")
-    triples = []
+    found = []
     if first.collapse_storey:
-        one, other = np.array([first.collapse_time]), np.array([second.collapse_time])
-        triples.append((one, other, one))
+        found.append((np.array([first.collapse_time]), np.array([second.collapse_time]), np.zeros(1)))
     for a, b in zip(first.buildings, second.buildings, strict=True):
         reach = np.maximum(a.displacement_max, -a.displacement_min)
-        ground, other = np.array([a.sway, a.rocking]), np.array([b.sway, b.rocking])
-        triples += [
+        found += [
             (a.shear, b.shear, a.shear),
             (a.drift, b.drift, a.drift),
             (a.acceleration, b.acceleration, a.acceleration),
             (a.displacement_max, b.displacement_max, reach),
             (a.displacement_min, b.displacement_min, reach),
             (a.residual_drift, b.residual_drift, a.drift),
-            (ground, other, ground),
+            (np.array([a.sway, a.rocking]), np.array([b.sway, b.rocking]), np.zeros(2)),
         ]
     for name in ("peak_force", "max_closing", "impulse", "contact_time"):
         x, y = getattr(first.links, name), getattr(second.links, name)
-        triples.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
-    for name in ("shear_below", "shear_above"):
-        x, y = getattr(first.columns, name), getattr(second.columns, name)
-        triples.append((x, y, x))
-    return _largest(triples)
+        found.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
+    one, other = first.columns, second.columns
+    found += [(one.shear_below, other.shear_below, one.shear_below)]
+    found += [(one.shear_above, other.shear_above, one.shear_above)]
+    return _largest(first, second, found)
 
 
-def _end_alike(first: Response, second: Response) -> bool:
-    """Whether both runs came to the end of the motion, or in both the same storey collapsed."""
-
-    return (first.collapse_building, first.collapse_storey) == (second.collapse_building, second.collapse_storey)
-
-
-def _largest(triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
+def _largest(first: Response, second: Response, triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
     """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
     move as the ground does have no numbers."""
+    if not (first.has_result and second.has_result):
+        return float("nan")
+    if (first.collapse_building, first.collapse_storey) != (second.collapse_building, second.collapse_storey):
+        return float("inf")
     x, y, scale = (np.concatenate(each) for each in zip(*triples, strict=True))
     size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))
     return float(np.fmax.reduce(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))

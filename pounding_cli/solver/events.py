@@ -8,7 +8,18 @@ from __future__ import annotations
 
 from numba import njit
 
-from pounding_cli.laws.guards import COLLAPSE, CROSSES, FASTER, FORCE, HIGH, LEVELS, LOW, SLOWER, START
+from pounding_cli.laws.guards import (
+    COLLAPSE_HIGH,
+    COLLAPSE_LOW,
+    CROSSES,
+    FASTER,
+    FORCE,
+    HIGH,
+    LEVELS,
+    LOW,
+    SLOWER,
+    START,
+)
 from pounding_cli.solver.dispatch import next_branch
 from pounding_cli.solver.options import CALLED, FLOAT, INVERSE, PART
 from pounding_cli.solver.polynomial import NEVER, first_crossing, value
@@ -31,7 +42,7 @@ FROM_REST = 1e-3
 contact: only a series tells the sign of what begins by a high power of time."""
 
 
-@njit(**PART)
+@njit(**CALLED)
 def summarise(dofs, elements, terms, r):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
     h, count = r.h, r.order + 1
@@ -73,7 +84,7 @@ def ends_of_elements(dofs, elements, terms, r):
         el.v1, el.r1 = told(v, of_v, LAST_DIGITS), told(rate, of_rate, LAST_DIGITS)
 
 
-@njit(**PART)
+@njit(**CALLED)
 def end_at(dofs, elements, terms, r):
     """Replace the values at s = 1 by those at run.end, where an event was found."""
     h, s, count = r.h, r.end, r.order + 1
@@ -129,6 +140,9 @@ def _until_guard(el, r, s, guard):
         return integral(r, 1.0, el.v0 - el.low)
     if guard == HIGH:
         return integral(r, -1.0, el.high - el.v0)
+    if guard >= COLLAPSE_LOW:
+        side = 1.0 if guard == COLLAPSE_LOW else -1.0
+        return integral(r, side, el.collapse + side * el.v0)
     if guard == SLOWER:
         p[0] -= el.slow
         return n
@@ -173,7 +187,8 @@ def _stays(el):
     """Whether bounds show that an element stays on its branch during the step."""
     is_inside = min(el.v0, el.v1) - el.dv > el.low and max(el.v0, el.v1) + el.dv < el.high
     keeps_way = min(el.r0, el.r1) - el.dr > el.slow and max(el.r0, el.r1) + el.dr < el.fast
-    return is_inside and keeps_way and not (el.levels or el.cuts or el.crosses)
+    stands = max(abs(el.v0), abs(el.v1)) + el.dv <= el.collapse
+    return is_inside and keeps_way and stands and not (el.levels or el.cuts or el.crosses)
 
 
 @njit(**PART)
@@ -192,6 +207,8 @@ def _may_meet(el, guard, is_link):
         return not el.fast - max(el.r0, el.r1) > el.dr
     if guard == LEVELS:
         return el.levels != 0
+    if guard >= COLLAPSE_LOW:
+        return max(abs(el.v0), abs(el.v1)) + el.dv > el.collapse
     return el.cuts != 0 if guard == FORCE else el.crosses != 0
 
 
@@ -204,7 +221,7 @@ def first_event(dofs, elements, terms, r, series):
         el.at = NEVER
         if _stays(el):
             continue
-        for guard in range(COLLAPSE):
+        for guard in range(COLLAPSE_HIGH + 1):
             if _may_meet(el, guard, e >= r.n):
                 rate_series(dofs, elements, terms, r, e)
                 at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
@@ -214,25 +231,6 @@ def first_event(dofs, elements, terms, r, series):
                     el.at, el.guard = at, guard
         if el.at < r.end:
             r.end, found = el.at, True
-    if r.collapses:
-        found = _first_collapse(dofs, elements, terms, r) or found
-    return found
-
-
-@njit(**CALLED)
-def _first_collapse(dofs, elements, terms, r):
-    """Whether a drift passes what its building stands before r.end, either way; where it does goes there."""
-    found = False
-    for e in range(r.n):
-        el = elements[e]
-        if not max(abs(el.v0), abs(el.v1)) + el.dv > el.collapse:
-            continue
-        for side in (-1.0, 1.0):
-            rate_series(dofs, elements, terms, r, e)
-            n = integral(r, side, el.collapse + side * el.v0)
-            at = first_crossing(r, n, min(r.end, 1.0))
-            if at < r.end and at <= 1.0:
-                r.end, el.at, el.guard, found = at, at, COLLAPSE, True
     return found
 
 
@@ -242,7 +240,7 @@ def commit(dofs, elements, terms, r, series):
     for e in range(r.m):
         el = elements[e]
         if el.at == r.end and el.at < NEVER:
-            if el.guard == COLLAPSE:
+            if el.guard >= COLLAPSE_LOW:
                 r.status = COLLAPSED
                 continue
             _pin(el, r.end > INSTANT)
@@ -250,8 +248,8 @@ def commit(dofs, elements, terms, r, series):
             next_branch(el, el.guard)
             if was_open and el.closed:
                 el.hits += 1
-                if el.eased and r.end == FROM_REST:
-                    el.time += r.h * r.end  # it has been closed since the start
+                if el.hits == 1 and (el.r1 == 0.0 or (el.eased and r.end == FROM_REST)):
+                    el.time += r.time - r.begun  # in touch since the motion began
                 if el.smooth:
                     r.next = max(r.onset, 0.0)
                     r.onset = -1.0

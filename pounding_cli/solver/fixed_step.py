@@ -71,39 +71,39 @@ def _settle(el, formula):
 
 
 @njit(**CALLED)
-def _pushes(dofs, elements, terms, r, room, ground):
-    """Forces on all degrees of freedom at the end of the step, into `push`: a = -push / mass."""
+def forces(dofs, elements, terms, r, room, ground):
+    """Deform all elements by the displacements u1 and velocities v1 of a step's end, put them on the branches that they
+    have reached, and add their forces to `push` of the degrees of freedom: a = -push / mass."""
+    ends_of_elements(dofs, elements, terms, r)
     for i in range(r.n):
         d = dofs[i]
         d.push = d.mass * (d.loaded * ground + d.drag * d.v1)
-    for e in range(r.n, r.m):
+    for e in range(r.m):
         el = elements[e]
-        if el.closed and el.acts:
-            push(dofs, terms, el, force(el, el.v1, el.r1, room.formulas[el.formula]))
-    for i in range(r.n):
-        el = elements[i]
-        f = line_force(el, el.v1, el.r1)
-        push_by_storey(dofs, el, i, f, r.has_lean)
+        formula = room.formulas[el.formula]
+        _settle(el, formula)
+        if e < r.n:
+            push_by_storey(dofs, el, e, line_force(el, el.v1, el.r1), r.has_lean)
+        elif el.closed and el.acts:
+            push(dofs, terms, el, force(el, el.v1, el.r1, formula))
 
 
 @njit(**CALLED)
-def _end(dofs, elements, terms, r, room, h):
-    """Count what has come of a step: largest values, and forces of links."""
+def _end(dofs, elements, terms, r, columns, room, h):
+    """Count what has come of a step: largest values, and forces of links and struck columns."""
     r.steps += 1
     for i in range(r.n):
         d = dofs[i]
-        d.u_max, d.u_min = max(d.u_max, d.u1), min(d.u_min, d.u1)
-        d.a_max = max(d.a_max, abs(d.a1))
+        d.u_max, d.u_min, d.a_max = max(d.u_max, d.u1), min(d.u_min, d.u1), max(d.a_max, abs(d.a1))
         if not abs(d.u1) < 1e300:
             r.status = NOT_FINITE
         d.u0, d.w[0], d.a0 = d.u1, d.v1, d.a1
     for e in range(r.m):
         el = elements[e]
-        storey = e < r.n
-        el.peak_v = max(el.peak_v, abs(el.v1) if storey else el.v1)
-        if storey:
+        el.peak_v = max(el.peak_v, abs(el.v1) if e < r.n else el.v1)
+        if e < r.n:
             el.peak_f = max(el.peak_f, abs(el.k * el.v1 + el.f0))
-            if r.collapses and abs(el.v1) > el.collapse:
+            if abs(el.v1) > el.collapse:
                 r.status = COLLAPSED
         elif el.closed and el.acts:
             f = force(el, el.v1, el.r1, room.formulas[el.formula])
@@ -111,11 +111,6 @@ def _end(dofs, elements, terms, r, room, h):
             el.impulse += f * h
             el.time += h
         el.v0, el.r0 = el.v1, el.r1
-
-
-@njit(**CALLED)
-def _raise_columns(elements, terms, r, columns, room):
-    """The shears of struck columns at the end of a step."""
     for c in range(r.columns):
         column = columns[c]
         el = elements[column.storey]
@@ -138,10 +133,7 @@ def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
         half[i] = before + (0.5 * h if first else h) * acceleration
         d.u1 = d.u0 + h * half[i]
         d.v1 = 1.5 * half[i] - 0.5 * before
-    ends_of_elements(dofs, elements, terms, r)
-    for e in range(r.m):
-        _settle(elements[e], room.formulas[elements[e].formula])
-    _pushes(dofs, elements, terms, r, room, ground)
+    forces(dofs, elements, terms, r, room, ground)
     for i in range(r.n):
         d = dofs[i]
         d.a1 = -d.push * d.inv_mass + d.loaded * ground
@@ -151,7 +143,7 @@ def _central_difference(dofs, elements, terms, r, room, half, h, ground, first):
 @njit(**PART)
 def _slopes(el, formula):
     """dF/dv [N/m] and dF/dv' [N s/m] of an element at the end of the step."""
-    k, c = el.k, el.c
+    k, c = el.k - el.load, el.c
     if el.cubic != 0.0:
         root = math.sqrt(el.k + 3.0 * el.cubic * el.v1 * el.v1)
         k += 3.0 * el.cubic * el.v1 * el.v1 + el.root * 3.0 * el.cubic * el.v1 * el.r1 / root
@@ -165,85 +157,68 @@ def _slopes(el, formula):
 
 
 @njit(**CALLED)
-def _matrix(dofs, elements, terms, r, room, h, rows, weights):
-    """M + h/2 C + h^2/4 K at the end of the step, into `rows`."""
-    n = r.n
-    rows[:, :] = 0.0
-    for i in range(n):
-        rows[i, i] = dofs[i].mass * (1.0 + 0.5 * h * dofs[i].drag) if dofs[i].inv_mass > 0.0 else HEAVY
+def _matrix(dofs, elements, r, room, h, shape):
+    """M + h/2 C + h^2/4 K at the end of the step; `shape`: the deformation of every element from the displacements."""
+    size = np.zeros(r.m)
     for e in range(r.m):
         el = elements[e]
-        if not (el.closed and el.acts):
-            continue
         k, c = _slopes(el, room.formulas[el.formula])
-        size = 0.25 * h * h * k + 0.5 * h * c
-        weights[:] = 0.0
-        weights[el.left] += 1.0
-        weights[el.right] -= el.hold
-        for x in range(el.first, el.last):
-            weights[terms[x].dof] += terms[x].weight
-        for i in range(n):
-            if weights[i] != 0.0:
-                for j in range(n):
-                    rows[i, j] += size * weights[i] * weights[j]
-        if e < n and el.load != 0.0:
-            size = -0.25 * h * h * el.load
-            rows[e, e] += size
-            if dofs[e].below != 0.0:
-                rows[e - 1, e - 1] += size
-                rows[e, e - 1] -= size
-                rows[e - 1, e] -= size
+        size[e] = el.acts * (0.25 * h * h * k + 0.5 * h * c)
+    rows = np.dot(shape.T * size, shape)
+    for i in range(r.n):
+        d = dofs[i]
+        rows[i, i] += d.mass * (1.0 + 0.5 * h * d.drag) if d.inv_mass > 0.0 else HEAVY
+    return rows
 
 
 @njit(**PART)
-def _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, ground):
+def _newmark(dofs, elements, terms, r, room, memory, shape, h, ground):
     """The average acceleration, by Newton's method; whether it found a root."""
-    kept[:] = elements
-    n = r.n
+    n, missing, kept = r.n, np.zeros(r.n), memory.copy()
     for i in range(n):  # as a first guess the acceleration stays
-        dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * r.g0 + dofs[i].loaded * ground
+        dofs[i].a1 = dofs[i].a0 - dofs[i].loaded * (r.g0 - ground)
     for _ in range(ITERATIONS):
         for i in range(n):
             d = dofs[i]
             both = d.a0 - d.loaded * r.g0 + d.a1 - d.loaded * ground
             d.u1 = d.u0 + h * d.w[0] + 0.25 * h * h * both
             d.v1 = d.w[0] + 0.5 * h * both
-        elements[:] = kept
-        ends_of_elements(dofs, elements, terms, r)
-        for e in range(r.m):
-            _settle(elements[e], room.formulas[elements[e].formula])
-        _pushes(dofs, elements, terms, r, room, ground)
+        memory[:] = kept
+        forces(dofs, elements, terms, r, room, ground)
         left = most = 0.0
         for i in range(n):
             d = dofs[i]
             inertia = d.mass * (d.a1 - d.loaded * ground)
-            x[i] = -(inertia + d.push) if d.inv_mass > 0.0 else 0.0
-            left, most = max(left, abs(x[i])), max(most, max(abs(inertia), abs(d.push)))
+            missing[i] = -(inertia + d.push) if d.inv_mass > 0.0 else 0.0
+            left, most = max(left, abs(missing[i])), max(most, max(abs(inertia), abs(d.push)))
         if left <= CONVERGED * most:
             return True
         if not most < 1e300:
             break
-        _matrix(dofs, elements, terms, r, room, h, rows, weights)
-        more = np.linalg.solve(rows, x)
+        more = np.linalg.solve(_matrix(dofs, elements, r, room, h, shape), missing)
         for i in range(n):
             dofs[i].a1 += more[i]
-    elements[:] = kept
+    memory[:] = kept
     return False
 
 
 @njit(**KERNEL)
-def march(dofs, elements, terms, run, series, columns, room, ground, slopes, parts, method):
-    """Run a scene in `parts` equal steps a sample of the motion, by a method of `FIXED`."""
+def march(dofs, elements, terms, run, series, columns, room, ground, slopes, memory, shape, parts, method):
+    """Run a scene in `parts` equal steps a sample of the motion, by a method of `FIXED`.
+
+    memory : the elements as plain numbers
+    shape : the deformation of every element from the displacements
+
+    Raises
+    ------
+    LinAlgError : the matrix of Newton's method is singular
+    """
     r = run[0]
     begin(dofs, elements, terms, r, series)
-    n = r.n
-    kept, rows = elements.copy(), np.zeros((n, n))
-    weights, x, half = np.zeros(n), np.zeros(n), np.zeros(n)
-    for e in range(r.m):
-        _settle(elements[e], room.formulas[elements[e].formula])
+    half = np.zeros(r.n)
     r.g0 = ground[0]
-    _pushes(dofs, elements, terms, r, room, r.g0)
-    for i in range(n):
+    forces(dofs, elements, terms, r, room, r.g0)
+    for i in range(r.n):
         dofs[i].a0 = -dofs[i].push * dofs[i].inv_mass + dofs[i].loaded * r.g0
     whole, first = r.dt / parts, True
     for segment in range(ground.size):
@@ -258,7 +233,7 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, par
             if method == 0:
                 found = _central_difference(dofs, elements, terms, r, room, half, h, g1, first)
             else:
-                found = _newmark(dofs, elements, terms, r, room, kept, rows, weights, x, h, g1)
+                found = _newmark(dofs, elements, terms, r, room, memory, shape, h, g1)
             if not found:
                 r.trials += 1
                 h *= 0.5
@@ -266,8 +241,7 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, par
                     r.status = NO_ROOT
                 continue
             first = False
-            _end(dofs, elements, terms, r, room, h)
-            _raise_columns(elements, terms, r, columns, room)
+            _end(dofs, elements, terms, r, columns, room, h)
             elapsed += h
             r.time = segment * r.dt + elapsed
             h = whole

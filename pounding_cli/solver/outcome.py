@@ -10,11 +10,10 @@ import numpy as np
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.formula import WrittenJoint
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import Layout, struck_columns
+from pounding_cli.solver.assemble import Layout
 from pounding_cli.solver.records import Data
 from pounding_cli.solver.response import (
     COLLAPSED,
@@ -23,35 +22,26 @@ from pounding_cli.solver.response import (
     BuildingResponse,
     ColumnResponse,
     LinkResponse,
+    nothing,
 )
 
 Outcome = tuple[str, str]
 """How a run ended, in words, and what to do about it."""
 
-ENDS: dict[int, Outcome] = {
-    records.DONE: (DONE, ""),
-    records.COLLAPSED: (COLLAPSED, ""),
-    records.EVENT_BOUND: (
-        "event bound reached",
-        "the floors strike each other too often: check the stiffness and damping of the links",
-    ),
-    records.STEP_BOUND: (
-        "step bound reached",
-        "a part of the scene is far stiffer than the rest: check stiffnesses and masses",
-    ),
-    records.NOT_FINITE: (
-        "not finite",
-        "the numbers exceed the range of double precision: check masses and stiffnesses",
-    ),
-    records.STALLED: ("stalled", "events repeat without advancing in time: check for links whose force jumps"),
-    records.NO_ROOT: (
+ENDS: tuple[Outcome, ...] = (
+    (DONE, ""),
+    (COLLAPSED, ""),
+    ("step bound reached", "a part of the scene is far stiffer than the rest: check stiffnesses and masses"),
+    ("event bound reached", "the floors strike too often: check the stiffness and damping of the links"),
+    ("stalled", "events repeat without advancing in time: check for links whose force jumps"),
+    ("not finite", "the numbers exceed the range of double precision: check masses and stiffnesses"),
+    (
         "no root",
-        "Newton's method found no root at any step, because a contact force jumps: use a method with events, such as "
-        "taylor",
+        "Newton's method found no root at any step, because a force jumps: use a method with events, e.g. taylor",
     ),
-    records.UNSTABLE: ("unstable step", "the solution would grow without bound: use a shorter time step, or taylor"),
-}
-"""What a kernel says to the words a user reads and what to do about it."""
+    ("unstable step", "the solution would grow without bound: use a shorter time step, or taylor"),
+)
+"""What the user reads of every status of a kernel (`records.DONE`...)."""
 
 LEAST_RESIDUAL = 1e-8
 """Energy residual over the input that is always allowed; a run asked for less accuracy may leave as much open as
@@ -70,48 +60,28 @@ def outcome_of(data: Data, accuracy: float, residual: float) -> Outcome:
         return end
     numbers = [data.dofs[name] for name in ("u_max", "u_min", "a_max", "u0")]
     numbers += [data.elements[name] for name in ("peak_v", "peak_f", "impulse", "time")]
-    finite = all(bool(np.isfinite(each[each != -np.inf]).all()) for each in numbers)
-    if not finite:
+    if not all(np.isfinite(each[each != -np.inf]).all() for each in numbers):
         return ENDS[records.NOT_FINITE]
-    return OPEN_BALANCE if not abs(residual) <= max(accuracy, LEAST_RESIDUAL) else end
+    return end if abs(residual) <= max(accuracy, LEAST_RESIDUAL) else OPEN_BALANCE
 
 
 def buildings_of(layout: Layout, data: Data) -> tuple[BuildingResponse, ...]:
-    """The peaks of every building."""
-    elements, dofs = data.elements, data.dofs
-    furthest = np.maximum(dofs["u_max"], -dofs["u_min"])
-    found = []
+    """The peaks of every building; a wall does not yield, and one that moves as the ground does has none."""
+    reach, found = np.maximum(data.dofs["u_max"], -data.dofs["u_min"]), []
     for b, building in enumerate(layout.buildings):
-        span = layout.floors[b]
-        storeys, floors = elements[span], dofs[span]
+        storeys, floors = data.elements[layout.floors[b]], data.dofs[layout.floors[b]]
         drift = storeys["peak_v"].copy()
         shear = np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift)
-        found.append(
-            BuildingResponse(
-                shear,
-                drift,
-                drift / building.yield_drift,
-                floors["a_max"].copy(),
-                floors["u_max"].copy(),
-                floors["u_min"].copy(),
-                storeys["v1"].copy(),
-                float(furthest[layout.bases[b]]) if layout.bases[b] >= 0 else 0.0,
-                float(furthest[layout.feet[b]]) if layout.feet[b] >= 0 else 0.0,
-            )
-        )
-        if building.foundation is not None and building.foundation.isolation is not None:
-            found[-1] = replace(found[-1], isolator_displacement=found[-1].sway)
+        sway, rocking = (float(reach[at[b]]) if at[b] >= 0 else 0.0 for at in (layout.bases, layout.feet))
+        isolated = building.foundation is not None and building.foundation.isolation is not None
+        peaks = BuildingResponse(
+            shear, drift, drift / building.yield_drift, floors["a_max"].copy(), floors["u_max"].copy(),
+            floors["u_min"].copy(), storeys["v1"].copy(), sway, rocking, sway if isolated else np.nan,
+        )  # fmt: skip
         if isinstance(building, Wall):
-            found[-1] = _of_wall(building, found[-1])
+            peaks = replace(peaks, ductility=np.full(1, np.nan)) if building.moves else nothing([1], 0, 0)[0][0]
+        found.append(peaks)
     return tuple(found)
-
-
-def _of_wall(wall: Wall, peaks: BuildingResponse) -> BuildingResponse:
-    """The peaks of a wall: it does not yield, and one that moves as the ground does has none."""
-    none = np.full(1, np.nan)
-    if wall.moves:
-        return replace(peaks, ductility=none)
-    return BuildingResponse(none, none, none, none, none, none, none)
 
 
 def links_of(layout: Layout, data: Data) -> LinkResponse:
@@ -125,7 +95,7 @@ def links_of(layout: Layout, data: Data) -> LinkResponse:
 
 def columns_of(layout: Layout, data: Data) -> ColumnResponse:
     """The shears of struck columns, one entry for each link that asks for them."""
-    struck = struck_columns(layout.links)
+    struck = layout.struck
     if not struck:
         return ColumnResponse()
     below, above = data.columns["peak"].reshape(-1, 2).T.copy()
@@ -219,53 +189,24 @@ def collapse_of(layout: Layout, data: Data) -> tuple[int, int]:
     return building, int(np.argmax(parts[building])) + 1
 
 
-def said_of(
-    scene: Scene,
-    layout: Layout,
-    data: Data,
-    status: str,
-    buildings: Sequence[BuildingResponse],
-    links: LinkResponse,
-) -> tuple[str, ...]:
-    """The flags of a run."""
-    said = isolator_flags(scene, [each.sway for each in buildings])
-    if status == COLLAPSED:
-        building, storey = collapse_of(layout, data)
-        where = f"{scene.buildings[building].name} storey {storey}"
-        said += (f"{COLLAPSED}: {where}, at {float(data.run['time'][0]):.4g} s",)
-    return said + flags_of(scene, links)
-
-
-def flags_of(scene: Scene, links: LinkResponse) -> tuple[str, ...]:
-    """One sentence for each link compressed beyond its thickness or its gap (paper, after eqs 9 and 10): what is
-    flagged, a colon, where and by how much. Where another link lets the floors strike, nothing is left out."""
+def flags_of(scene: Scene, buildings: Sequence[BuildingResponse], links: LinkResponse) -> tuple[str, ...]:
+    """One sentence for each base that moved further than its isolators can, and for each link compressed beyond its
+    thickness or its gap (paper, after eqs 9 and 10): what is flagged, a colon, where and by how much. Where another
+    link lets the floors strike, nothing is left out."""
     said = []
-    for link, closing in zip(scene.links, links.max_closing.tolist(), strict=True):
-        beyond = closing - link.gap
-        if beyond <= 0 or not link.law.beyond_gap or (link.law.meaningless and _strikes(scene, link)):
-            continue
-        left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
-        said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond * 1000:.3g} mm")
-    return tuple(said)
-
-
-def isolator_flags(scene: Scene, sways: Sequence[float]) -> tuple[str, ...]:
-    """A sentence for each building whose base moved further [m] than its isolators can."""
-    said = []
-    for building, sway in zip(scene.buildings, sways, strict=True):
+    for building, peaks in zip(scene.buildings, buildings, strict=True):
         isolation = None if building.foundation is None else building.foundation.isolation
-        if isolation is not None and sway > isolation.capacity:
-            beyond = 1000 * (sway - isolation.capacity)
+        if isolation is not None and peaks.sway > isolation.capacity:
+            beyond = 1000 * (peaks.sway - isolation.capacity)
             said.append(f"isolators moved beyond their capacity: {building.name}, by {beyond:.3g} mm")
+    striking = {(each.left, each.left_floor, each.right_floor) for each in scene.links if each.law.subtracts_gap}
+    for link, closing in zip(scene.links, links.max_closing.tolist(), strict=True):
+        strikes = link.law.meaningless and (link.left, link.left_floor, link.right_floor) in striking
+        if closing > link.gap and link.law.beyond_gap and not strikes:
+            left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
+            where = f"{left} | {right}, floor {link.left_floor}, by {1000 * (closing - link.gap):.3g} mm"
+            said.append(f"{link.law.beyond_gap}: {where}")
     return tuple(said)
-
-
-def _strikes(scene: Scene, link: Link) -> bool:
-    """Whether another link lets the same floors strike each other."""
-    floors = link.left, link.left_floor, link.right_floor
-    return any(
-        floors == (each.left, each.left_floor, each.right_floor) for each in scene.links if each.law.subtracts_gap
-    )
 
 
 def is_meaningless(flag: str) -> bool:

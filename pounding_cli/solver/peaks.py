@@ -17,7 +17,7 @@ def _may_turn(first, last, deviation):
     return not abs(last - first) > 4.0 * deviation
 
 
-@njit(**PART)
+@njit(**CALLED)
 def raise_peaks(dofs, elements, terms, r, series, columns):
     """Raise every largest value that this step, up to s = run.end, exceeds."""
     for i in range(r.n):
@@ -107,6 +107,7 @@ def _force_peak(el, r, s):
         last = last * r.end + f
         impulse = impulse * r.end + f * INVERSE[k + 1]
         deviation += k * (k - 1.0) * abs(f)
+    el.f1 = last
     if el.relaxation > 0.0:
         el.h[0] = last
     el.impulse += impulse * r.h * r.end

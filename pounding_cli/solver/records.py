@@ -56,9 +56,9 @@ ELEMENT = _dtype(
     # exact: deformation at the guard just met; at: where in the step the branch ends
     # load: P / h of P-Delta [N/m]; collapse: drift at which the storey counts as collapsed [m]
     # peak_v: largest |v| of a storey, v of a link; peak_f likewise
-    # impulse, time: of a link's force; work: done on it
+    # impulse, time: of a link's force; work: done on it; f1: a smooth force at the step's end
     f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
-    " load collapse peak_v peak_f impulse time work at",
+    " load collapse peak_v peak_f impulse time work f1 at",
     f8_history=f"p:{PARAMETERS} h:{HISTORY}",
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
@@ -80,10 +80,11 @@ SERIES = _dtype(
     u8="element",
 )
 RUN = _dtype(
+    # begun: when the motion began [s]; still: 1 before
     # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
-    f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset input drag dashpots time",
+    f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset input drag dashpots time begun",
     i8="n m drags columns points trials active max_order order steps events orders instant status smooth always_smooth"
-    " follows has_lean most_steps most_events collapses output still",
+    " follows has_lean most_steps most_events output still",
     # p: room for one polynomial and its derivative; powers: of the places inside a step
     # values: of a polynomial at the places that it is fitted to
     f8_=f"p:{2 * (ORDERS + 8)} powers:{MOST_POINTS}x{ORDERS} values:8",
@@ -98,8 +99,8 @@ STATE = _dtype(
     f8=f"y0 y k:{DERIVATIVES} c:8 scale",
 )
 
-FORMULA = _dtype(f8=f"operations:{MOST_OPERATIONS}x4 registers:{MOST_OPERATIONS + 2}", i8="count")
-"""Operations of a formula of the study (`laws.formula.Operation`), and the registers they fill."""
+FORMULA = _dtype(f8=f"operations:{MOST_OPERATIONS}x4 registers:{MOST_OPERATIONS + 2}", i8="count result")
+"""Operations of a formula of the study (`laws.formula`), the registers they fill, and which of them is the force."""
 
 DONE, COLLAPSED, STEP_BOUND, EVENT_BOUND, STALLED, NOT_FINITE, NO_ROOT, UNSTABLE = range(8)
 """How a run ends: run.status."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.dispatch import force, line_force
+from pounding_cli.solver.dispatch import line_force
 from pounding_cli.solver.energy import add_energy
 from pounding_cli.solver.events import (
     RATE,
@@ -58,6 +58,8 @@ def begin_step(r, elapsed, g, slope, output):
 @njit(**PART)
 def advance(dofs, elements, r):
     """The end of this step is the start of the next."""
+    if r.still:
+        r.begun = r.time
     for i in range(r.n):
         d = dofs[i]
         d.scale = max(FORGET * d.scale, abs(d.a0), abs(d.a1))
@@ -108,7 +110,7 @@ def begin(dofs, elements, terms, r, series):
 
 
 @njit(**CALLED)
-def keep(dofs, elements, r, room, watch):
+def keep(dofs, elements, r, watch):
     """Keep the state at the end of the step as that of the next output time."""
     t = r.output
     r.output += 1
@@ -119,12 +121,9 @@ def keep(dofs, elements, r, room, watch):
         watch.storeys[t, i] = elements[i].work
     for e in range(r.m):
         el = elements[e]
-        f = line_force(el, el.v1, el.r1)
-        if room is not None:
-            f = force(el, el.v1, el.r1, room.formulas[el.formula])
-        f *= el.acts
+        f = el.acts * (el.f1 if el.smooth else line_force(el, el.v1, el.r1))
         if e < r.n:
-            f -= el.c * el.r1
+            f -= 0.0 if el.smooth else el.c * el.r1
         elif e < r.n + r.drags:
             on_drags += el.work
         else:
@@ -145,7 +144,7 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
     series, columns = bare(series), bare(columns)
     begin(dofs, elements, terms, r, series)
     if watch.times.size > 0:
-        keep(dofs, elements, r, room, watch)
+        keep(dofs, elements, r, watch)
     pinned = False
     for segment in range(ground.size):
         elapsed, r.longest, r.follows = 0.0, r.dt, 0
@@ -188,7 +187,7 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
             elapsed += r.h * r.end
             r.time = segment * r.dt + elapsed
             if output <= r.h * r.end + NEAR * r.dt:
-                keep(dofs, elements, r, room, watch)
+                keep(dofs, elements, r, watch)
             if happened:
                 commit(dofs, elements, terms, r, series)
                 pinned = True

@@ -67,7 +67,7 @@ def push_by_storey(dofs, el, i, f, has_lean):
         dofs[i - 1].push -= f
 
 
-@njit(**PART)
+@njit(**CALLED)
 def start(dofs, elements, terms, r, series):
     """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
     for i in range(r.n):
@@ -181,7 +181,7 @@ def _walk_up_leaning(dofs, elements, n, k, part, after):
     return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
 
 
-@njit(**PART)
+@njit(**CALLED)
 def expand(dofs, elements, terms, r, series):
     """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
     the highest one. Returns whether they are; the order goes to run.order."""
@@ -224,9 +224,15 @@ def shrink(dofs, elements, r, series):
     return 0.9 / worst if worst > 0.9 else 1.0
 
 
-@njit(**PART)
-def rescale(dofs, r, series, ratio):
-    """Make the step `ratio` times as long: the motion is the same, s is measured anew."""
+@njit(**CALLED)
+def shorten(dofs, r, series, ratio):
+    """Shorten a step whose series do not converge to about `ratio` of it: the motion is the same, s is measured anew.
+    Whether it was."""
+    if not ratio < 1.0:
+        return False
+    if ratio > 0.1:
+        ratio = 1.0 / np.ceil(1.0 / ratio)
+        r.longest = r.h * ratio
     power = 1.0
     for k in range(r.order + 1):
         for i in range(r.n):
@@ -239,16 +245,4 @@ def rescale(dofs, r, series, ratio):
         power *= ratio
     r.h *= ratio
     r.g1 *= ratio
-
-
-@njit(**CALLED)
-def shorten(dofs, r, series, ratio):
-    """Shorten a step whose series do not converge to about `ratio` of it; whether it was."""
-    if not ratio < 1.0:
-        return False
-    if ratio > 0.1:
-        ratio = 1.0 / np.ceil(1.0 / ratio)
-    rescale(dofs, r, series, ratio)
-    if ratio > 0.1:
-        r.longest = r.h
     return True

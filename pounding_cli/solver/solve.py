@@ -18,6 +18,7 @@ from pounding_cli.model.effects import effects_of
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import outcome, records
 from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
+from pounding_cli.solver.options import FOLDER
 from pounding_cli.solver.records import Data
 from pounding_cli.solver.response import COLLAPSED, Response, nothing
 
@@ -93,15 +94,19 @@ class Prepared:
             if dt / parts > self.limit:
                 self.data.run["status"] = records.UNSTABLE
                 return
+            memory, shape = self.data.elements.view(np.float64), term_matrix(self.layout)
             method = fixed_step.FIXED.index(self.method.name)
-            part, arguments = "fixed", (*self.data[:-1], *segments(self.scene), parts, method)
+            part, arguments = "fixed", (*self.data[:-1], *segments(self.scene), memory, shape, parts, method)
         else:
             from pounding_cli.solver.run import integrate as kernel
 
             part = "taylor" if self.data.room is None else "dop853"
         ready(part, kernel, arguments)
         begin = time.perf_counter()
-        kernel(*arguments)
+        try:
+            kernel(*arguments)
+        except np.linalg.LinAlgError:  # Newton's method has no direction
+            self.data.run["status"] = records.NO_ROOT
         self.seconds = time.perf_counter() - begin
 
     @property
@@ -111,36 +116,36 @@ class Prepared:
 
     def response(self) -> Response:
         """What came of it."""
-        scene, layout, data, r = self.scene, self.layout, self.data, self.data.run[0]
+        layout, data, r = self.layout, self.data, self.data.run[0]
         fixed = self.method.takes_step
         with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
             energy = {} if fixed else outcome.balance(layout, data, self.before)
         status, advice = outcome.outcome_of(data, self.accuracy, energy.get("residual", 0.0))
         if int(r["status"]) == records.UNSTABLE:
-            longest = f"use a time step below {self.limit:.2g} s, or method: taylor"
-            advice = f"the solution would grow without bound: {longest}"
+            advice = advice.replace("a shorter time step", f"a time step below {self.limit:.2g} s")
         storeys = [building.storeys for building in layout.buildings]
         buildings, links, columns = nothing(storeys, len(layout.links), len(layout.struck))
-        collapse, flags = (-1, 0), tuple[str, ...]()
-        final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+        collapse, time, flags = (-1, 0), nan, tuple[str, ...]()
+        final = tuple((np.full(n, nan), np.full(n, nan)) for n in storeys)
         if status in outcome.OUTCOMES:
             buildings, links = outcome.buildings_of(layout, data), outcome.links_of(layout, data)
             columns = outcome.columns_of(layout, data)
-            collapse = outcome.collapse_of(layout, data) if status == COLLAPSED else collapse
-            flags = outcome.said_of(scene, layout, data, status, buildings, links)
-            if fixed and r["trials"]:
-                cut = f"Newton found no root in {r['trials']} of {r['steps']} steps, because a contact force jumps"
-                flags += (f"{cut}; these were cut in half",)
+            flags = outcome.flags_of(self.scene, buildings, links)
             final = tuple((data.dofs["u0"][span].copy(), data.dofs["w"][span, 0].copy()) for span in layout.floors)
         else:
             energy = dict.fromkeys(energy, nan)
-            final = tuple((np.full(n, nan), np.full(n, nan)) for n in storeys)
-        effects = effects_of(scene)
+        if status == COLLAPSED:
+            collapse, time = outcome.collapse_of(layout, data), float(r["time"])
+            where = f"{layout.buildings[collapse[0]].name} storey {collapse[1]}"
+            flags = (f"{COLLAPSED}: {where}, at {time:.4g} s", *flags)
+        if fixed and r["trials"] and status in outcome.OUTCOMES:
+            cut = f"Newton found no root in {r['trials']} of {r['steps']} steps, because a contact force jumps"
+            flags += (f"{cut}; these were cut in half",)
+        effects = effects_of(self.scene)
         return Response(
             buildings, links, status, advice, self.method.name, nan if fixed else self.accuracy, int(r["steps"]),
             int(r["events"]), self.seconds, energy, flags, effects.kept, effects.dropped, int(r["orders"]),
-            time_step=self.time_step if fixed else nan, final=final,
-            collapse_time=float(r["time"]) if status == COLLAPSED else nan, columns=columns,
+            time_step=self.time_step if fixed else nan, final=final, collapse_time=time, columns=columns,
             collapse_building=collapse[0], collapse_storey=collapse[1],
         )  # fmt: skip
 
@@ -160,7 +165,7 @@ def prepare(
     if reason := refusal_of(chosen, scene):
         hint = "write `method: taylor`, which runs every scene"
         raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
-    layout = layout_of(scene.buildings, scene.links, scene.analysis)
+    layout = layout_of(scene.buildings, scene.links, effects_of(scene))
     data = records_of(scene, layout, accuracy, chosen, initial, times, bounds)
     before = 0.0 if initial is None else _held_at_start(layout, data)
     return Prepared(scene, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
@@ -190,16 +195,11 @@ def chosen_method(name: str, accuracy: float, time_step: float | None = None) ->
     if name not in METHODS:
         raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
     method = METHODS[name]
-    if method.takes_step and time_step is None:
-        hint = "give it one, e.g. `time_step=1e-4` [s]; fixed steps do not use an accuracy"
-        raise InputError(Problem(f"method {name} takes a time step", hint))
-    if time_step is not None and not method.takes_step:
-        raise InputError(
-            Problem(f"method {name} does not use a time step", "leave it out; `accuracy` controls the cost")
-        )
-    setting = accuracy if time_step is None else time_step
-    if not (isfinite(setting) and setting > 0):
-        what = method.setting
+    what, setting = method.setting, time_step if method.takes_step else accuracy
+    if method.takes_step != (time_step is not None):
+        wrong = f"method {name} takes {'a time step' if method.takes_step else 'an accuracy and no time step'}"
+        raise InputError(Problem(wrong, f"give it e.g. `{what.key}: {what.example}` and no other setting"))
+    if setting is None or not (isfinite(setting) and setting > 0):
         hint = f"write e.g. `{what.key}: {what.example}`"
         raise InputError(Problem(f"{what.title} is {setting:g}; it must be above zero", hint))
     return method, setting
@@ -230,13 +230,10 @@ def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
     What is kept and cannot be read is deleted."""
     if part in _loaded:
         return
-    from pounding_cli.solver.options import FOLDER
-
-    mark = FOLDER / f"{part}.compiled"
+    mark, signature = FOLDER / f"{part}.compiled", tuple(map(numba.typeof, arguments))
     compiling = f"compiling {KERNELS[part]}, once on this machine (half a minute)"
     if not mark.exists():
         say(compiling)
-    signature = tuple(map(numba.typeof, arguments))
     try:
         kernel.compile(signature)
     except Exception:  # of pickle, of LLVM, of numba: whatever damaged bytes lead to

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.numbers import counted
-from pounding_cli.solver.response import Response
+from pounding_cli.solver.response import DONE, Response
 from pounding_cli.solver.solve import refusal_of, solve
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
@@ -43,61 +45,26 @@ class Subject:
     scene: Scene
 
     @property
-    def place(self) -> str:
-        """Where it stands, in words."""
-        return f"{self.case}, {self.analysis}, {self.record}"
-
-
-@dataclass(frozen=True)
-class Run:
-    """One method at one setting on one scene.
-
-    seconds : inside the solver, least of the repeats [s]
-    errors : by QUANTITIES, largest over storeys, floors or links, relative [-]; nan when the run did not end
-    impacts, expected : impacts counted in all, and those of the reference
-    residual : energy missing over the largest entry of the ledger [-]; nan where the method keeps none
-    """
-
-    case: str
-    analysis: str
-    record: str
-    method: str
-    setting: float
-    status: str
-    advice: str
-    seconds: float
-    steps: int
-    events: int
-    errors: dict[str, float]
-    impacts: int
-    expected: int
-    residual: float
-
-
-@dataclass(frozen=True)
-class Confirmed:
-    """A scene's reference: difference of two methods by QUANTITIES [-], and of their counts of impacts."""
-
-    case: str
-    analysis: str
-    record: str
-    differences: dict[str, float]
-    impacts: int
+    def place(self) -> dict[str, Any]:
+        """Where it stands."""
+        return {"case": self.case, "analysis": self.analysis, "record": self.record}
 
 
 @dataclass(frozen=True)
 class WorkPrecision:
-    """All runs on all scenes.
+    """All runs on all scenes; errors by QUANTITIES are the largest over storeys, floors or links, relative [-].
 
-    left_out : what the budget did not allow, method by method
-    without_reference : scenes that no error could be told of, each with the reason
+    runs : a row for one method at one setting on one scene: place, method, setting, status, seconds inside the solver,
+        least of the repeats [s], steps, events, `error_V`..., NaN when it did not end, impacts in all and those of the
+        reference, energy_residual [-], NaN where the method keeps none, advice
+    references : a row a scene: place, differences of the two reference methods `V`..., and of their counts of impacts
+    left_out : what was not run, and why
     spent, compiling : wall time of the runs, and of compiling before them [s]
     """
 
-    runs: tuple[Run, ...]
-    references: tuple[Confirmed, ...]
-    left_out: tuple[str, ...]
-    without_reference: tuple[str, ...] = ()
+    runs: list[dict[str, Any]]
+    references: list[dict[str, Any]]
+    left_out: list[str]
     spent: float = 0.0
     compiling: float = 0.0
 
@@ -125,8 +92,7 @@ def chosen(names: Sequence[str]) -> tuple[str, ...]:
     ------
     InputError : a name that is no method
     """
-    unknown = [name for name in names if name not in METHODS]
-    if unknown:
+    if unknown := [name for name in names if name not in METHODS]:
         hint = f"write one of {', '.join(METHODS)}"
         raise InputError([Problem(f"there is no method {name}", hint) for name in unknown])
     return tuple(dict.fromkeys(names)) or tuple(METHODS)
@@ -150,55 +116,43 @@ def measure(
     Of each method the settings are tried from coarse to fine as long as its share lasts. The budget is wall time, in
     which compiling does not count; the first scene gets its reference and one run of every method whatever they take.
     """
-    runs: list[Run] = []
-    references: list[Confirmed] = []
-    without: list[str] = []
-    dropped: dict[tuple[str, float], int] = {}
+    runs, references, left_out = list[dict[str, Any]](), list[dict[str, Any]](), list[str]()
+    skipped = Counter[tuple[str, float]]()
+    spent = compiling = dearest = 0.0
     records = list(dict.fromkeys(subject.record for subject in subjects))
     order = sorted(subjects, key=lambda subject: records.index(subject.record))
-    begin, compiling, dearest, measured = time.perf_counter(), 0.0, 0.0, 0
     for place, subject in enumerate(order):
-        left = budget - (time.perf_counter() - begin - compiling)
-        if place and left <= dearest:
+        if place and budget - spent <= dearest:
+            left_out.append(
+                f"{len(order) - place} of {counted(len(order), 'scene')}: the budget ended (--budget gives more)"
+            )
             break
-        measured += 1
-        tell(subject.place)
-        started = time.perf_counter()
+        where = ", ".join(subject.place.values())
+        tell(where)
+        begin = time.perf_counter()
         _warm_up(subject.scene, {*methods, REFERENCE[0], SECOND[0]})
-        compiling += time.perf_counter() - started
-        started = time.perf_counter()
+        compiled = time.perf_counter()
         reference, second = _solved(subject.scene, *REFERENCE), _solved(subject.scene, *SECOND)
-        taken = time.perf_counter() - started
-        dearest = max(dearest, taken)
-        if reference.status != "done" or second.status != "done":
-            without.append(f"{subject.place}: {reference.status} and {second.status}")
-            continue
-        impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
-        where = (subject.case, subject.analysis, subject.record)
-        references.append(Confirmed(*where, errors_of(second, reference), impacts))
-        together = sum(other.record == subject.record for other in order[place:])
-        share = (left / together - taken) / len(methods)
-        for name in methods:
-            if refusal_of(METHODS[name], subject.scene):
-                continue
-            for setting, run in _settings(subject, name, reference, share, at_least_one=place == 0):
-                if run is None:
-                    dropped[name, setting] = dropped.get((name, setting), 0) + 1
-                else:
-                    runs.append(run)
-    spent = time.perf_counter() - begin - compiling
-    left_out = _left_out(len(order), measured, dropped)
-    return WorkPrecision(tuple(runs), tuple(references), tuple(left_out), tuple(without), spent, compiling)
-
-
-def _left_out(total: int, measured: int, dropped: Mapping[tuple[str, float], int]) -> list[str]:
-    """What the budget did not allow, one text for the scenes and one a method."""
-    found = [f"{total - measured} of {counted(total, 'scene')}"] if measured < total else []
-    for method in dict.fromkeys(name for name, _ in dropped):
-        settings = {setting: count for (name, setting), count in dropped.items() if name == method}
-        listed = ", ".join(f"{setting:g}" for setting in settings)
-        found.append(f"{method} at {listed} on {counted(max(settings.values()), 'scene')}")
-    return found
+        taken = time.perf_counter() - compiled
+        compiling, dearest = compiling + compiled - begin, max(dearest, taken)
+        if reference.status == second.status == DONE:
+            impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
+            references.append({**subject.place, **errors_of(second, reference), "impacts": impacts})
+            together = sum(other.record == subject.record for other in order[place:])
+            share = ((budget - spent) / together - taken) / len(methods)
+            for name in methods:
+                for setting, row in _tried(subject, name, reference, share, at_least_one=place == 0):
+                    if row is None:
+                        skipped[name, setting] += 1
+                    else:
+                        runs.append(row)
+        else:
+            left_out.append(f"{where}: the reference did not end ({reference.status}, {second.status})")
+        spent += time.perf_counter() - compiled
+    for (name, setting), count in skipped.items():
+        value = METHODS[name].setting.text(setting)
+        left_out.append(f"{name} at {value} on {counted(count, 'scene')}: the budget ended (--budget gives more)")
+    return WorkPrecision(runs, references, left_out, spent, compiling)
 
 
 def _warm_up(scene: Scene, methods: set[str]) -> None:
@@ -208,31 +162,30 @@ def _warm_up(scene: Scene, methods: set[str]) -> None:
             _solved(short, name, 1e-4)
 
 
-def _settings(
+def _tried(
     subject: Subject, name: str, reference: Response, allowed: float, at_least_one: bool
-) -> Iterator[tuple[float, Run | None]]:
+) -> Iterator[tuple[float, dict[str, Any] | None]]:
     """Runs of one method from coarse to fine; None for settings that the time allowed [s] does not reach."""
-    spent, last, scale = 0.0, 0.0, 1.0
+    spent = last = before = 0.0
+    if refusal_of(METHODS[name], subject.scene):
+        return
     settings = METHODS[name].setting.tried
     for number, setting in enumerate(settings):
-        if number and METHODS[name].takes_step:
-            scale = settings[number - 1] / setting
-        if spent + last * scale > allowed and not (number == 0 and at_least_one):
+        longer = before / setting if METHODS[name].takes_step else 1.0
+        if spent + last * longer > allowed and not (number == 0 and at_least_one):
             yield setting, None
             continue
-        begin = time.perf_counter()
-        response = _solved(subject.scene, name, setting)
-        last = response.seconds
-        seconds = [last]
+        begin, before = time.perf_counter(), setting
+        found = _solved(subject.scene, name, setting)
+        seconds, done = [found.seconds], found.status == DONE
         repeated = min(REPEATED, (allowed - spent) / len(settings))
-        done = response.status == "done"
-        while done and len(seconds) < MAX_REPEATS and sum(seconds) + last < repeated:
+        while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
             seconds.append(_solved(subject.scene, name, setting).seconds)
-        spent += time.perf_counter() - begin
-        yield setting, Run(
-            subject.case, subject.analysis, subject.record, response.method, setting, response.status,
-            response.advice, min(seconds), response.steps, response.events,
-            errors_of(response, reference) if done else dict.fromkeys(QUANTITIES, float("nan")),
-            int(response.links.impacts.sum()), int(reference.links.impacts.sum()),
-            response.energy.get("residual", float("nan")),
-        )  # fmt: skip
+        spent, last = spent + time.perf_counter() - begin, found.seconds
+        errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
+        yield setting, {
+            **subject.place, "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
+            "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
+            "impacts": int(found.links.impacts.sum()), "impacts_reference": int(reference.links.impacts.sum()),
+            "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,
+        }  # fmt: skip

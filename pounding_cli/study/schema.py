@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, WithJsonSchema, create_model
 
 from pounding_cli.laws import link_laws
-from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP, setting_of
+from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
 from pounding_cli.study.base import Model, Name, Wrong, form, key, word_or
 from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
 from pounding_cli.study.models import Building, Case, OwnLaw, Records
@@ -82,9 +82,9 @@ class _Study(Model):
     analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = key(
         ("elastic", "inelastic"), "whether storeys may yield"
     )
-    accuracy: Annotated[
-        float, Quantity(ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high)
-    ] = key(ACCURACY.default, "relative error of the peaks [-]")
+    accuracy: Annotated[float, Quantity("accuracy", "", ACCURACY.example, 1e-14, 0.1)] = key(
+        1e-6, "relative error of the peaks [-]"
+    )
     method: Literal[tuple(METHODS)] = key("taylor", "how the equations of motion are solved")  # type: ignore[valid-type]
     time_step: Annotated[float, TIME.but(name=TIME_STEP.title, example=TIME_STEP.example)] | None = key(
         None, "time step of a fixed-step method [s]"
@@ -111,7 +111,7 @@ class _Study(Model):
     )
 
     def wrong(self) -> Iterator[Wrong]:
-        timed, method = setting_of(self.method) is TIME_STEP, self.method
+        timed, method = METHODS[self.method].takes_step, self.method
         if timed and self.time_step is None:
             yield ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"
         if not timed and self.time_step is not None:

@@ -313,7 +313,7 @@ class Study:
             return None
         scale = self.section(first, "records").scale
         motions = {name: each.motion for name, each in used.items()}
-        return records.spectrum_match(motions, target, scale.spectrum == "each", scale.at_least)
+        return records.SpectrumMatch.of(motions, target, scale.spectrum == "each", scale.at_least)
 
     @answer(lambda name: (("buildings", name),))
     def design_displacements(self, point: Point, name: str) -> np.ndarray | None:

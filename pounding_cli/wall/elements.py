@@ -33,8 +33,7 @@ class System:
     members : edge stresses of beams, then of columns [N/m3], sparse (4 members, n); beams : how many are of beams
     elements : mean (s_x, s_y, t_xy) of each of the e elements [N/m3], sparse (3 e, n), rows grouped by three
     cells : the same of square cells at the struck face, of side `averaging_length`; cell_height : of their centres [m]
-    resultants : normal force, shear and moment of each row of elements, mean over its height, sparse (3 r, n)
-    row_height : of the middle of each row [m], shape (r,); area : of each element [m2], shape (e,)
+    resultants : shear force and moment of each row of elements, mean over its height, sparse (2 r, n)
     corners : displacements (x, y) of the corners of the mesh [-], sparse (2 c, n)
     """
 
@@ -48,8 +47,6 @@ class System:
     cells: sp.csr_matrix
     cell_height: np.ndarray
     resultants: sp.csr_matrix
-    row_height: np.ndarray
-    area: np.ndarray
     corners: sp.csr_matrix
 
 
@@ -77,7 +74,7 @@ def build(study: Study) -> System:
     _hand_mass_on(mass[:wall], basis, push[:wall])
     free = np.setdiff1d(np.arange(total), basis.get_dofs(lambda at: np.abs(at[1]) < 1e-9).all())
     pick = sp.eye_array(total, format="csr")[:, free]
-    elements, resultants, area = _stresses(study, basis, y)
+    elements, resultants = _stresses(study, basis, y)
     height, share = _cells(study, mesh)
     return System(
         mesh,
@@ -90,8 +87,6 @@ def build(study: Study) -> System:
         (sp.kron(share, sp.eye_array(3)) @ elements @ pick[:wall]).tocsr(),
         height,
         (resultants @ pick[:wall]).tocsr(),
-        0.5 * (y[1:] + y[:-1]),
-        area,
         pick[basis.nodal_dofs.T.ravel()],
     )
 
@@ -209,8 +204,8 @@ def _beam(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray
     return turn, local
 
 
-def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
-    """Mean stresses of elements, resultants of the rows of elements, areas of elements: as in `System`.
+def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """Mean stresses of elements, resultants of the rows of elements: as in `System`.
 
     The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress
     at the centre, which NASTRAN's CQUAD4 prints.
@@ -229,7 +224,7 @@ def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_m
     area = LinearForm(lambda v, _: v).assemble(each)
 
     def grouped(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
-        rows = np.arange(3 * parts[0].shape[0]).reshape(3, -1).T.ravel()
+        rows = np.arange(len(parts) * parts[0].shape[0]).reshape(len(parts), -1).T.ravel()
         return sp.vstack(parts, format="csr")[rows]
 
     elements = sp.kron(sp.diags_array(1 / area), sp.eye_array(3)) @ grouped([sx, sy, txy])
@@ -237,8 +232,8 @@ def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_m
     row, count = np.searchsorted(y_lines, middle) - 1, middle.size
     depth = study.wall.thickness / np.diff(y_lines)[row]
     gather = sp.csr_matrix((depth, (row, np.arange(count))), shape=(y_lines.size - 1, count))
-    # Tension, shear that pushes the part above away from the striker, moment that compresses the inner edge.
-    return elements, grouped([gather @ sy, gather @ txy, gather @ bending]), area
+    # Shear that pushes the part above away from the striker, moment that compresses the inner edge.
+    return elements, grouped([gather @ txy, gather @ bending])
 
 
 def _cells(study: Study, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:

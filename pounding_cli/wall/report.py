@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,13 @@ _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#5
 _DRAWN = 8
 """Points whose stresses are drawn."""
 
+_OF_SWEEPS = (
+    ("peak_force", 1e6, "peak force [MN]"),
+    ("averaged_stress", 1e6, "averaged stress [N/mm²]"),
+    ("wall_stress", 1e6, "stress of an element [N/mm²]"),
+    ("reach", 1.0, "distance to half of the averaged stress [m]"),
+)
+
 SHOWN = ("peak_force", "peak_time", "separation", "wall_stress", "averaged_stress", "beam_stress", "column_stress",
          "wall_shear", "wall_moment")  # fmt: skip
 
@@ -30,11 +38,10 @@ def _strength(data: xr.Dataset) -> tuple[bool, str]:
 
 
 def _frame(data: xr.Dataset) -> tuple[bool, str]:
-    names = "beam_stress", "column_stress", "beam_stress_then", "column_stress_then"
-    beam, column, beam_then, column_then = (float(data[name]) / 1e6 for name in names)
-    words = f"at the instant of the wall's peak {beam_then:.1f} and {column_then:.1f} N/mm2, "
-    words += f"later up to {beam:.1f} and {column:.1f} N/mm2"
-    return max(beam, column) < 0.5 * float(data["averaged_stress"]) / 1e6, words
+    beam, column, wall = (float(data[name]) / 1e6 for name in ("beam_stress", "column_stress", "averaged_stress"))
+    then = " and ".join(f"{float(data[name]) / 1e6:.1f}" for name in ("beam_stress_then", "column_stress_then"))
+    words = f"at the instant of the wall's peak {then} N/mm2, later up to {beam:.1f} and {column:.1f} N/mm2"
+    return max(beam, column) < 0.5 * wall, words
 
 
 def _local(data: xr.Dataset) -> tuple[bool, str]:
@@ -62,55 +69,45 @@ def cites(study: Study) -> dict[str, str]:
 def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
     """The stresses at the last point first, then histories, the peaks against every swept key, the other points."""
 
-    def stress(point: Point) -> Picture:
-        heading = f"Von Mises stress on the deformed mesh{f', {point.label}' if point.label else ''}"
-        return Picture(_name(point), heading, heading, partial(draw_stress, title, point), has_scale=True)
+    def picture(name: str, heading: str, draw: Callable[..., Figure], *about: Any) -> Picture:
+        return Picture(name, heading, heading, partial(draw, title, *about), has_scale=True)
 
-    *others, last = points[:_DRAWN]
+    drawn, heading = points[:_DRAWN], "Von Mises stress on the deformed mesh"
+    *others, last = (
+        picture(f"stress-{number}", ", ".join(filter(None, (heading, point.label))), draw_stress, point)
+        for number, point in enumerate(drawn, 1)
+    )
     heading = "Contact force, speed of the striker, energy, and stress at the struck face"
-    found = [stress(last), Picture("history", heading, heading, partial(draw_histories, title, points[:_DRAWN]), True)]
-    for axis in (axis for axis in axes if len(axis) > 1):
-        heading, draw = f"Peaks against {axis.names[0]}", partial(draw_sweep, title, points, axis)
-        found.append(Picture(axis.names[0].replace(".", "-"), heading, heading, draw, has_scale=True))
-    return [*found, *map(stress, others)]
-
-
-def _name(point: Point) -> str:
-    return "-".join(["stress", *map(str, point.place)])
+    swept = [(axis.names[0], axis) for axis in axes if len(axis) > 1]
+    sweeps = [picture(key.replace(".", "-"), f"Peaks against {key}", draw_sweep, points, axis) for key, axis in swept]
+    return [last, picture("history", heading, draw_histories, drawn), *sweeps, *others]
 
 
 @styled
 def draw_stress(title: str, point: Point) -> Figure:
-    """Von Mises stress on the deformed mesh: at its peak, its envelope, and both around the contact."""
+    """Von Mises stress on the deformed mesh: its envelope, and at its peak around the contact."""
     data, study, length = point.data, point.study, point.study.wall.length
     moved = data["displacement"].to_numpy()
     scale = 0.1 * length / (np.abs(moved).max() or 1.0)
     shown = (data["corners"].to_numpy() + scale * moved)[data["quads"].to_numpy()]
-    figure = new_figure(8.4, 6.6)
-    panels = figure.subplots(1, 3, width_ratios=(1, 1, 1.9))
-    instant = f"{1e3 * float(data['time_of_peak']):.1f} ms"
-    for ax, name, heading in (
-        (panels[0], "stress_peak", f"At {instant}"),
-        (panels[1], "stress_envelope", "Largest over time"),
-        (panels[2], "stress_peak", f"Around the contact, {instant}"),
-    ):
+    figure = new_figure(7.4, 6.6)
+    whole, near = figure.subplots(1, 2, width_ratios=(1, 1.9))
+    headings = "Largest over time", f"Around the contact at {1e3 * float(data['time_of_peak']):.1f} ms"
+    for ax, name, heading in zip((whole, near), ("stress_envelope", "stress_peak"), headings, strict=True):
         patches = PolyCollection(
             shown, array=data[name].to_numpy() / 1e6, cmap="magma_r", edgecolors="0.4",
             linewidths=0.15 if len(shown) < 5000 else 0.0, rasterized=len(shown) > 400,
         )  # fmt: skip
         patches.set_clim(0, float(data["stress_envelope"].max()) / 1e6)
         ax.add_collection(patches)
-        ax.set_aspect("equal")
-        ax.grid(False)
+        ax.set(xlabel="x [m]", aspect="equal")
         ax.set_title(heading, loc="left")
-        ax.set_xlabel("x [m]")
-    for ax in panels[:2]:
-        ax.set(xlim=(-0.4, length + 0.6), ylim=(-0.3, study.frame.height + 0.5))
-        ax.hlines(study.frame.floors, length, length + 0.5, color="0.5", lw=2)
+        ax.grid(False)
     half, contact = min(1.0, length / 2), 0.5 * sum(study.patch)
-    panels[2].set(xlim=(-0.2, 2 * half + 0.2), ylim=(contact - half, contact + half))
-    panels[0].set_ylabel("height [m]")
-    figure.colorbar(patches, ax=panels[2], label="von Mises stress [N/mm²]", shrink=0.6)
+    whole.set(xlim=(-0.4, length + 0.6), ylim=(-0.3, study.frame.height + 0.5), ylabel="height [m]")
+    whole.hlines(study.frame.floors, length, length + 0.5, color="0.5", lw=2)
+    near.set(xlim=(-0.2, 2 * half + 0.2), ylim=(contact - half, contact + half))
+    figure.colorbar(patches, ax=near, label="von Mises stress [N/mm²]", shrink=0.6)
     entitle(figure, title, "bold")
     where = f"{point.label}. " if point.label else ""
     caption(figure, f"{where}Element means; displacements times {scale:.0f}. Grey stubs: beams.")
@@ -119,25 +116,25 @@ def draw_stress(title: str, point: Point) -> Figure:
 
 @styled
 def draw_histories(title: str, points: Sequence[Point]) -> Figure:
-    """Contact force, speed of the striker, energies and averaged stress against distance."""
+    """Contact force, speed of the striker, energies of the last point, and averaged stress against distance."""
     figure = new_figure(9.2, 6.4)
-    grid = figure.subplots(2, 2)
+    (force, speed), (energy, face) = figure.subplots(2, 2)
     for color, point in zip(_COLORS, points, strict=False):
         data, ms = point.data, 1e3 * point.data["time"]
-        grid[0, 0].plot(ms, data["force"] / 1e6, color=color, lw=1.4, label=point.label)
-        grid[0, 1].plot(ms, data["velocity"], color=color, lw=1.4)
-        grid[1, 1].plot(data["cell_stress"] / 1e6, data["cell_height"] - 0.5 * sum(point.study.patch), color=color)
+        force.plot(ms, data["force"] / 1e6, color=color, lw=1.4, label=point.label)
+        speed.plot(ms, data["velocity"], color=color, lw=1.4)
+        face.plot(data["cell_stress"] / 1e6, data["cell_height"] - 0.5 * sum(point.study.patch), color=color)
     parts = [data[name] / 1e3 for name in ("striker_energy", "kinetic_energy", "strain_energy")]
-    grid[1, 0].stackplot(ms, *parts, labels=("striker", "moving building", "strain"), colors=("0.35", "0.6", "0.85"))
-    grid[0, 0].set(xlabel="time [ms]", ylabel="contact force [MN]", title="Contact force")
-    grid[0, 1].set(xlabel="time [ms]", ylabel="velocity [m/s]", title="Striker")
-    grid[1, 0].set(xlabel="time [ms]", ylabel="energy [kJ]", title=f"Energy: {point.label or 'balance'}")
-    of_face = f"largest stress, mean over {float(data['averaged_over']):g} m [N/mm²]"
-    grid[1, 1].set(xlabel=of_face, ylabel="distance up from the contact [m]", title="Stress at the struck face")
-    grid[0, 1].axhline(0, color="0.35", lw=1)
-    grid[1, 0].legend(loc="lower right", frameon=True)
+    energy.stackplot(ms, *parts, labels=("striker", "moving building", "strain"), colors=("0.35", "0.6", "0.85"))
+    force.set(xlabel="time [ms]", ylabel="contact force [MN]", title="Contact force")
+    speed.set(xlabel="time [ms]", ylabel="velocity [m/s]", title="Striker")
+    energy.set(xlabel="time [ms]", ylabel="energy [kJ]", title=f"Energy: {point.label or 'balance'}")
+    of_face = f"largest stress, mean over {point.study.averaging_length:g} m [N/mm²]"
+    face.set(xlabel=of_face, ylabel="distance up from the contact [m]", title="Stress at the struck face")
+    speed.axhline(0, color="0.35", lw=1)
+    energy.legend(loc="lower right", frameon=True)
     if point.label:
-        grid[0, 0].legend(fontsize=6.5)
+        force.legend(fontsize=6.5)
     entitle(figure, title, "bold")
     return figure
 
@@ -147,23 +144,16 @@ def draw_sweep(title: str, points: Sequence[Point], axis: Axis) -> Figure:
     """Peak force, peak and averaged stress, and how far the stress reaches, against one swept key."""
     key, unit = axis.names[0], axis.units[0]
     figure = new_figure(9.2, 6.2)
-    panels = figure.subplots(2, 2)
     curves: dict[str, list[Point]] = {}
     for point in points:  # a curve joins points that differ in this key alone
         others = [part for part in point.label.split(", ") if not part.startswith(f"{key} =")]
         curves.setdefault(", ".join(others), []).append(point)
-    quantities = {
-        "peak_force": (1e6, "peak force [MN]"),
-        "averaged_stress": (1e6, "averaged stress [N/mm²]"),
-        "wall_stress": (1e6, "stress of an element [N/mm²]"),
-        "reach": (1.0, "distance to half of the averaged stress [m]"),
-    }
-    for ax, (name, (size, label)) in zip(panels.ravel(), quantities.items(), strict=True):
+    for ax, (name, size, label) in zip(figure.subplots(2, 2).ravel(), _OF_SWEEPS, strict=True):
         for color, (alike, part) in zip(_COLORS, curves.items(), strict=False):
             x = [v if isinstance(v := point.swept[key], str) else unit.number(v) for point in part]
             ax.plot(x, [float(point.data[name]) / size for point in part], color=color, marker="o", ms=4, label=alike)
         ax.set(xlabel=unit.label(key), ylabel=label, ylim=(0, None))
     if len(curves) > 1:
-        panels[0, 0].legend(fontsize=7)
+        figure.axes[0].legend(fontsize=7)
     entitle(figure, title, "bold")
     return figure

@@ -99,20 +99,13 @@ def _targets(study: Study, limit: Limit, path: tuple[str | int, ...], problems: 
         points = list(np.ndindex(*(len(axis.values) for axis in study.axes)))
         found = [target for target in found if any(able(study, target, at) for at in points)]
         if not found:
-            what, hint = _CANNOT[limit.quantity]
-            problems.at(study.root, path, f"'{limit}': {what}", hint)
+            problems.at(study.root, path, f"'{limit}': no storey there can pass it", _CANNOT[limit.quantity])
     return found
 
 
 _CANNOT = {
-    COLLAPSE: (
-        "no storey there can collapse",
-        "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`",
-    ),
-    SHEAR_DEMAND: (
-        "no slab strikes columns there whose strength is known",
-        "write `columns:` in a building that yields; `pound check` lists where slabs strike columns",
-    ),
+    COLLAPSE: "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`",
+    SHEAR_DEMAND: "write `columns:` in a building that yields; `pound check` lists where slabs strike columns",
 }
 
 

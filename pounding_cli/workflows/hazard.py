@@ -23,7 +23,7 @@ from pydantic_core import PydanticCustomError
 from scipy.special import log_ndtr, ndtr
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.hazard import intensity_factor, measure_of, read_hazard
+from pounding_cli.records.hazard import intensity_factor, read_hazard
 from pounding_cli.study.file import Problems
 from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
@@ -174,10 +174,9 @@ def _from_study(levels: Mapping[str, float], quantity: Quantity) -> np.ndarray:
 
 def _from_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple[np.ndarray, np.ndarray]:
     """The points of a file, unless it says that they are those of another measure."""
-    points = read_hazard(path, unit, si)
-    named = measure_of(path)
+    intensity, rate, named = read_hazard(path, unit, si)
     mine = f"SA({measure.period:g})" if measure.name == "sa" and measure.period else measure.name.upper()
     if named and named != mine and not (mine == "SA" and named.startswith("SA")):
         hint = f"write `intensity: {named.lower()}`, or take the curve of {measure}"
         raise InputError(Problem(f"the hazard is that of {named}, the intensity is {measure}", hint, str(path)))
-    return points
+    return intensity, rate

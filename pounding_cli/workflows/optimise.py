@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,12 +20,12 @@ from pounding_cli.results.flags import counts_of_flags, parted
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
-from pounding_cli.study.expression import Expression, Quantity
+from pounding_cli.study.expression import Expression, Quantity, read_expression
 from pounding_cli.study.file import Problems, get, nearest, parse
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
-from pounding_cli.workflows.expressions import at_points, error_of, expressions, getter, values_of
+from pounding_cli.workflows.expressions import at_points, error_of, read_all, values_of
 from pounding_cli.workflows.search import Point, Search
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, tabled
 
@@ -149,7 +150,10 @@ def question_of(study: Study) -> Question:
     problems, root = Problems(study.file), study.root
     key = "most" if spec.least is None and spec.most is not None else "least"
     texts = [text for text in (spec.least, spec.most) if text is not None]
-    found = expressions(study, "optimise", key, texts, problems, "largest V_ratio in stiff")
+    found = read_all(read_expression, study, "optimise", key, texts, problems)
+    if not texts:
+        hint = "write e.g. `optimise: {least: largest V_ratio in stiff}`"
+        problems.at(root, ("optimise",), "`optimise:` lacks 'least' or 'most'", hint, key=True)
     factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
     if not factors and not problems.found:
         hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
@@ -223,24 +227,23 @@ class Optimise(Workflow):
         """The optimum, what the buildings do there, and all points."""
         question = question_of(study)
         question.check_corners()
-        void = set[Point]()
 
         def function(points: list[Point], is_rough: bool) -> tuple[np.ndarray, np.ndarray]:
             solved = _Solved(question, solver, points, is_rough)
-            void.update(point for point, is_void in zip(points, solved.void, strict=False) if is_void)
-            values = np.where(solved.void, np.nan, question.sign * solved.values())
-            return values[: len(points)], solved.errors()[: len(points)]
+            return question.sign * solved.sought[: len(points)], solved.errors[: len(points)]
 
         search = Search(function, [factor.options for factor in question.factors], question.spec, question.written)
         search.run()
         # what only led to the valley keeps its rough numbers
-        whole = _Solved(question, solver, list(search.tried), is_rough=True)
+        whole, tried = _Solved(question, solver, list(search.tried), is_rough=True), list(search.tried)
+        best = None if search.best is None else tried.index(search.best)
+        written = len(whole.sought) - 1 if search.written is None else tried.index(search.written)
         unit = question.expression.unit or "1"
         columns = {name: (unit if si == _SOUGHT else si, text) for name, (si, text) in _COLUMNS.items()}
         tables = [
-            tabled(OPTIMUM, _optimum(search, question, whole, void), columns),
-            tabled(DESIGN, _design(search, question, whole), _DESIGN),
-            _points(search, question, void, columns),
+            tabled(OPTIMUM, _optimum(search, question, whole, written), columns),
+            tabled(DESIGN, _design(question, whole, {"optimum": best, "as_written": written}), _DESIGN),
+            _points(search, question, whole, columns),
         ]
         return Found(whole.plan, whole.data, tables)
 
@@ -256,79 +259,79 @@ class _Solved:
         self.question, self.plan = question, question.plan(points)
         self.data = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
         self.one = self.data.sel(case=[question.case], analysis=[question.analysis])
-        self.get, self.count = getter(self.plan, self.one), len(self.plan.axes[-1].values)
 
     def by_point(self, values: np.ndarray) -> np.ndarray:
         """Values over all axes, the one case and the one analysis; shape (other points of the sweep, points, ...)."""
-        return values.reshape(-1, self.count, *values.shape[len(self.plan.axes) + 2 :])
+        axes = self.plan.axes
+        return values.reshape(-1, len(axes[-1].values), *values.shape[len(axes) + 2 :])
 
-    @property
-    def void(self) -> np.ndarray:
+    @cached_property
+    def is_void(self) -> np.ndarray:
         """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
         meaningless = counts_of_flags(self.one["flags"].values)["records_meaningless"]
         return np.asarray((self.by_point(meaningless) > 0).any(axis=0))
 
-    def values(self, quantity: Quantity | None = None) -> np.ndarray:
-        """The number sought, or a quantity, at every point: over the motions as the number sought is, over a sweep its
-        mean or its worst, of a quantity the largest; NaN where one is."""
-        question, expression = self.question, self.question.expression
-        if quantity is not None:
-            expression = Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
-        values = self.by_point(values_of(expression, self.get, question.spec.over_motions))
-        if question.spec.over_sweep == "mean":
-            return values.mean(axis=0)
-        return values.min(axis=0) if quantity is None and question.sign < 0 else values.max(axis=0)
+    @cached_property
+    def _sought(self) -> np.ndarray:
+        """The number sought at every point of the sweep and of the search."""
+        return self.by_point(values_of(self.question.expression, self.one, self.question.spec.over_motions))
 
+    @cached_property
+    def sought(self) -> np.ndarray:
+        """The number sought at every point, over a sweep its mean or its worst; NaN where it has none or no meaning."""
+        sign, is_mean = self.question.sign, self.question.spec.over_sweep == "mean"
+        values = self._sought.mean(axis=0) if is_mean else sign * (sign * self._sought).max(axis=0)
+        return np.where(self.is_void, np.nan, values)
+
+    @property
     def errors(self) -> np.ndarray:
         """The numerical error of the number sought at every point."""
-        expression, spec, sign = self.question.expression, self.question.spec, self.question.sign
-        errors = self.by_point(error_of(expression, self.get, spec.over_motions))
-        if spec.over_sweep == "mean":
+        errors = self.by_point(error_of(self.question.expression, self.one, self.question.spec.over_motions))
+        if self.question.spec.over_sweep == "mean":
             return errors.mean(axis=0)
-        values = sign * self.by_point(values_of(expression, self.get, spec.over_motions))
-        worst = np.where(np.isnan(values), np.inf, values).argmax(axis=0)
-        return errors[worst, np.arange(self.count)]
+        worst = np.nan_to_num(self.question.sign * self._sought, nan=np.inf).argmax(axis=0)
+        return errors[worst, np.arange(errors.shape[1])]
+
+    def largest(self, quantity: Quantity) -> np.ndarray:
+        """A quantity at every point: over the motions as the number sought is, over a sweep its mean or the largest."""
+        expression = Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
+        values = self.by_point(values_of(expression, self.one, self.question.spec.over_motions))
+        return values.mean(axis=0) if self.question.spec.over_sweep == "mean" else values.max(axis=0)
 
 
 # The tables
 
 
-def _optimum(search: Search, question: Question, whole: _Solved, void: set[Point]) -> pd.DataFrame:
-    """A row for each key."""
+def _optimum(search: Search, question: Question, whole: _Solved, written: int) -> pd.DataFrame:
+    """A row for each key; `written` : number of the point of the study as it is written."""
     best, sign, tried = search.best, question.sign, search.tried
-    if search.written is not None:
-        as_written = sign * tried[search.written].value
-    else:
-        as_written = np.nan if whole.void[-1] else float(whole.values()[-1])
-    failed = sum(each.value != each.value for each in tried.values()) - len(void)
-    outcome = NOTHING if best is None else FOUND if search.is_settled else UNSETTLED
-    first = {
+    void, near = int(whole.is_void[: len(tried)].sum()), list[Point]()
+    first: dict[str, Any] = {
         "sought": f"{'least' if sign > 0 else 'most'} {question.expression}",
-        "optimum": np.nan if best is None else sign * search.value(best),
-        "error": np.nan if best is None else search.error,
-        "tolerance": np.nan if best is None else search.tolerance,
-        "as_written": as_written, "outcome": outcome, "points": len(tried), "failed": failed, "meaningless": len(void),
-    }  # fmt: skip
-    near = np.zeros((0, len(question.factors)))
+        "as_written": whole.sought[written],
+        "outcome": NOTHING if best is None else FOUND if search.is_settled else UNSETTLED,
+        "points": len(tried),
+        "failed": int(np.isnan(whole.sought[: len(tried)]).sum()) - void,
+        "meaningless": void,
+    }
     if best is not None:
-        bound = search.value(best) + search.tolerance
-        near = np.array([point for point, each in tried.items() if each.value <= bound])
+        tolerance, least = search.tolerance, search.value(best)
+        first |= {"optimum": sign * least, "error": search.error, "tolerance": tolerance}
+        near = [point for point, each in tried.items() if each.value <= least + tolerance]
     rows = []
     for number, factor in enumerate(question.factors):
-        value, option = (np.nan, "") if best is None else _value(factor, best[number])
+        row = {**first, "key": factor.key, "unit": factor.unit.si or factor.unit.name, "spacing": factor.spacing}
+        row |= {"option": "", "written_option": "", "mapped": int(number in search.mapped)}
+        if best is not None:
+            row |= {"place": best[number], **_value(factor, best[number], "value", "option")}
         if search.written is not None:
-            written, written_option = _value(factor, search.written[number])
+            row |= _value(factor, search.written[number], "written", "written_option")
         else:
             given = whole.plan.axes[-1].values[-1][number]
-            written, written_option = (np.nan, given) if isinstance(given, str) else (given, "")
-        row = {
-            **first, "key": factor.key, "unit": factor.unit.si or factor.unit.name, "value": value,
-            "place": np.nan if best is None else best[number], "option": option, "spacing": factor.spacing,
-            "written": written, "written_option": written_option, "mapped": int(number in search.mapped),
-        }  # fmt: skip
+            row["written_option" if isinstance(given, str) else "written"] = given
         spans = {"flat": search.flat.get(number), "range": (0.0, 1.0)}
-        if len(near):
-            spans["together"] = near[:, number].min(), near[:, number].max()
+        if near:
+            spans["together"] = min(point[number] for point in near), max(point[number] for point in near)
         for name, span in spans.items():
             if span is not None and not factor.options:
                 row[f"{name}_from"], row[f"{name}_to"] = factor.number(np.array(span)).tolist()
@@ -337,61 +340,58 @@ def _optimum(search: Search, question: Question, whole: _Solved, void: set[Point
     return pd.DataFrame(rows).reindex(columns=names[: names.index("point")])
 
 
-def _value(factor: Factor, u: float) -> tuple[float, str]:
-    """A key at a point: its number, or its option."""
-    number = float(factor.number(np.array(u)))
-    return (np.nan, factor.labels[int(number)]) if factor.options else (number, "")
+def _value(factor: Factor, u: float, number: str, option: str) -> dict[str, Any]:
+    """A key at a point: its number under one name, or its option under another."""
+    value = float(factor.number(np.array(u)))
+    return {option: factor.labels[int(value)]} if factor.options else {number: value}
 
 
-def _design(search: Search, question: Question, whole: _Solved) -> pd.DataFrame:
-    """What the buildings do at the optimum, and with the study as it is written: a row for each quantity."""
-    plan, points, one = whole.plan, list(search.tried), whole.one
-    best = None if search.best is None else points.index(search.best)
-    shown = best, whole.count - 1 if search.written is None else points.index(search.written)
+def _design(question: Question, whole: _Solved, at: dict[str, int | None]) -> pd.DataFrame:
+    """What the buildings do at the optimum, and with the study as it is written: a row for each quantity.
+
+    at : by the names of the columns, the numbers of these points
+    """
+    buildings, one = whole.plan.buildings, whole.one
     failed = ~np.isin(whole.by_point(one["status"].values), OUTCOMES)
     known, of = ~failed.any(axis=(0, 2)), failed[:, 0].size
-    impacts = np.zeros(failed.shape)
-    if plan.links.places:
-        impacts = np.maximum(whole.by_point(one["impacts"].values), 0).sum(axis=-1)
+    impacts, quantities = np.zeros(failed.shape), dict[str, Quantity]()
+    for place, building in enumerate(buildings):
+        for name in ("V_ratio", "mu", "drift", "acceleration"):
+            quantities[f"largest {name} in {building}"] = Quantity(name, "largest", place)
+    if whole.plan.links.places:
+        impacts = np.nan_to_num(whole.by_point(one["impacts"].values)).sum(axis=-1)
+        quantities |= {f"largest {name}": Quantity(name) for name in ("peak_force", "max_closing")}
     rows: list[tuple[str, str, int, np.ndarray]] = [
-        (str(question.expression), question.expression.unit or "1", 0, whole.values()),
+        (str(question.expression), question.expression.unit or "1", 0, whole.sought),
         ("contacts, all motions", "1", 0, np.where(known, impacts.sum(axis=(0, 2)), np.nan)),
         ("scenes with contact", "1", of, np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan)),
         ("scenes that failed", "1", of, failed.sum(axis=(0, 2))),
+        *((text, VARIABLES[each.name].unit, 0, whole.largest(each)) for text, each in quantities.items()),
     ]
-    quantities = {
-        f"largest {name} in {building}": Quantity(name, "largest", place)
-        for place, building in enumerate(plan.buildings)
-        for name in ("V_ratio", "mu", "drift", "acceleration")
-    }
-    if plan.links.places:
-        quantities |= {f"largest {name}": Quantity(name) for name in ("peak_force", "max_closing")}
-    rows += [(text, VARIABLES[each.name].unit, 0, whole.values(each)) for text, each in quantities.items()]
     flags = whole.by_point(one["flags"].values)
-    said = [flag for at in shown if at is not None for cell in flags[:, at].flat for flag, _ in parted(cell)]
-    for flag in dict.fromkeys(said):
+    shown = [number for number in at.values() if number is not None]
+    for flag in dict.fromkeys(flag for cell in flags[:, shown].flat for flag, _ in parted(cell)):
         has = np.vectorize(lambda cell, flag=flag: any(flag == each for each, _ in parted(cell)), otypes=[bool])(flags)
         rows.append((f"scenes flagged: {flag}", "1", of, has.sum(axis=(0, 2))))
-    numbers = [[np.nan if at is None else float(values[at]) for at in shown] for *_, values in rows]
-    texts = pd.DataFrame([row[:3] for row in rows], columns=["quantity", "unit", "of"])
-    return texts.assign(**dict(zip(("optimum", "as_written"), zip(*numbers, strict=True), strict=True))).reindex(
-        columns=list(_DESIGN)
-    )
+    frame = pd.DataFrame([row[:3] for row in rows], columns=["quantity", "unit", "of"])
+    for name, number in at.items():
+        frame[name] = [np.nan if number is None else float(values[number]) for *_, values in rows]
+    return frame[list(_DESIGN)]
 
 
-def _points(search: Search, question: Question, void: set[Point], columns: Columns) -> Table:
+def _points(search: Search, question: Question, whole: _Solved, columns: Columns) -> Table:
     """Every point that was tried, in the order in which the search asked for it."""
     cube, tried = np.array(list(search.tried)), list(search.tried.values())
     frame: dict[str, Any] = {"point": np.arange(1, len(cube) + 1), "stage": [each.stage for each in tried]}
     units, meant = {}, dict(columns)
-    for number, factor in enumerate(question.factors):
-        values = factor.number(cube[:, number])
+    for factor, u in zip(question.factors, cube.T, strict=True):
+        values = factor.number(u)
         frame[factor.key] = [factor.labels[int(value)] for value in values] if factor.options else values
         meant[factor.key] = "" if factor.options else factor.unit.si or "1", f"varies: {factor.key}"
         if not factor.options:
             units[factor.key] = factor.unit
     frame["value"] = question.sign * np.array([each.value for each in tried])
     frame["error"] = [each.error for each in tried]
-    frame["meaningless"] = [int(point in void) for point in search.tried]
+    frame["meaningless"] = whole.is_void[: len(tried)].astype(int)
     meant["value"] = columns["optimum"][0], "of the number sought; NaN where it has none or no meaning"
     return tabled(POINTS, pd.DataFrame(frame), meant, units=units)

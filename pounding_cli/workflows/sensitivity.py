@@ -12,19 +12,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from pounding_cli.numbers import counted
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.expression import Expression, Statement
+from pounding_cli.study.expression import Expression, Statement, read_expression, read_statement
 from pounding_cli.study.file import Problems
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
-from pounding_cli.workflows.expressions import Get, at_points, distinct, expressions, getter, statements, values_of
+from pounding_cli.workflows.expressions import at_points, distinct, read_all, values_of
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, swept, tabled
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pounding_cli.batch.solve import Solver
 
 INDICES, OUTPUTS, PROBABILITIES, SAMPLES = (
@@ -204,9 +203,11 @@ def question_of(study: Study) -> Question:
         hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
         at = ("sensitivity", "claims")
         problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
-    named = statements(study, "sensitivity", "probabilities", spec.probabilities, problems)
-    is_needed = not spec.claims and not spec.probabilities
-    outputs = expressions(study, "sensitivity", "outputs", spec.outputs, problems) if spec.outputs or is_needed else ()
+    if not (spec.outputs or spec.probabilities or spec.claims):
+        hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
+        problems.at(root, ("sensitivity",), "`sensitivity:` lacks 'outputs'", hint, key=True)
+    outputs = read_all(read_expression, study, "sensitivity", "outputs", spec.outputs, problems)
+    named = read_all(read_statement, study, "sensitivity", "probabilities", spec.probabilities, problems)
     question = Question(spec, tuple(factors), outputs, named, motions, sets)
     points = question.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
     if points > MOST_POINTS:
@@ -268,9 +269,9 @@ class Sensitivity(Workflow):
         samples."""
         question, plan = question_of(study), self.plan(study)
         data = solver.dataset(plan)
-        get, method = getter(plan, data), question.spec.method
-        outputs = list(_series(plan, get, question, question.outputs))
-        holds = list(_series(plan, get, question, question.statements))
+        method = question.spec.method
+        outputs = list(_series(plan, data, question, question.outputs))
+        holds = list(_series(plan, data, question, question.statements))
         claims = list(self.judge(plan, data, question)) if self.judge and question.spec.claims else []
         every = [*outputs, *holds, *claims]
         each = [indices(question, one.values) for one in every]
@@ -297,26 +298,28 @@ class Sensitivity(Workflow):
 ASKED = Sensitivity()
 
 
-def _series(plan: Plan, get: Get, question: Question, asked: Sequence[Expression | Statement]) -> Iterator[Series]:
+def _series(
+    plan: Plan, data: xr.Dataset, question: Question, asked: Sequence[Expression | Statement]
+) -> Iterator[Series]:
     """Expressions, or whether statements hold, at all samples: by point, case, analysis and what is asked."""
-    others = tuple(len(axis.values) for axis in plan.axes[:-1])
-    place = len(others)  # of the axis of samples
-    sample = question.keys[2]
-
-    def some(name: str) -> np.ndarray:
-        values = get(name).take(sample, axis=place)
-        if question.drawn is None:
-            return values
-        shape = [1] * values.ndim
-        shape[place], shape[place + 3] = question.drawn.shape  # samples and motions
-        return np.take_along_axis(values, question.drawn.reshape(shape), axis=place + 3)
-
+    *others, samples = (axis.names[0] for axis in plan.axes)
+    wanted = {part.name for one in asked for part in one.quantities} | {
+        "status",
+        "drift",
+        "acceleration",
+        "max_closing",
+    }
+    data = data[[name for name in data if name in wanted]].drop_vars([samples, "record"])
+    data = data.isel({samples: xr.DataArray(question.keys[2], dims=samples)})
+    if question.drawn is not None:
+        data = data.isel(record=xr.DataArray(question.drawn, dims=(samples, "record")))
+    data = data.transpose(*others, samples, "case", "analysis", "record", ...)
     found = []
     for one in asked:
         expression = one.expression if isinstance(one, Statement) else one
-        values = np.moveaxis(values_of(expression, some, question.spec.over_motions), place, -1)
+        values = np.moveaxis(values_of(expression, data, question.spec.over_motions), len(others), -1)
         found.append((one.holds(values), "") if isinstance(one, Statement) else (values, one.unit))
-    for *point, case, analysis in np.ndindex(*others, len(plan.cases), len(plan.analyses)):
+    for *point, case, analysis in np.ndindex(*plan.shape[: len(others)], len(plan.cases), len(plan.analyses)):
         for one, (values, unit) in zip(asked, found, strict=True):
             here = values[(*point, case, analysis)]
             yield Series(tuple(point), plan.cases[case], plan.analyses[analysis], str(one), unit, here)

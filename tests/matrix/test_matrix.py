@@ -70,9 +70,10 @@ def tables(results: pound.Results) -> dict:
 
 
 def same(one: dict, other: dict) -> bool:
-    """Bit for bit, and there is something to compare."""
+    """Bit for bit, and there is something to compare; few motions give no curves."""
     assert one.keys() == other.keys()
-    return all(len(one[name]) > 0 and one[name].equals(other[name]) for name in one)
+    is_known = all(len(frame) for name, frame in one.items() if name != "fragility_curves")
+    return is_known and all(frame.equals(other[name]) for name, frame in one.items())
 
 
 @pytest.mark.parametrize("engine", ["threads", "processes", "dask"])

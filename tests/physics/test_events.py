@@ -359,6 +359,20 @@ class TestFixedSteps:
         omega = math.sqrt(2e12 * 2 / 2e5)
         assert solve(scene, method="central-difference", time_step=1.0 / omega).status == "done"
 
+    def test_a_matrix_without_an_inverse(self) -> None:
+        """A spring that pushes floors apart takes from them just what their inertia and their storeys give in this
+        step: M + h^2/4 K is singular to the last digit. Fails if that is an error of the program."""
+        step, mass = 2.0**-6, 2.0**17
+        pushed = formula("-k*v", "always", k=f"{4 * mass / step**2!r} N/m")
+        two = [storey(mass, 4 * mass / step**2)] * 2
+        ground = np.linspace(0.0, 1.0, 9)
+        scene = Scene(
+            two, ground, step, {"link": "own", "gap": 0.05}, more=pushed, start=([[0.01], [0.0]], [[0.0]] * 2)
+        )
+        run = solve(scene, method="newmark", time_step=step)
+        assert run.status == "no root"
+        assert np.isnan(run.shear).all()
+
     @pytest.mark.parametrize("settings", [
         {"method": "euler"}, {"method": "newmark"}, {"method": "newmark", "time_step": 0.0},
         {"method": "newmark", "time_step": math.nan}, {"method": "taylor", "time_step": 1e-4},

@@ -69,9 +69,10 @@ WIDE = "name,lon,lat,0.05,0.1,0.2\nsite,-118,34,2e-2,7e-3,2e-3\n"
 )
 def test_files_of_services(text: str, unit: str | None, tmp_path: Path) -> None:
     (tmp_path / "h.csv").write_text(text)
-    intensity, rate = read_hazard(tmp_path / "h.csv", unit, "m/s2")
+    intensity, rate, measure = read_hazard(tmp_path / "h.csv", unit, "m/s2")
     np.testing.assert_allclose(intensity, G * X[:3], rtol=1e-12)
     np.testing.assert_allclose(rate, Y[:3], rtol=1e-5)
+    assert measure == ("PGA" if text is OPENQUAKE else "")
 
 
 @pytest.mark.parametrize(
@@ -83,7 +84,10 @@ def test_files_of_services(text: str, unit: str | None, tmp_path: Path) -> None:
         (TWO.replace("7e-3", "7e-2"), "not a hazard curve"),
         (OPENQUAKE.replace("investigation_time=50.0, ", ""), "unknown number of years"),
         (OPENQUAKE + "12,45,0,0.5,0.2,0.1\n", "curves of 2 sites"),
-        ("", "no two rows"),
+        ("", "the file is empty"),
+        ("0.1 0.02\n", "no two rows"),
+        (OPENQUAKE.replace("2.95312E-01", ""), "not a hazard curve"),
+        (TWO.replace("2e-2", "-2e-2"), "not a hazard curve"),
     ],
 )
 def test_files_that_are_refused(text: str, words: str, tmp_path: Path) -> None:

@@ -12,12 +12,6 @@ function asText(value, digits = 4) {
   return `${mantissa}×10${[...String(size)].map((sign) => RAISED[sign]).join('')}`.replace('-', '−');
 }
 
-/** A number that changes with time, with as many decimals as give the largest one four digits: it does not flicker. */
-function asSteady(value, most) {
-  const decimals = most > 0 ? Math.min(Math.max(3 - Math.floor(Math.log10(most)), 0), 12) : 0;
-  return value.toFixed(decimals).replace(/^-(0\.?0*)$/, '$1').replace('-', '−');
-}
-
 function filled(element, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
@@ -56,16 +50,13 @@ function drawnToWidth(box, draw) {
 
 const NAMED = { touching: 0, gap: 1, infill: 2, connected: 3 };
 const DASHES = ['', '7 3', '', '7 2.5 1.5 2.5', '2 2.5', '', '7 3', '7 2.5 1.5 2.5', '4 2', ''];
-const SHAPES = ['circle', 'square', 'up', 'diamond', 'down', 'plus', 'cross', 'left', 'right', 'up'];
+const SHAPES = ['circle', 'square', 'up', 'diamond', 'down', 'plus', 'circle', 'square', 'up', 'diamond'];
 const CORNERS = {
   square: [[-0.85, -0.85], [0.85, -0.85], [0.85, 0.85], [-0.85, 0.85]],
   up: [[0, -1.1], [1, 0.8], [-1, 0.8]],
   down: [[0, 1.1], [1, -0.8], [-1, -0.8]],
-  left: [[-1.1, 0], [0.8, 1], [0.8, -1]],
-  right: [[1.1, 0], [-0.8, 1], [-0.8, -1]],
   diamond: [[0, -1.2], [1.1, 0], [0, 1.2], [-1.1, 0]],
   plus: [[-0.35, -1.1], [0.35, -1.1], [0.35, -0.35], [1.1, -0.35], [1.1, 0.35], [0.35, 0.35], [0.35, 1.1], [-0.35, 1.1], [-0.35, 0.35], [-1.1, 0.35], [-1.1, -0.35], [-0.35, -0.35]],
-  cross: [[-1, -0.6], [-0.6, -1], [0, -0.4], [0.6, -1], [1, -0.6], [0.4, 0], [1, 0.6], [0.6, 1], [0, 0.4], [-0.6, 1], [-1, 0.6], [-0.4, 0]],
 };
 
 /** Colour, dash and marker of every case: the paper's four have theirs, others take the rest in turn. */
