@@ -14,43 +14,26 @@ class Setting:
     Parameters
     ----------
     key : its name in study files, in `solve` and in the columns of results
-    title : its name in sentences
-    unit : of its values; "" where they are relative [-]
-    low, high : range of its values; above `low` where `open_low`
-    default : value where none is given; None where one has to be
+    title, unit : its name in sentences; the unit of its values, "" where they are relative [-]
     example : as people write it
     tried : values that `pound accuracy` tries, coarse to fine
-    phrase : how a sentence says a value
     """
 
     key: str
     title: str
     unit: str
-    low: float
-    high: float
-    default: float | None
     example: str
     tried: tuple[float, ...]
-    phrase: str
 
     def text(self, value: float) -> str:
         """A value with its unit: "0.001 s"."""
         return f"{value:g} {self.unit}".rstrip()
 
-    def said(self, value: float) -> str:
-        """A value within a sentence: "a time step of 0.001 s"."""
-        return f"{self.phrase} {self.text(value)}"
 
-
-ACCURACY = Setting(
-    "accuracy", "accuracy", "", 1e-14, 0.1, 1e-6, "1e-6", (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10), "accuracy"
-)
+ACCURACY = Setting("accuracy", "accuracy", "", "1e-6", (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10))
 """Relative error wanted of the peaks [-]; the method chooses its steps."""
 
-TIME_STEP = Setting(
-    "time_step", "time step", "s", 0.0, 3600.0, None, "1e-4 s", (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5),
-    "a time step of",
-)  # fmt: skip
+TIME_STEP = Setting("time_step", "time step", "s", "1e-4 s", (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5))
 """Length of every step [s]; cut to a whole number of steps in a sample of the motion."""
 
 
@@ -122,11 +105,6 @@ METHODS: dict[str, Method] = {method.name: method for method in _LIST}
 """The methods by name, as tables list them. Whoever has one of his own adds it here (docs/extending.md)."""
 
 
-def setting_of(name: str) -> Setting:
-    """The setting of a method by its name."""
-    return METHODS[name].setting
-
-
 def table() -> list[str]:
     """The methods as lines of Markdown: the site shows them."""
     rows = ["| `method:` | order | setting | time step below | at a contact or a yield | runs |", "|" + "---|" * 6]
@@ -135,7 +113,3 @@ def table() -> list[str]:
         facts = (f"`{method.name}`", order, f"`{method.setting.key}`", method.stability, method.contacts, method.solves)
         rows.append(f"| {' | '.join(facts)} |")
     return rows
-
-
-if __name__ == "__main__":
-    print("\n".join(table()))

@@ -196,5 +196,5 @@ def intensity_unit(plan: Plan, question: Question) -> Unit:
     """The unit that people read intensities in."""
     name = question.measure.name
     if question.axis is not None and name == question.swept:
-        return plan.axes[question.axis].unit(0)
+        return plan.axes[question.axis].units[0]
     return {"factor": Unit(), "pgv": Unit("m/s", 1.0, "m/s")}.get(name) or plan.study.unit("acceleration")

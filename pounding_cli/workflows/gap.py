@@ -29,7 +29,7 @@ from pounding_cli.model.separation import (
 from pounding_cli.model.wall import Wall
 from pounding_cli.results.solved import most_storeys
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
 from pounding_cli.workflows.hazard import hazard_of, intensity_of, of_rate
@@ -387,10 +387,10 @@ def _gaps(plan: Plan) -> pd.DataFrame:
     """
     study = plan.study.written
     assert study is not None
-    axes = [_kept(axis) for axis in study.swept]
+    axes = [_kept(axis) for axis in study.axes]
     number = {place: each for each, place in enumerate(plan.links.places)}
     found: dict[tuple[int, int, tuple[tuple[int, float], ...]], str] = {}
-    for whole in np.ndindex(*(len(axis) for axis in study.swept)):
+    for whole in np.ndindex(*(len(axis) for axis in study.axes)):
         at = [each[1].index(each[2][place]) for each, place in zip(axes, whole, strict=True) if each[0]]
         point = int(np.ravel_multi_index(at, plan.shape[:-3])) if at else 0
         for place, case in enumerate(study.model.cases):
@@ -413,7 +413,7 @@ def _gaps(plan: Plan) -> pd.DataFrame:
 # The study with nothing between its buildings
 
 
-def _kept(axis: SweepAxis) -> tuple[list[int], list[tuple[str, ...]], list[tuple[str, ...]]]:
+def _kept(axis: Axis) -> tuple[list[int], list[tuple[str, ...]], list[tuple[str, ...]]]:
     """Which keys of an axis change buildings or motions; their different values, and those at every point of it."""
     kept = [number for number, path in enumerate(axis.paths) if path[0] not in _BETWEEN]
     values = [tuple(str(given[number]) for number in kept) for given in axis.given]
@@ -426,13 +426,15 @@ def _with_nothing_between(study: Study) -> Study:
     tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, root.marks)
     tree["cases"] = Map({APART: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {APART: (mark, mark)})
     axes = []
-    for axis in study.swept:
+    for axis in study.axes:
         kept, different, values = _kept(axis)
         if kept:
-            first = axis.some([values.index(each) for each in different])
-            given, marks = ([tuple(row[n] for n in kept) for row in rows] for rows in (first.given, first.marks))
+            first = [values.index(each) for each in different]
+            given, marks = (
+                [tuple(rows[place][n] for n in kept) for place in first] for rows in (axis.given, axis.marks)
+            )
             units = tuple(axis.units[n] for n in kept)
-            axes.append(SweepAxis(tuple(axis.names[n] for n in kept), given, marks, units))
+            axes.append(Axis(tuple(axis.names[n] for n in kept), given, marks, units))
     return Study(study.path, study.text, tree, axes, study.reader, written=study)
 
 

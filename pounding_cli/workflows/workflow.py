@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch.solve import Solver
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.axes import Axis
     from pounding_cli.study.file import Problems
-    from pounding_cli.study.plan import Axis
 
 Columns = Mapping[str, tuple[str, str]]
 """Column -> SI unit ("1" for a pure number, "" for a text) and meaning."""
@@ -132,7 +132,7 @@ def tabled(
     axes : of the sweep
     units : units that people read some columns in, with those of swept keys
     """
-    shown = {key: axis.unit(number) for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
+    shown = {key: axis.units[number] for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
     swept_keys, found = {key for axis in axes for key in axis.names}, {}
     for key in map(str, frame.columns):
         if key in swept_keys:

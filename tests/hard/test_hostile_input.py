@@ -73,7 +73,7 @@ STUDIES = {
     "axes without end": (BASE + f"sweep: {{{many('k{}: [1]', 20_000)}}}\n", "the sweep has 20000 axes"),
     "every file of the machine": (changed("[elcentro]", '["/**/*.AT2"]'), ""),
     "a NUL in the title": (changed("title: Test", 'title: "a\\0b"'), "holds a control character"),
-    "a device as record": (changed("[elcentro]", "[{file: /dev/zero}]"), "not a regular file: a device"),
+    "a device as record": (changed("[elcentro]", "[{file: /dev/zero}]"), "not a regular file"),
 }
 
 
@@ -139,8 +139,8 @@ def test_a_motion_file_is_regular_and_of_bounded_size(tmp_path):
 
 def test_a_study_file_is_regular(tmp_path):
     os.mkfifo(tmp_path / "pipe.yaml")
-    assert "this is not a regular file: a pipe" in guarded(lambda: pound.load_study(tmp_path / "pipe.yaml"))
-    assert "this is not a regular file: a device" in guarded(lambda: pound.load_study("/dev/zero"))
+    assert "this is not a regular file" in guarded(lambda: pound.load_study(tmp_path / "pipe.yaml"))
+    assert "this is not a regular file" in guarded(lambda: pound.load_study("/dev/zero"))
     assert "the path has 1000000 characters" in guarded(lambda: pound.load_study("a" * 1_000_000))
 
 
