@@ -23,10 +23,9 @@ from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.study.axes import SweepAxis, read_axes
+from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
 from pounding_cli.study.plausible import doubt_values, few
-from pounding_cli.study.words import value_at
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +67,7 @@ class Sweep:
     asked: Any
     title: str
     text: str
-    axes: tuple[SweepAxis, ...]
+    axes: tuple[Axis, ...]
     points: tuple[Point, ...]
     warnings: tuple[Problem, ...]
 
@@ -90,10 +89,10 @@ def load(path: Path, name: str) -> Sweep:
     for place in product(*(range(len(axis)) for axis in axes)):
         tree, swept, words = root, {}, []
         for axis, at in zip(axes, place, strict=True):
-            for key, given, mark, unit in zip(axis.paths, axis.given[at], axis.marks[at], axis.units, strict=True):
-                tree = put(tree, key, given, mark)
-                swept[".".join(key)] = value_at(asked.Study, tuple(key), given)
-                words.append(f"{'.'.join(key)} = {unit.text(swept['.'.join(key)])}")
+            told = axis.given[at], axis.marks[at], axis.values[at], axis.shown(at)
+            for key, given, mark, si, shown in zip(axis.names, *told, strict=True):
+                tree, swept[key] = put(tree, key.split("."), given, mark), si
+                words.append(f"{key} = {shown}")
         try:
             points.append(Point(place, ", ".join(words), asked.Study.model_validate(tree), swept))
         except ValidationError as error:

@@ -81,8 +81,8 @@ def limits(results: Results) -> Section | None:
     tables, found = [], list(spreads(results.data))
     for key in dict.fromkeys(spread.key for spread in found):
         mine = [spread for spread in found if spread.key == key]
-        heads = ["result", *(f"at {end.value}" for end in mine[0].ends)]
-        rows = [[spread.quantity, *map(str, spread.ends)] for spread in mine]
+        heads = ["result", *(f"at {value}" for value in mine[0].ends)]
+        rows = [[spread.quantity, *spread.words] for spread in mine]
         what = f"Bracket of {key}: results at both ends over those at {mine[0].middle}, median (smallest to largest)"
         tables.append(from_rows(what, heads, rows))
         said += depends(mine)

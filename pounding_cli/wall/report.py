@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pounding_cli.points import Point
 from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
-from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.axes import Axis
 from pounding_cli.wall.study import Study
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
@@ -41,7 +41,7 @@ def cites(study: Study) -> dict[str, str]:
     }
 
 
-def pictures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> list[Picture]:
+def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
     """The stresses at the last point first, then histories, the peaks against every swept key, the other points."""
 
     def picture(name: str, heading: str, draw: Callable[..., Figure], *about: Any) -> Picture:
@@ -115,7 +115,7 @@ def draw_histories(title: str, points: Sequence[Point]) -> Figure:
 
 
 @styled
-def draw_sweep(title: str, points: Sequence[Point], axis: SweepAxis) -> Figure:
+def draw_sweep(title: str, points: Sequence[Point], axis: Axis) -> Figure:
     """Peak force, peak and averaged stress, and how far the stress reaches, against one swept key."""
     key, unit = axis.names[0], axis.units[0]
     figure = new_figure(9.2, 6.2)
