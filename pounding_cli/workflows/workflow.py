@@ -1,4 +1,4 @@
-"""What every question is made of, and how its tables are declared."""
+"""What every question is made of, how its tables are declared, and the first one: `pound run`."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch.solve import Solver
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.axes import Axis
     from pounding_cli.study.file import Problems
-    from pounding_cli.study.plan import Axis
 
 Columns = Mapping[str, tuple[str, str]]
 """Column -> SI unit ("1" for a pure number, "" for a text) and meaning."""
@@ -80,6 +80,26 @@ class Workflow(ABC):
         return False
 
 
+class Run(Workflow):
+    """`pound run`: every scene of a study, and no table beyond those that every file has."""
+
+    name = "run"
+
+    def plan(self, study: Study) -> Plan:
+        """All scenes."""
+        from pounding_cli.study import expand
+
+        return expand(study)
+
+    def run(self, study: Study, solver: Solver) -> Found:
+        """What all scenes did."""
+        plan = self.plan(study)
+        return Found(plan, solver.dataset(plan), [])
+
+
+ASKED = Run()
+
+
 def refuse_histories(study: Study, of: str, problems: Problems) -> None:
     """Note that histories are asked for of scenes that nobody knows beforehand."""
     if study.model.keep is not None:
@@ -112,7 +132,7 @@ def tabled(
     axes : of the sweep
     units : units that people read some columns in, with those of swept keys
     """
-    shown = {key: axis.unit(number) for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
+    shown = {key: axis.units[number] for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
     swept_keys, found = {key for axis in axes for key in axis.names}, {}
     for key in map(str, frame.columns):
         if key in swept_keys:
