@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from pydantic import BaseModel
@@ -14,7 +15,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
 from pounding_cli.study.quantity import Quantity, said_place, written_unit
-from pounding_cli.study.words import keys_at, quantity_at
+from pounding_cli.study.words import keys_at, quantity_at, value_at
 from pounding_cli.units import factor
 
 MOST_POINTS, MOST_AXES, MOST_VALUES = 2_000_000, 20, 10_000
@@ -36,16 +37,20 @@ Values = tuple[Sequence[Any], Sequence[Mark], Unit]
 
 
 @dataclass(frozen=True, eq=False)
-class SweepAxis:
-    """One dimension: its keys, what each takes at every point as the file says it, and where that stands.
+class Axis:
+    """One dimension of a sweep.
 
-    units : each key is shown in
+    names : dotted keys as in the file, more than one when they move together
+    given, marks : what each takes at every point as the file says it, and where that stands
+    units : the unit each key is written in; SI where none are given
+    model : of the file
     """
 
     names: tuple[str, ...]
     given: Sequence[tuple[Any, ...]]
     marks: Sequence[tuple[Mark, ...]]
     units: tuple[Unit, ...]
+    model: type[BaseModel] = schema.Study
 
     def __len__(self) -> int:
         return len(self.given)
@@ -59,9 +64,18 @@ class SweepAxis:
         """The values at a point in words."""
         return ", ".join(f"{name} = {value}" for name, value in zip(self.names, self.given[place], strict=True))
 
-    def some(self, places: Sequence[int]) -> SweepAxis:
-        """The axis at some of its points."""
-        return replace(self, given=[self.given[n] for n in places], marks=[self.marks[n] for n in places])
+    @cached_property
+    def values(self) -> tuple[tuple[float | str, ...], ...]:
+        """One tuple per point, as long as names: SI numbers, or the file's text for what is no number."""
+        paths = [tuple(path) for path in self.paths]
+        return tuple(
+            tuple(value_at(self.model, path, value) for path, value in zip(paths, row, strict=True))
+            for row in self.given
+        )
+
+    def shown(self, place: int) -> tuple[str, ...]:
+        """The values at a point in the units of the study, e.g. ("0.7 g",)."""
+        return tuple(unit.text(value) for unit, value in zip(self.units, self.values[place], strict=True))
 
 
 def sweep_maps(root: Any) -> list[Map]:
@@ -70,7 +84,7 @@ def sweep_maps(root: Any) -> list[Map]:
     return [node for node in (sweep if isinstance(sweep, Items) else [sweep]) if isinstance(node, Map)]
 
 
-def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> tuple[SweepAxis, ...]:
+def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> tuple[Axis, ...]:
     """The axes under `sweep:`, each key of a mapping one; what is wrong is noted."""
     sweep, mark = root.get("sweep"), root.marks.get("sweep", (root.mark, root.mark))[1]
     if sweep is None:
@@ -84,7 +98,7 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
     if len(entries) > MOST_AXES:
         problems.add(mark, f"the sweep has {len(entries)} axes", f"keep it to {MOST_AXES}")
         return ()
-    axes, seen = list[SweepAxis](), dict[str, Mark]()
+    axes, seen = list[Axis](), dict[str, Mark]()
     for holder, names in entries:
         columns = list[Values]()
         for name in names:
@@ -106,7 +120,7 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
             continue
         given, marks, units = zip(*columns, strict=True)
         rows = list(zip(*given, strict=True)), list(zip(*marks, strict=True))
-        axes.append(SweepAxis(tuple(names), *rows, units))
+        axes.append(Axis(tuple(names), *rows, units, model))
     if (points := math.prod(map(len, axes))) > MOST_POINTS:
         hint = f"keep it to {MOST_POINTS}: make axes shorter, or let keys move together in a list entry"
         problems.add(mark, f"the sweep has {points} points", hint)

@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, weight_above
-from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
+from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import BASE
 from pounding_cli.model.meetings import Strike, meetings
@@ -136,7 +136,7 @@ def _filled(value: Any, storeys: int) -> np.ndarray:
     return np.array(value) if isinstance(value, tuple) else np.full(storeys, float(value))
 
 
-def _design(code: Any) -> UbcDesign | BaseShearDesign:
+def _design(code: Any) -> Design:
     """What sets the yield shears."""
     if isinstance(code, BaseShear):
         return BaseShearDesign(code.base_shear, code.distribution)
@@ -145,12 +145,13 @@ def _design(code: Any) -> UbcDesign | BaseShearDesign:
 
 
 def design_displacements(spec: Any, building: Building) -> np.ndarray | None:
-    """Design displacements by the code that set the yield shears [m], shape (n,); None without one."""
+    """Design maximum displacements by the code that set the yield shears [m], shape (n,): the elastic ones under the
+    design forces times `UbcDesign.amplification`; None without a code."""
     if spec.wall is not None or spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
         return None
-    design, period = _design(spec.yield_), float(building.periods[0])
+    design = _design(spec.yield_)
     assert isinstance(design, UbcDesign)
-    return design.design_displacements(building.mass, building.height, building.stiffness, period)
+    return design.amplification * _displacements(design, building)
 
 
 def code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
@@ -159,22 +160,28 @@ def code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
 
     delta_M and d_s follow from the static displacements under the forces of `base_shear` and `distribution`.
     """
-    code = spec.yield_ if spec.yield_shear is None else None
-    if not isinstance(code, BaseShear):
-        return {}
-    design, found = BaseShearDesign(code.base_shear, code.distribution), {}
-    mass, height, stiffness = building.mass, building.height, building.stiffness
-    elastic = design.elastic_displacements(mass, height, stiffness, float(building.periods[0]))
-    if code.cd is not None and code.ie is not None:
-        found[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
-    if code.qd is not None:
-        found[EN1998] = en1998_displacement(elastic, code.qd)
+    code, found = spec.yield_ if spec.yield_shear is None else None, dict[str, np.ndarray]()
+    if isinstance(code, BaseShear):
+        elastic = _displacements(_design(code), building)
+        if code.cd is not None and code.ie is not None:
+            found[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
+        if code.qd is not None:
+            found[EN1998] = en1998_displacement(elastic, code.qd)
     return found
 
 
+def _displacements(design: Design, building: Building) -> np.ndarray:
+    return design.displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
+
+
 def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:
-    """Code separation of two neighbours at the lower roof [m]; None where no code designed one."""
-    return None if left is None or right is None else float(code_separation(left, right)[-1])
+    """Code separation of two neighbours at the lower roof [m], the sum of their design displacements there (UBC:
+    clauses of `UbcDesign.amplification`; the paper's "sum of the design maximum displacements"); None where no code
+    designed one."""
+    if left is None or right is None:
+        return None
+    lower = min(left.size, right.size) - 1
+    return float(left[lower] + right[lower])
 
 
 def places(names: Sequence[str]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
-from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
+from pounding_cli.study.base import Model, Wrong, form, key, one_or_many, tagged
 from pounding_cli.study.expression import Limit, read_limit
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
@@ -229,24 +229,11 @@ class SensitivitySpec(Model):
 
 
 _END = {"type": ["number", "string"]}
+_SEARCHED = form("from", "to", **{"from": _END, "to": _END}, spacing={"enum": ["linear", "log"]})
+_CHOSEN = form("choice", choice={"type": "array", "minItems": 2})
 _OVER_FORM = {
     "type": "object",
-    "additionalProperties": {
-        "anyOf": [
-            {
-                "type": "object",
-                "properties": {"from": _END, "to": _END, "spacing": {"enum": ["linear", "log"]}},
-                "required": ["from", "to"],
-                "additionalProperties": False,
-            },
-            {
-                "type": "object",
-                "properties": {"choice": {"type": "array", "minItems": 2}},
-                "required": ["choice"],
-                "additionalProperties": False,
-            },
-        ]
-    },
+    "additionalProperties": {"anyOf": [_SEARCHED, _CHOSEN]},
     "title": "Over",
     "examples": [{"cases.near.gap": {"from": "1 cm", "to": "10 cm"}, "cases.near.floors": {"choice": [[5], [3, 5]]}}],
 }

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, WithJsonSchema, create_model
 
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
-from pounding_cli.study.base import Model, Name, Wrong, key, word_or
+from pounding_cli.study.base import Model, Name, Wrong, form, key, word_or
 from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
 from pounding_cli.study.models import Building, Case, OwnLaw, Records
 from pounding_cli.study.quantity import TIME, Quantity
@@ -44,40 +44,18 @@ class Keep(Model):
     histories: word_or(Literal["all"], Histories) = key(..., "scenes kept over time, or `all`", {"cases": ["touching"]})  # type: ignore[valid-type]
 
 
-_RANGE = {
-    "type": "object",
-    "properties": {
-        "from": {"type": ["number", "string"]},
-        "to": {"type": ["number", "string"]},
-        "count": {"type": "integer", "minimum": 2},
-        "step": {"type": ["number", "string"]},
-        "spacing": {"enum": ["linear", "log"]},
-    },
-    "required": ["from", "to"],
-    "additionalProperties": False,
-}
-_BRACKET = {
-    "type": "object",
-    "properties": {"values": {"type": "array", "minItems": 3}, "middle": {"type": ["number", "string"]}},
-    "required": ["values", "middle"],
-    "additionalProperties": False,
-}
-_AXIS = {"anyOf": [{"type": "array", "minItems": 1}, _RANGE, _BRACKET]}
+_VALUE, _SPACING = {"type": ["number", "string"]}, {"enum": ["linear", "log"]}
+_STEPS = {"count": {"type": "integer", "minimum": 2}, "step": _VALUE, "spacing": _SPACING}
+_RANGE = form("from", "to", **{"from": _VALUE, "to": _VALUE}, **_STEPS)
+_BRACKET = form("values", "middle", values={"type": "array", "minItems": 3}, middle=_VALUE)
+_AXES = {"type": "object", "additionalProperties": {"anyOf": [{"type": "array", "minItems": 1}, _RANGE, _BRACKET]}}
 _SWEEP_FORM = {
-    "anyOf": [
-        {"type": "object", "additionalProperties": _AXIS},
-        {"type": "array", "items": {"type": "object", "additionalProperties": _AXIS}},
-    ],
+    "anyOf": [_AXES, {"type": "array", "items": _AXES}],
     "title": "Sweep",
     "examples": [{"impact.restitution": [0.4, 0.5, 0.65]}],
 }
-
-_UNCERTAIN_KEYS = {
-    "type": "object",
-    "additionalProperties": {
-        "anyOf": [{"enum": ["any", "bootstrap"]}, {"type": "object", "minProperties": 1, "maxProperties": 1}]
-    },
-}
+_DRAWN = {"anyOf": [{"enum": ["any", "bootstrap"]}, {"type": "object", "minProperties": 1, "maxProperties": 1}]}
+_UNCERTAIN_KEYS = {"type": "object", "additionalProperties": _DRAWN}
 _UNCERTAIN_FORM = {
     "anyOf": [_UNCERTAIN_KEYS, {"type": "array", "items": _UNCERTAIN_KEYS}],
     "title": "Uncertain",

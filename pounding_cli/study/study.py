@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -19,7 +19,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
-from pounding_cli.study.axes import UNWRITTEN, SweepAxis, read_axes, with_middles
+from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, with_middles
 from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.links import OwnLaw, check_contact, content, own_laws
@@ -29,9 +29,7 @@ from pounding_cli.study.models import Case
 from pounding_cli.study.motions import MotionReader, Used, motions_of
 from pounding_cli.study.old_links import refuse_old
 from pounding_cli.study.plain import shown, unit_in
-from pounding_cli.study.plan import Axis
 from pounding_cli.study.spell import inherited, like_of, links_of
-from pounding_cli.study.words import value_at
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -112,7 +110,7 @@ class Study:
         path: Path,
         text: str,
         root: Map,
-        axes: Sequence[SweepAxis] | None = None,
+        axes: Sequence[Axis] | None = None,
         reader: MotionReader | None = None,
         written: Study | None = None,
     ) -> None:
@@ -126,17 +124,16 @@ class Study:
         self.problems.check()
         self.root, self.middles = with_middles(root, self.problems)
         self.reader = reader or MotionReader(path.resolve().parent)
-        self.swept = read_axes(self.root, self.problems) if axes is None else tuple(axes)
-        self.base: Point = (-1,) * len(self.swept)
-        self._touched = [touched_by(axis.names, self.root) for axis in self.swept]
+        self.axes = read_axes(self.root, self.problems) if axes is None else tuple(axes)
+        self.base: Point = (-1,) * len(self.axes)
+        self._touched = [touched_by(axis.names, self.root) for axis in self.axes]
         self._masks: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
         self._kept: dict[Any, tuple[Any, dict[Problem, Point]]] = {}
         self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
         self.model: Any = self._checked()
         self.title = self.model.title or shortened(path.stem)
-        self.axes = tuple(Axis(axis.names, tuple(_values(axis)), axis.units) for axis in self.swept)
         if axes is None:
-            _refuse_twins(self.axes, self.swept, self.problems)
+            _refuse_twins(self.axes, self.problems)
             self.problems.check()
         self.warnings: tuple[Problem, ...] = written.warnings if written is not None else plausible.warnings(self)
 
@@ -164,7 +161,7 @@ class Study:
     def _patched(self, point: Point, *sections: str) -> Map:
         """The tree with the swept values of some sections, all unless given, at a point."""
         root = self.root
-        for place, axis in zip(point, self.swept, strict=True):
+        for place, axis in zip(point, self.axes, strict=True):
             if place < 0:
                 continue
             for path, value, mark in zip(axis.paths, axis.given[place], axis.marks[place], strict=True):
@@ -305,7 +302,7 @@ class Study:
     def unit(self, quantity: str) -> Unit:
         """The unit the study writes a quantity in, to show it to people: one of `plain.PLACES`, e.g. gap."""
         source = self.written or self
-        return unit_in(source._patched((0,) * len(source.swept)), quantity)
+        return unit_in(source._patched((0,) * len(source.axes)), quantity)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
         """The motions against the target spectrum they are scaled to, at the first point of the sweep; None without."""
@@ -378,7 +375,7 @@ class Study:
 
             read_uncertain(self.root, problems)
         as_written = dict(problems.found)
-        for number, axis in enumerate(self.swept):
+        for number, axis in enumerate(self.axes):
             for place in range(len(axis)):
                 self.problems = Problems(self.file)
                 self._ask((*self.base[:number], place, *self.base[number + 1 :]))
@@ -463,7 +460,7 @@ def _refuse_unnamed(root: Map, problems: Problems) -> None:
     problems.check()
 
 
-def _at_value(problems: Sequence[Problem], axis: SweepAxis, index: int, faulty: bool) -> list[Problem]:
+def _at_value(problems: Sequence[Problem], axis: Axis, index: int, faulty: bool) -> list[Problem]:
     """Problems at one value of an axis; those that stand elsewhere in the file name that value."""
     lines, here = {mark[0] for mark in axis.marks[index]}, []
     for problem in problems:
@@ -474,18 +471,11 @@ def _at_value(problems: Sequence[Problem], axis: SweepAxis, index: int, faulty: 
     return here
 
 
-def _values(axis: SweepAxis) -> Iterator[tuple[float | str, ...]]:
-    """SI numbers where the values are quantities, the file's words where they are not."""
-    paths = [tuple(path) for path in axis.paths]
-    for row in axis.given:
-        yield tuple(value_at(schema.Study, path, value) for path, value in zip(paths, row, strict=True))
-
-
-def _refuse_twins(said: Sequence[Axis], axes: Sequence[SweepAxis], problems: Problems) -> None:
+def _refuse_twins(axes: Sequence[Axis], problems: Problems) -> None:
     """Note points of an axis that are one and the same: 0.5 and 1/2."""
-    for axis, written in zip(said, axes, strict=True):
+    for axis in axes:
         first: dict[tuple[float | str, ...], int] = {}
         for place, values in enumerate(axis.values):
             if (same := first.setdefault(values, place)) != place:
-                what = f"{written.told(same)} and {written.told(place)} are the same point of this axis"
-                problems.add(written.marks[place][0], what, "remove one of the two")
+                what = f"{axis.told(same)} and {axis.told(place)} are the same point of this axis"
+                problems.add(axis.marks[place][0], what, "remove one of the two")

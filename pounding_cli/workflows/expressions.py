@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 import xarray as xr
 
-from pounding_cli.study.axes import UNWRITTEN, SweepAxis
+from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.build import places
 from pounding_cli.study.expression import (
     FLOOR,
@@ -148,8 +148,8 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
         written = [get(study.root, *member.key.split(".")) for member in members]
         given.append(tuple(UNWRITTEN if value is None else value for value in written))
     marks = [tuple(member.mark for member in members)] * len(given)
-    axis = SweepAxis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
-    return Study(study.path, study.text, study.root, (*study.swept, axis), study.reader, written=study)
+    axis = Axis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
+    return Study(study.path, study.text, study.root, (*study.axes, axis), study.reader, written=study)
 
 
 def values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:
