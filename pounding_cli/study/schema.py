@@ -140,9 +140,8 @@ def json_schema() -> dict[str, Any]:
     """The JSON Schema (2020-12) of a study file, for editors: cases as they are written, one link or several."""
     found = Study.model_json_schema(by_alias=True)
     defs = found["$defs"]
-    del defs["UnknownLink"]
     several = defs["Case"]
-    branches = [each for each in several["properties"]["links"]["items"]["oneOf"] if "Unknown" not in each["$ref"]]
+    branches = several["properties"]["links"]["items"]["oneOf"]
     for name, model in link_models().items():
         link = defs[model.__name__]
         link["required"] = ["link"]  # what else it lacks, its case may give

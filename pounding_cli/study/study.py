@@ -243,16 +243,18 @@ class Study:
         return group if build.check_meetings(group, self.root, self.problems) else None
 
     @answer(lambda: ("laws",))
-    def laws(self, point: Point) -> dict[str, OwnLaw]:
-        """The laws of the study's own by name."""
-        return own_laws(self.section(point, "laws") or {}, self.at(point), self.problems)
+    def laws(self, point: Point) -> dict[str, OwnLaw] | None:
+        """The laws of the study's own by name; None where they are faulty."""
+        specs = self.section(point, "laws")
+        return None if specs is None else own_laws(specs, self.at(point), self.problems)
 
     @answer(lambda: ("impact", "laws"))
     def impact(self, point: Point) -> Any:
         """The validated impact element; None where it is faulty."""
         impact, laws = self.section(point, "impact"), self.laws(point)
-        is_sound = impact is not None and check_contact(impact.law, laws, self.at(point), self.problems)
-        return impact if is_sound else None
+        if impact is None or laws is None:
+            return None
+        return impact if check_contact(impact.law, laws, self.at(point), self.problems) else None
 
     @answer(lambda name: ("impact", ("cases", name)))
     def case(self, point: Point, name: str) -> Case | None:
@@ -265,7 +267,7 @@ class Study:
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong with them."""
         case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
-        if case is None or impact is None:
+        if case is None or impact is None or laws is None:
             return None
         if group is None:  # so that what is wrong with the links is told beside what is wrong with the group
             group = build.Group((), self.types(point), (), (), list(get(self.root, "buildings") or ()))
