@@ -31,40 +31,39 @@ from pounding_cli.study.quantity import (
     Whole,
     measured,
     refuse,
-    written_unit,
 )
-from pounding_cli.units import factor as unit_factor
 
 # Records
 
 
 def _unit(text: str) -> str:
     if acceleration_unit(text) is None:
-        raise refuse(
-            f"'{text}' is not a unit of acceleration", f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g"
-        )
+        hint = f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g"
+        raise refuse(f"'{text}' is not a unit of acceleration", hint)
     return text
 
 
 PERIOD = TIME.but(name="period", example="0.5 s", low=0.01, open_low=False, high=60)
 Period = Annotated[float, PERIOD]
 Acceleration = Annotated[float, ACCELERATION]
+Velocity = Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True)]
 Number = Annotated[int, Whole(1, 1000)]
+TimeStep = Annotated[float, TIME.but(name="time step", example="0.01 s")]
+Window = Annotated[float | str, TIME.but(name="window", example="10 s", words=("duration", "table1", "whole"))]
+Duration = Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))]
+Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
+Ratio = Annotated[float, RATIO]
 
 
 class RecordFile(Model):
     """A motion in a file of one's own, or several in a folder."""
 
-    file: str = key(
-        ..., "a file, a folder, or a pattern such as motions/*.AT2, relative to the study file", "motions/x.AT2"
-    )
+    file: str = key(..., "a file, a folder, or a pattern motions/*.AT2, relative to the study file", "motions/x.AT2")
     name: Name | None = key(None, "name of the motion in tables; default: the file's stem")
     unit: Annotated[str, AfterValidator(_unit)] | None = key(
         None, "unit of the acceleration, any spelling; only where the file states none (g in plain columns)"
     )
-    dt: Annotated[float, TIME.but(name="time step", example="0.01 s")] | None = key(
-        None, "time step [s]; needed for one column of values"
-    )
+    dt: TimeStep | None = key(None, "time step [s]; needed for one column of values")
     format: Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "column", "table"] | None = key(
         None, "default: detected"
     )
@@ -76,9 +75,7 @@ class Arias(Model):
     """Every record is scaled to the Arias intensity of one of them."""
 
     arias: str = key(..., "record with the reference Arias intensity", "elcentro")
-    window: Annotated[float | str, TIME.but(name="window", example="10 s", words=("duration", "table1", "whole"))] = (
-        key("duration", "part of each record that is measured [s]; `duration`: the analysed part")
-    )
+    window: Window = key("duration", "part of each record that is measured [s]; `duration`: the analysed part")
 
 
 class Pga(Model):
@@ -90,9 +87,7 @@ class Pga(Model):
 class Pgv(Model):
     """Every record is scaled to one peak ground velocity."""
 
-    pgv: Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True)] = key(
-        ..., "peak ground velocity [m/s], without baseline correction", "40 cm/s"
-    )
+    pgv: Velocity = key(..., "peak ground velocity [m/s], without baseline correction", "40 cm/s")
 
 
 class Sa(Model):
@@ -100,7 +95,7 @@ class Sa(Model):
 
     sa: Acceleration = key(..., "pseudo-acceleration [m/s2]", "0.8 g")
     period: Period = key(..., "at this period [s]", "0.5 s")
-    damping: Annotated[float, RATIO] = key(0.05, "and this damping ratio [-]")
+    damping: Ratio = key(0.05, "and this damping ratio [-]")
 
 
 def _once_each(points: Any) -> Any:
@@ -129,8 +124,8 @@ class Spectrum(Model):
     )
     low: Period = key(..., "shortest period of the range [s]", "0.2 s", alias="from")
     high: Period = key(..., "longest period of the range [s]", "1.2 s", alias="to")
-    damping: Annotated[float, RATIO] = key(0.05, "damping ratio of the spectra [-]")
-    at_least: Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)] | None = key(
+    damping: Ratio = key(0.05, "damping ratio of the spectra [-]")
+    at_least: Part | None = key(
         None, "another factor for all, so that the mean spectrum is nowhere below this part of the target"
     )
 
@@ -165,12 +160,10 @@ class Records(Model):
     use: Annotated[tuple[word_or(str, RecordFile), ...], Field(min_length=1, max_length=5000)] = key(  # type: ignore[valid-type]
         ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
     )
-    duration: Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))] = (
-        key(
-            "auto",
-            "how much of each record is used [s]; `table1`: the paper's durations; `auto`: those, and `whole` for "
-            "motions that Table 1 does not hold",
-        )
+    duration: Duration = key(
+        "auto",
+        "how much of each record is used [s]; `table1`: the paper's durations; `auto`: those, and `whole` for motions "
+        "that Table 1 does not hold",
     )
     scale: Scale = key(
         1.0, "a factor, `table1`, {arias: RECORD}, {pga: 0.35 g}, {pgv: ...}, {sa: ...} or {spectrum: ...}"
@@ -180,26 +173,24 @@ class Records(Model):
 # Buildings
 
 
+Zone = Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)]
+Soil = Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)]
+Importance = Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)]
+SystemRw = Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)]
+SystemK = Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)]
+Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
+
+
 class Code(Model):
     """Yield shears equal to the storey shears of the Uniform Building Code."""
 
     code: Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"] = key("UBC-1991", "edition")
-    zone: Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)] = key(
-        0.4, "zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given"
-    )
-    soil: Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)] = key(1.2, "soil factor S [-]")
-    importance: Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)] = key(
-        1.0, "importance factor I [-]"
-    )
-    rw: Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)] | None = key(
-        None, "system factor of UBC 1988 to 1994 [-]; default: 12", alias="Rw"
-    )
-    k: Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)] | None = key(
-        None, "system factor of UBC 1985 [-]; must be given there", alias="K"
-    )
-    overstrength: Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)] = key(
-        1.0, "factor on the yield shears [-]; the separation is unchanged"
-    )
+    zone: Zone = key(0.4, "zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given")
+    soil: Soil = key(1.2, "soil factor S [-]")
+    importance: Importance = key(1.0, "importance factor I [-]")
+    rw: SystemRw | None = key(None, "system factor of UBC 1988 to 1994 [-]; default: 12", alias="Rw")
+    k: SystemK | None = key(None, "system factor of UBC 1985 [-]; must be given there", alias="K")
+    overstrength: Overstrength = key(1.0, "factor on the yield shears [-]; the separation is unchanged")
 
     def wrong(self) -> Iterator[Wrong]:
         old = self.code == "UBC-1985"
@@ -217,38 +208,26 @@ _COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0, 
 
 
 def _base_shear(value: Any) -> float:
-    if isinstance(value, str):
-        value = value.strip().removesuffix("W").strip()
-        unit = written_unit(value)
-        if unit and unit != "%" and unit_factor(unit, "N") is not None:
-            raise refuse(
-                f"'{value}' is a force: the base shear is given as a part of the weight W",
-                "write e.g. `base_shear: 0.10 W`; storey by storey in N, `yield_shear: [...]` stands beside `yield`",
-            )
-    return _COEFFICIENT.read(value)
+    return _COEFFICIENT.read(value.strip().removesuffix("W") if isinstance(value, str) else value)
+
+
+Coefficient = Annotated[float, Text(_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
+Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
+ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
+Behaviour = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
 
 
 class BaseShear(Model):
     """Yield shears from a base-shear coefficient and a distribution of the forces over the height."""
 
-    base_shear: Annotated[float, Text(_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)] = key(
-        ..., "base shear over weight V/W [-]", "0.10 W"
-    )
+    base_shear: Coefficient = key(..., "base shear over weight V/W [-]", "0.10 W")
     distribution: Literal["triangular", "uniform", "parabolic", "asce7", "ubc"] = key(
         "triangular", "forces over the height: by w h, w, w h^2, w h^k of ASCE 7, or the UBC's with a force at the top"
     )
-    overstrength: Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)] = key(
-        1.0, "factor on the yield shears [-]"
-    )
-    cd: Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)] | None = key(
-        None, "deflection amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd"
-    )
-    ie: Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)] | None = key(
-        None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie"
-    )
-    qd: Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)] | None = key(
-        None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`"
-    )
+    overstrength: Overstrength = key(1.0, "factor on the yield shears [-]")
+    cd: Amplification | None = key(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
+    ie: ImportanceIe | None = key(None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie")
+    qd: Behaviour | None = key(None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`")
 
 
 BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
@@ -279,25 +258,26 @@ def _about(law: Any, name: str) -> str:
     return str(law.parameters()[name].metadata["parameter"].words)
 
 
+Radius = Annotated[float, _of(FrictionPendulum, "radius", "3.1 m")]
+Friction = Annotated[float, Quantity("friction coefficient", "", "6 %", 0.0, 1.0, open_low=True)]
+Capacity = Annotated[float, LENGTH.but(name="capacity", example="35 cm")]
+
+
 class Isolation(Model):
     """Isolators under the base: those of a friction pendulum have `radius` and `friction`, lead-rubber and other
     bearings `strength`, `stiffness` and `yield_displacement`, high-damping rubber by equivalent values `stiffness` and
     `damping_ratio`."""
 
-    radius: Annotated[float, _of(FrictionPendulum, "radius", "3.1 m")] | None = key(
-        None, _about(FrictionPendulum, "radius")
-    )
-    friction: Annotated[float, Quantity("friction coefficient", "", "6 %", 0.0, 1.0, open_low=True)] | None = key(
-        None, _about(FrictionPendulum, "friction")
-    )
+    radius: Radius | None = key(None, _about(FrictionPendulum, "radius"))
+    friction: Friction | None = key(None, _about(FrictionPendulum, "friction"))
     strength: Annotated[float, _of(Bearings, "strength", "800 kN")] | None = key(None, _about(Bearings, "strength"))
     stiffness: Annotated[float, _of(Bearings, "stiffness", "5 kN/mm")] | None = key(None, _about(Bearings, "stiffness"))
     yield_displacement: Annotated[float, _of(Bearings, "yield_displacement", "1 cm")] | None = key(
         None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.01 mm"
     )
 
-    damping_ratio: Annotated[float, RATIO] | None = key(None, _about(Rubber, "damping_ratio"))
-    capacity: Annotated[float, LENGTH.but(name="capacity", example="35 cm")] | None = key(
+    damping_ratio: Ratio | None = key(None, _about(Rubber, "damping_ratio"))
+    capacity: Capacity | None = key(
         None, "displacement that they can take [m]; scenes in which the base moves further are flagged"
     )
 
