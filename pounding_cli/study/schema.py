@@ -11,7 +11,8 @@ from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
 from pounding_cli.study.base import Model, Name, Wrong, form, key, word_or
 from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
-from pounding_cli.study.models import Building, Case, OwnLaw, Records
+from pounding_cli.study.models import Building, Case, OwnLaw
+from pounding_cli.study.motions import Records
 from pounding_cli.study.quantity import TIME, Quantity
 from pounding_cli.study.questions import FragilitySpec, GapSpec, OptimiseSpec, SensitivitySpec
 

@@ -16,6 +16,7 @@ from pounding_cli import records
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building, UnstableError
 from pounding_cli.model.links import Link
+from pounding_cli.model.separation import UBC
 from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
@@ -318,12 +319,6 @@ class Study:
         return records.SpectrumMatch.of(motions, target, scale.spectrum == "each", scale.at_least)
 
     @answer(lambda name: (("buildings", name),))
-    def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
-        """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
-        building: Any = self.type(point, name)
-        return build.design_displacements(self.building_spec(point, name), building)
-
-    @answer(lambda name: (("buildings", name),))
     def code_displacements(self, point: Point, name: str) -> Mapping[str, np.ndarray]:
         """Displacements of a building type that codes expect, by rule (`build.code_displacements`) [m]."""
         building: Any = self.type(point, name)
@@ -334,7 +329,7 @@ class Study:
 
         NaN for the last, and where the yield shears of a neighbour were not set by a code.
         """
-        allowed = [self.design_displacements(point, name) for name in self.model.group]
+        allowed = [self.code_displacements(point, name).get(UBC) for name in self.model.group]
         return np.array([*(build.separation(left, right) for left, right in pairwise(allowed)), None], dtype=float)
 
     def resolved(self) -> dict[str, Any]:

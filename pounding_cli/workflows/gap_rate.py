@@ -15,7 +15,7 @@ import pandas as pd
 
 from pounding_cli.study import Plan, Study
 from pounding_cli.study.file import Problems
-from pounding_cli.study.models import Pga, Pgv, Sa
+from pounding_cli.study.motions import Pga, Pgv, Sa
 from pounding_cli.study.questions import Measure
 from pounding_cli.workflows.curves import draws_of, interval
 from pounding_cli.workflows.fragility_question import INTENSITY_KEYS
