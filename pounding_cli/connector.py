@@ -202,33 +202,11 @@ def solve(study: Study) -> xr.Dataset:
         "frequency": value("1", "Omega / omega10", ratio, "frequency"),
         "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
     }
-    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {_in_words(bands)}"]})
-
-
-def _in_words(bands: Any) -> str:
-    return ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
-
-
-def _frequencies(data: xr.Dataset) -> tuple[bool, str]:
-    low, high, p = (float(data[name]) for name in ("frequency_low", "frequency_high", "p"))
-    words = f"{low:.4f} and {high:.4f}, uncoupled 1 and {p:.4f} (over omega10)"
-    return min(1, p) <= low <= max(1, p) <= high, words
-
-
-def _opposites(data: xr.Dataset) -> tuple[bool, str]:
-    peak1, at1, peak2, at2 = (float(data[name]) for name in ("peak1", "at1", "peak2", "at2"))
-    return not data.sizes["band"], (
-        f"both largest displacements grow in: {_in_words(data['both_above'].to_numpy())}; |R1| peaks at {peak1:.2f} "
-        f"(Omega/omega10 = {at1:.2f}), |R2| at {peak2:.2f} ({at2:.2f}). It holds for the "
-        "signed real ratios of undamped systems: m1 R1 + m2 R2 = m1 + m2."
-    )
+    both = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
+    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {both}"]})
 
 
 SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
-STATEMENTS = {
-    "The lowest frequency lies between the uncoupled ones, the other above both.": _frequencies,
-    "Whenever the response of one system increases, that of the other decreases.": _opposites,
-}
 
 
 def cites(study: Study) -> dict[str, str]:

@@ -1,6 +1,6 @@
-"""The methods of solution: what each is called, which setting it takes, where it is stable, who published it.
+"""The methods of solution: what each is called, which setting it takes, who published it.
 
-They are stated here alone; the study's schema, `solve`, `pound accuracy`, citations and docs read this list."""
+They are stated here alone; the study's schema, `solve`, `pound accuracy` and citations read this list."""
 
 from __future__ import annotations
 
@@ -47,10 +47,7 @@ class Method:
     title : what tables and figures call it
     order : of convergence in the time step where the motion is smooth [-]; 0 where it follows the accuracy asked
     setting : what it is told
-    stability : largest time step, in words
-    contacts : what it does at a contact or a yield, in words
     citation : (key of `report/references.bib`, where in it or with what values), ...
-    solves : which scenes it runs, in words
     remembers : whether it runs laws whose force depends on events before
     """
 
@@ -58,10 +55,7 @@ class Method:
     title: str
     order: int
     setting: Setting
-    stability: str
-    contacts: str
     citation: tuple[tuple[str, str], ...]
-    solves: str = "every scene"
     remembers: bool = False
 
     @property
@@ -70,46 +64,13 @@ class Method:
         return self.setting is TIME_STEP
 
 
-_STEPPED_OVER = "steps over it: order 1"
-_NO_MEMORY = (
-    "all but links `hertz-damp`, `jankowski`, `bilinear`, `maxwell`, `friction` and Bouc-Wen storeys, "
-    "whose force depends on what happened before"
-)
-
 _LIST = (
-    Method(
-        "taylor", "Taylor with events", 0, ACCURACY, "chooses its steps itself", "locates it to rounding",
-        (("jorba2005", ""),),
-        remembers=True,
-    ),
-    Method(
-        "dop853", "Dormand-Prince 8(5,3) with events", 8, ACCURACY, "chooses its steps itself",
-        "locates it to rounding",
-        (("hairer1993", "section II.10"),),
-        remembers=True,
-    ),
-    Method(
-        "central-difference", "central difference", 2, TIME_STEP, "2 (√(1 + 4 ξ²) - 2 ξ) / ω", _STEPPED_OVER,
-        (("newmark1959", "with beta = 0"), ("bathe1996", "section 9.2.1")),
-        solves=_NO_MEMORY,
-    ),
-    Method(
-        "newmark", "Newmark", 2, TIME_STEP, "any where the scene is linear; a contact may leave a step without a root",
-        _STEPPED_OVER,
-        (("newmark1959", ""),),
-        solves=_NO_MEMORY,
-    ),
+    Method("taylor", "Taylor with events", 0, ACCURACY, (("jorba2005", ""),), remembers=True),
+    Method("dop853", "Dormand-Prince 8(5,3) with events", 8, ACCURACY, (("hairer1993", "section II.10"),), True),
+    Method("central-difference", "central difference", 2, TIME_STEP,
+           (("newmark1959", "with beta = 0"), ("bathe1996", "section 9.2.1"))),
+    Method("newmark", "Newmark", 2, TIME_STEP, (("newmark1959", ""),)),
 )  # fmt: skip
 
 METHODS: dict[str, Method] = {method.name: method for method in _LIST}
 """The methods by name, as tables list them. Whoever has one of his own adds it here (docs/extending.md)."""
-
-
-def table() -> list[str]:
-    """The methods as lines of Markdown: the site shows them."""
-    rows = ["| `method:` | order | setting | time step below | at a contact or a yield | runs |", "|" + "---|" * 6]
-    for method in METHODS.values():
-        order = str(method.order) if method.order else "follows the accuracy"
-        facts = (f"`{method.name}`", order, f"`{method.setting.key}`", method.stability, method.contacts, method.solves)
-        rows.append(f"| {' | '.join(facts)} |")
-    return rows

@@ -5,7 +5,6 @@ A question is a module (`connector`, `wall`) with the name of its command. It of
 Study : pydantic model of its file
 solve(study) : a Dataset of values with unit and meaning (`value`); `notes` among its attributes is a list of sentences
 SHOWN : names of the numbers that a terminal prints
-STATEMENTS : sentence of the paper -> function of the Dataset: whether it holds, and what was found in words
 cites(study) : {reference: what for}
 pictures(title, points, axes) : the figures, the most important first
 """
@@ -151,7 +150,7 @@ def write(sweep: Sweep, points: Sequence[Point], file: Path) -> tuple[Report, li
 
 
 def report(sweep: Sweep, points: Sequence[Point]) -> Report:
-    """The numbers of every point, figures, what the paper says of them, and references."""
+    """The numbers of every point, figures and references."""
     import pandas as pd
 
     from pounding_cli.report.document import Report, Section
@@ -172,11 +171,6 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         columns[name] = Column(each.attrs["long_name"], unit, name.replace("_", " "))
     shown = frame[[name for name in (*swept, *asked.SHOWN) if name in frame]]
     pictures = asked.pictures(sweep.title, done, sweep.axes) if done else []
-    judged = [
-        [point.label or "as given", *(f"{'holds' if holds else 'does not hold'}: {found}" for holds, found in verdicts)]
-        for point in done
-        for verdicts in [[judge(point.data) for judge in asked.STATEMENTS.values()]]
-    ]
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
     failed = len(points) - len(done)
@@ -185,7 +179,6 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         sweep.title,
         Section("", said, [Table("", shown, columns)], pictures[:1], notes),
         lambda: [
-            Section("Against the paper", tables=[from_rows("", ["point", *asked.STATEMENTS], judged)]),
             *([Section("Further figures", pictures=pictures[1:])] if pictures[1:] else []),
             Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),
             Section("References", tables=[from_rows("", ("reference", "for"), cited)]),

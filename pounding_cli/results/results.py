@@ -145,19 +145,22 @@ class Results:
         found = column_of(name, table)
         return replace(found, unit=self.units[name]) if name in self.units else found
 
-    def storey(self) -> pd.DataFrame:
-        """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios."""
-        return self._levels("storey", _OVER[STOREY])
+    def storey(self, *columns: str) -> pd.DataFrame:
+        """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
+        are named."""
+        return self._levels("storey", columns or _OVER[STOREY])
 
-    def floor(self) -> pd.DataFrame:
-        """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]."""
-        return self._levels("floor", _OVER[FLOOR])
+    def floor(self, *columns: str) -> pd.DataFrame:
+        """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]; all unless some are
+        named."""
+        return self._levels("floor", columns or _OVER[FLOOR])
 
-    def link(self) -> pd.DataFrame:
-        """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]."""
+    def link(self, *columns: str) -> pd.DataFrame:
+        """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
+        some are named."""
         dims = (*self._dims, *PLACE, "link")
-        facts = ["link_left", "link_right", "link_floor"]
-        names = [*facts, "kind", "gap", *_OVER[LINK], "link_right_floor", *(n for n in OF_COLUMNS if n in self.data)]
+        names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK], "link_right_floor"]
+        names = list(columns) or [*names, *(name for name in OF_COLUMNS if name in self.data)]
         if "link" not in self.data:
             import pandas as pd
 
@@ -177,17 +180,20 @@ class Results:
         storey [-], who strikes with which floor, shears below and above the blow [N], the larger over the columns'
         share of the yield shear [-], blows, largest force [N]. No row where no slab strikes columns.
         """
-        link = self.link()
-        link = link if OF_COLUMNS[0] in link.columns else link.iloc[:0].assign(**dict.fromkeys(OF_COLUMNS, np.nan))
-        link = link[link["shear_below"].notna()].reset_index(drop=True)
-        is_left = link["link"].astype(str).str.contains(", left")
-        place = list(link.columns[: list(link.columns).index("link")])
+        import pandas as pd
+
         sides = {
             "building": ("left", "right"), "storey": ("floor", "right_floor"), "at": ("left_at", "right_at"),
             "by": ("right", "left"), "by_floor": ("right_floor", "floor"),
         }  # fmt: skip
+        place, more = [*self.axes, *PLACE], ["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]
+        if OF_COLUMNS[0] not in self.data:
+            return pd.DataFrame(columns=[*place, *sides, *more])
+        link = self.link()
+        link = link[link["shear_below"].notna()].reset_index(drop=True)
+        is_left = link["link"].astype(str).str.contains(", left")
         found = {name: np.where(is_left, link[left], link[right]) for name, (left, right) in sides.items()}
-        return link[place].assign(**found, **link[["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]])
+        return link[place].assign(**found, **link[more])
 
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
@@ -355,7 +361,7 @@ class Results:
     def _dims(self) -> tuple[str, ...]:
         return tuple(names[0] for names in self.swept)
 
-    def _levels(self, level: str, names: list[str]) -> pd.DataFrame:
+    def _levels(self, level: str, names: Sequence[str]) -> pd.DataFrame:
         dims = (*self._dims, *PLACE, "building", level)
         return self._frame(names, dims, self._there(dims) & self._solved(dims))
 
@@ -368,7 +374,7 @@ class Results:
 
     def _solved(self, dims: Sequence[str]) -> np.ndarray:
         """Which rows over `dims` have a scene: a question need not ask for all."""
-        return self._ravelled(self.data["status"].variable != "", dims)
+        return self._over("status", dims) != ""
 
     def _there(self, dims: Sequence[str]) -> np.ndarray:
         """Which rows over `dims` stand for a storey, or its floor, that exists."""

@@ -1,4 +1,4 @@
-"""Fig. 8: what the paper says of an impact; stress on the deformed mesh, histories, peaks over a sweep."""
+"""Figures of an impact: stress on the deformed mesh, histories, peaks over a sweep."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
@@ -30,30 +29,6 @@ _OF_SWEEPS = (
 
 SHOWN = ("peak_force", "peak_time", "separation", "wall_stress", "averaged_stress", "beam_stress", "column_stress",
          "wall_shear", "wall_moment")  # fmt: skip
-
-
-def _strength(data: xr.Dataset) -> tuple[bool, str]:
-    averaged, worst = (float(data[name]) / 1e6 for name in ("averaged_stress", "wall_stress"))
-    return 0.8 * 33 <= averaged <= 1.2 * 33, f"{averaged:.1f} N/mm2 averaged, {worst:.1f} N/mm2 in the worst element"
-
-
-def _frame(data: xr.Dataset) -> tuple[bool, str]:
-    beam, column, wall = (float(data[name]) / 1e6 for name in ("beam_stress", "column_stress", "averaged_stress"))
-    then = " and ".join(f"{float(data[name]) / 1e6:.1f}" for name in ("beam_stress_then", "column_stress_then"))
-    words = f"at the instant of the wall's peak {then} N/mm2, later up to {beam:.1f} and {column:.1f} N/mm2"
-    return max(beam, column) < 0.5 * wall, words
-
-
-def _local(data: xr.Dataset) -> tuple[bool, str]:
-    reach = float(data["reach"])
-    return reach < 1.0, f"{reach:.2f} m from the contact half of the averaged stress is left"
-
-
-STATEMENTS = {
-    "Maximum stresses are about 33 N/mm2, of the order of the compressive strength.": _strength,
-    "The stresses in the beams and columns are quite low.": _frame,
-    "The phenomenon is a rather local one.": _local,
-}
 
 
 def cites(study: Study) -> dict[str, str]:

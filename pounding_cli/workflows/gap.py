@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import APART, Link
 from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
@@ -34,8 +33,7 @@ from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
-from pounding_cli.workflows.gap_rate import intensity_of, of_rate
-from pounding_cli.workflows.hazard import hazard_of
+from pounding_cli.workflows.hazard import hazard_of, intensity_of, of_rate
 from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
@@ -116,12 +114,7 @@ class Gap(Workflow):
         buildings; swept keys of links are left out, those of buildings and motions stay."""
         self.check(study)
         apart = _with_nothing_between(study)
-        plan = expand(apart, partial(_all_facing, apart))
-        if not plan.links.places:
-            raise InputError(
-                Problem("no floors face each other: no gap is required", "look at the heights", study.file)
-            )
-        return dataclasses.replace(plan, workflow="gap")
+        return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
 
     def run(self, study: Study, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
@@ -365,26 +358,23 @@ def _of_cases(plan: Plan, separations: pd.DataFrame) -> Table:
 
     A gap is enough where it is no narrower than what is required and its numerical error, at all floors of the pair.
     """
-    pair, gaps = ["point", "given", "number", "analysis", "rule"], _gaps(plan)
+    pair, rows = ["point", "given", "number", "analysis", "rule"], list[dict[Any, Any]]()
+    gaps = _gaps(plan).astype({"point": int, "place": int})
+    for _, mine in separations.merge(gaps, on=["point", "place"]).groupby(pair, observed=True):
+        floors = mine.drop_duplicates("row")
+        value, error, gap = (mine[name].to_numpy().reshape(len(floors), -1) for name in ("value", "error", "gap"))
+        known = ~np.isnan(value).any(axis=0)
+        if not known.any():
+            continue
+        fits = (value + np.nan_to_num(error) <= gap)[:, known].all(axis=0)
+        required = value[:, known].max(axis=1)
+        worst = int(np.argmin(gap[:, 0] - required))
+        enough = "no" if not fits.all() else "yes" if known.all() else "unknown"
+        counts = (fits.sum(), known.sum()) if mine["rule"].iloc[0] in OF_MOTIONS else (0, 0)
+        told = {"required": required[worst], "enough": enough, "enough_for": counts[0], "motions": counts[1]}
+        rows.append(floors.iloc[worst].to_dict() | told)
     columns = ["case", "analysis", *_FACING, "gap", "rule", "required", "enough", "enough_for", "motions"]
-    if gaps.empty:
-        return _told(plan, CASES, pd.DataFrame(columns=["point", *columns]), columns)
-    rows = separations.merge(gaps, on=["point", "place"])
-    rows["fits"] = rows["value"] + rows["error"].fillna(0.0) <= rows["gap"]
-    rows["known"] = rows["value"].notna()
-    motions = rows.groupby([*pair, "motion"], observed=True)[["fits", "known"]].all()
-    all_known = motions["known"].groupby(pair, observed=True).all()
-    motions = motions.loc[motions["known"], "fits"]
-    found = motions.groupby(pair, observed=True).agg(enough_for="sum", motions="size", enough="all").join(all_known)
-    rows = rows.join(motions.rename("is_known").notna(), on=[*pair, "motion"], how="inner")
-    floors = rows.groupby([*pair, "row"], observed=True, as_index=False).agg(required=("value", "max"))
-    floors = floors.merge(rows.drop_duplicates([*pair, "row"])[[*pair, "row", "case", "gap", *_FACING]])
-    floors = floors.assign(spare=floors["gap"] - floors["required"]).sort_values("spare", kind="stable")
-    found = floors.drop_duplicates(pair).sort_values(pair).merge(found.reset_index(), on=pair, how="left")
-    counts = found["rule"].isin(OF_MOTIONS).to_numpy(int)
-    found = found.assign(enough_for=counts * found["enough_for"], motions=counts * found["motions"])
-    found["enough"] = np.where(~found["enough"].astype(bool), "no", np.where(found["known"], "yes", "unknown"))
-    return _told(plan, CASES, found, columns)
+    return _told(plan, CASES, pd.DataFrame(rows, columns=["point", *columns]), columns)
 
 
 def _gaps(plan: Plan) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""What every question is made of, and how its tables are declared."""
+"""What every question is made of, how its tables are declared, and the first one: `pound run`."""
 
 from __future__ import annotations
 
@@ -78,6 +78,26 @@ class Workflow(ABC):
     def goes_on(self, study: Study) -> bool:
         """Whether results decide what else is solved."""
         return False
+
+
+class Run(Workflow):
+    """`pound run`: every scene of a study, and no table beyond those that every file has."""
+
+    name = "run"
+
+    def plan(self, study: Study) -> Plan:
+        """All scenes."""
+        from pounding_cli.study import expand
+
+        return expand(study)
+
+    def run(self, study: Study, solver: Solver) -> Found:
+        """What all scenes did."""
+        plan = self.plan(study)
+        return Found(plan, solver.dataset(plan), [])
+
+
+ASKED = Run()
 
 
 def refuse_histories(study: Study, of: str, problems: Problems) -> None:
