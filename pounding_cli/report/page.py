@@ -20,22 +20,19 @@ from pounding_cli.report.table import PAGE_ROWS, to_html
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_FIGURES = 60
-"""Figures that a page carries; the others stand beside it."""
 SCRIPTS = ("parts.js", "explorer.js", "stage.js", "player.js", "main.js")
 """In the order they are needed."""
 
 
 def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
     """Write the page; `drawn` : the figures by name, none where none are wanted."""
-    sketch = {"group": report.sketch()} if report.sketch else {}
-    kept = dict(list(drawn.items())[:MOST_FIGURES]) | sketch
+    kept = dict(drawn) | ({"group": report.sketch()} if report.sketch else {})
     style = _asset("style.css")
     scripts = "(() => {\n'use strict';\n" + "\n".join(map(_asset, SCRIPTS)) + "\n})();"
     text = _template("page.html.j2").render(
         report=report, images={name: data_address(figure) for name, figure in kept.items()},
         sizes={name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()},
-        most=PAGE_ROWS, figures_left=max(0, len(drawn) - MOST_FIGURES), version=__version__,
+        most=PAGE_ROWS, version=__version__,
         data=as_json({each.widget: each.data for each in report.sections if each.data}),
         style=style, scripts=scripts,
         allowed_style=_allowed(style), allowed_scripts=_allowed(scripts),

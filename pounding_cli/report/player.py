@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.laws import drawn
-from pounding_cli.report.evidence import Evidence, at_point
+from pounding_cli.report.evidence import Evidence, at_point, points_of
 from pounding_cli.report.explorer import rounded
 
 if TYPE_CHECKING:
@@ -28,9 +28,8 @@ def players(results: Results) -> list[dict[str, Any]]:
     scenes: list[dict[str, Any]] = []
     left = MOST_BYTES
     for row in results.histories().to_dict("records"):
-        places = {keys[0]: list(zip(*(results.axes[k] for k in keys), strict=True)) for keys in results.swept}
-        index = {keys[0]: places[keys[0]].index(tuple(row[key] for key in keys)) for keys in results.swept}
-        evidence = at_point(results, index)
+        at = {keys[0]: points_of(results, keys).index(tuple(row[key] for key in keys)) for keys in results.swept}
+        evidence = at_point(results, at)
         place = {"case": row["case"], "analysis": row["analysis"], "record": row["record"]}
         scene = _scene(results.history(**place, **evidence.point), evidence, place)
         if len(scene["series"]) <= left or not scenes:  # of those that do not fit a shorter one may

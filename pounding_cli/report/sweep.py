@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
 from pounding_cli.report.figures import RESPONSES as PANELS
 from pounding_cli.report.figures import framed
 from pounding_cli.report.style import Look, caption, key_words, looks, name_axis, styled
@@ -94,11 +94,10 @@ class SweptAxis:
 
 def swept_axes(results: Results) -> tuple[SweptAxis, ...]:
     """The axes of a results file in the order of the study; none where nothing is swept."""
-    found = []
-    for keys in results.swept:
-        points, units = zip(*(results.axes[key] for key in keys), strict=True), [results.units[key] for key in keys]
-        found.append(SweptAxis(tuple(keys), tuple(points), tuple(units)))
-    return tuple(found)
+    return tuple(
+        SweptAxis(tuple(keys), tuple(points_of(results, keys)), tuple(results.units[key] for key in keys))
+        for keys in results.swept
+    )
 
 
 # numbers over the sweep
@@ -126,9 +125,7 @@ def over_sweep(
     rows: dict[str, Any] = {
         keys[0]: results.axes[key].index(at[key]) for keys in results.swept for key in keys if key in at
     }
-    for axis in axes:
-        there = list(zip(*(results.axes[key] for key in axis.keys), strict=True))
-        rows[axis.dim] = [there.index(point) for point in axis.points]
+    rows |= {axis.dim: list(map(points_of(results, axis.keys).index, axis.points)) for axis in axes}
     values = _chosen(_variable(results, quantity), quantity, places or {}).isel(rows, drop=True)
     values = values / column_of(quantity, results.units).unit.factor
     flags = results.data["flags"].sel({name: values[name] for name in ("case", "analysis", "record")})

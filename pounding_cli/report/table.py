@@ -24,7 +24,8 @@ NOTHING = "–"
 """Stands where there is no number."""
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_NUMBER = re.compile(r"[-−+]?\d|[–-]?$")
+_NUMBER = re.compile(r"[-−+]?\d[\d.]*(×10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( ±.*| \(.*\)| [^\s\d]\S{0,6})?$|[–-]?$")
+"""A number with its error, interval or unit, or none."""
 
 
 def digits(value: float, count: int = 4) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 from pounding_cli.laws import KELVIN_VOIGT, link_laws
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
-from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, Unknown, keys_of, kind_of
+from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, keys_of, kind_of
 from pounding_cli.study.models import BASE_SHEAR
 
 CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
@@ -194,6 +194,6 @@ def _whole(entry: Any, case: Map | None, impact: Any, own: Iterable[str]) -> tup
     if word is not None:
         rule["link"] = full
         if isinstance(full, str) and kind_of(full) not in (*link_laws(), "none", *own):
-            rule["link"] = Unknown(full)
-            rule["link"].known = (*link_laws(), *own)
+            mark = entry.marks["link"]  # that nobody knows this law is told where links are built
+            rule = Map({"link": full, "gap": 0.0}, entry.mark, {"link": mark, "gap": mark})
     return rule, spoken

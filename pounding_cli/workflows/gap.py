@@ -4,7 +4,7 @@ means for the gaps of the cases; distances to a property line."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
 from pounding_cli.model.separation import (
     ASCE7,
     EN1998,
+    UBC,
     absolute_sum,
     cross_correlation,
     double_difference,
@@ -33,7 +34,7 @@ from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
 from pounding_cli.workflows.hazard import hazard_of, intensity_of, of_rate
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -46,7 +47,7 @@ EXACT = "exact"
 OF_MOTIONS = (EXACT, "ABS", "SRSS", "DDC")
 """Rules that depend on the motions."""
 
-UBC, GB50011 = "UBC", "GB 50011-2010"
+GB50011 = "GB 50011-2010"
 
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
@@ -64,32 +65,6 @@ _ASIDE = (*_BETWEEN, "sweep", "keep", "report", "claims", "uncertain")
 """Sections without a meaning where the buildings stand alone."""
 
 _FACING = ("left", "right", "floor", "right_floor", "columns")
-_COLUMNS: Columns = {
-    "left": ("", "building left of the gap"),
-    "right": ("", "building right of the gap"),
-    "floor": ("1", "floor, of the left building where two face each other"),
-    "right_floor": ("1", "floor of the right building"),
-    "columns": ("", "building whose columns, in the storey below its floor, a slab of the other faces: left or right; "
-                "empty where two slabs face each other"),
-    "side": ("", "of the building that faces the line"),
-    "height": ("m", "of the slabs, or the floor, above the ground"),
-    "rule": ("", "exact, or the rule"),
-    "motions": ("1", "number of motions behind the row; 0 where the rule depends on none"),
-    "mean": ("m", "mean over the motions"),
-    "std": ("m", "standard deviation over the motions (n - 1)"),
-    "mean_plus_std": ("m", "mean plus one standard deviation"),
-    "largest": ("m", "largest of the motions"),
-    "median": ("m", "median of the lognormal fit"),
-    "dispersion": ("1", "standard deviation of the logarithm (n - 1)"),
-    "error": ("m", "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it"),
-    "over_exact": ("1", "mean over the mean of the exact separations"),
-    "gap": ("m", "of the case at these floors"),
-    "required": ("m", "by the rule at these floors, which lack most or have least to spare; largest of the motions"),
-    "enough": ("", "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes "
-               "failed"),
-    "enough_for": ("1", "motions for which it is"),
-}  # fmt: skip
-
 Where = dict[str, Any]
 """Columns that say where something is required; `point` of the sweep by number."""
 
@@ -229,10 +204,8 @@ def _codes(plan: Plan, at: Point) -> dict[str, np.ndarray]:
     study, storeys = plan.study, most_storeys(plan)
     found = {rule: np.full((len(plan.buildings), 1 + storeys), np.nan) for rule in (UBC, ASCE7, EN1998)}
     for place, name in enumerate(study.model.group):
-        known = {UBC: study.design_displacements(at, name), **study.code_displacements(at, name)}
-        for rule, moved in known.items():
-            if moved is not None:
-                found[rule][place, : 1 + len(moved)] = 0.0, *moved
+        for rule, moved in study.code_displacements(at, name).items():
+            found[rule][place, : 1 + len(moved)] = 0.0, *moved
     return found
 
 
@@ -330,25 +303,27 @@ def _required(plan: Plan, name: str, separations: pd.DataFrame, where: list[str]
     exact = rows["mean"].where(rule == EXACT).groupby(level=keys[:3], observed=True).transform("first")
     rows["over_exact"] = rows["mean"] / exact
     rows["motions"] = rows["motions"].where(rule.isin(OF_MOTIONS), 0)
-    numbers, meant = list(rows.columns), dict(_COLUMNS)
+    numbers, more = list(rows.columns), dict[str, tuple[str, str]]()
     for share in wanted.percentiles:
-        meant[f"percentile_{100 * share:g}"] = "m", f"{100 * share:g} % of the motions need no more, interpolated"
+        more[f"percentile_{100 * share:g}"] = "m", f"{100 * share:g} % of the motions need no more, interpolated"
     for share in wanted.contact:
         said = "distance that the floor reaches" if name == LINE else "gap"
         said += f" with a probability{'' if name == LINE else ' of contact'} of {100 * share:g} % by the lognormal fit"
-        meant[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST} motions on"
+        more[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST} motions on"
     rows = rows.reset_index().merge(separations[["row", *where]].drop_duplicates("row"), on="row", how="left")
-    return _told(plan, name, rows, ["analysis", *where, "rule", *numbers], meant)
+    return _told(plan, name, rows, ["analysis", *where, "rule", *numbers], more)
 
 
-def _told(plan: Plan, name: str, rows: pd.DataFrame, columns: list[str], meant: Columns = _COLUMNS) -> Table:
+def _told(
+    plan: Plan, name: str, rows: pd.DataFrame, columns: list[str], more: Mapping[str, tuple[str, str]] | None = None
+) -> Table:
     """A table of rows whose points stand there by number; widths in the study's unit of gaps."""
     points, unit = _points(plan), plan.study.unit("gap")
     numbers = rows[columns].astype({"analysis": object, "rule": object})
     frame = pd.concat([swept(plan.axes, [points[number] for number in rows["point"]]), numbers], axis=1)
     widths = [each for each in columns if each != "height" and pd.api.types.is_float_dtype(frame[each])]
     shown = {each: unit for each in widths if each not in ("dispersion", "over_exact")}
-    return tabled(name, frame, meant, plan.axes, shown)
+    return tabled(name, frame, plan.axes, shown, more=more)
 
 
 # The gaps of the cases

@@ -34,11 +34,11 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.hazard import intensity_factor, read_hazard
 from pounding_cli.study import Plan, Study
 from pounding_cli.study.file import Problems
-from pounding_cli.study.models import Pga, Pgv, Sa
+from pounding_cli.study.motions import Pga, Pgv, Sa
 from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
 from pounding_cli.workflows.curves import draws_of, interval
-from pounding_cli.workflows.workflow import Columns, swept, tabled
+from pounding_cli.workflows.workflow import columns_of, swept, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.results.tables import Table
@@ -216,19 +216,6 @@ FEWEST = 5
 LEAST, MOST = 1e-6, 1e3
 """Gaps between which one is sought [m]; a closing below the first counts as it."""
 
-_COLUMNS: Columns = {
-    "analysis": ("", "elastic or inelastic storeys"),
-    "left": ("", "building left of the gap"),
-    "right": ("", "building right of the gap"),
-    "motions": ("1", "motions at every intensity"),
-    "intensities": ("1", "intensities"),
-    "rate": ("1/year", "annual rate of contact that is allowed"),
-    "probability": ("1", f"probability of contact within {YEARS:g} years at this rate"),
-    "gap": ("m", "gap with this rate of contact at any floor of the pair"),
-    "gap_low": ("m", "lower end of its bootstrap interval"),
-    "gap_high": ("m", "upper end of its bootstrap interval"),
-}
-
 
 def intensity_of(study: Study) -> tuple[int | None, Measure, np.ndarray]:
     """The swept axis of the intensity, the measure, and its values [SI].
@@ -285,7 +272,7 @@ def of_rate(plan: Plan, closings: pd.DataFrame, confidence: float) -> Table:
     frame = pd.DataFrame(found)
     where = swept([plan.axes[number] for number in others], frame.pop("point").tolist())
     unit = dict.fromkeys(["gap", "gap_low", "gap_high"], plan.study.unit("gap"))
-    return tabled(RATE, where.join(frame.reindex(columns=list(_COLUMNS))), _COLUMNS, plan.axes, unit)
+    return tabled(RATE, where.join(frame.reindex(columns=list(columns_of(RATE)))), plan.axes, unit)
 
 
 def _gaps(hazard: Hazard, rate: float, x: np.ndarray, logs: np.ndarray, times: np.ndarray) -> np.ndarray:

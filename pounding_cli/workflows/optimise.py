@@ -27,7 +27,7 @@ from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
 from pounding_cli.workflows.expressions import at_points, error_of, read_all, values_of
 from pounding_cli.workflows.search import Point, Search
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, refuse_histories, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -42,44 +42,6 @@ FOUND = "found"
 UNSETTLED = "the last generation was reached before its points were nearly as good"
 NOTHING = "no point gave a number"
 """Outcomes."""
-
-_SOUGHT = "unit of the number sought"
-_FLAT = "of what stays within the tolerance"
-_COLUMNS: Columns = {
-    "sought": ("", "number that is optimised"),
-    "optimum": (_SOUGHT, "its best value"),
-    "error": (_SOUGHT, "numerical error of the number sought, at most"),
-    "tolerance": (_SOUGHT, "its error, or 1 % of it"),
-    "as_written": (_SOUGHT, "value of the file as written"),
-    "outcome": ("", "outcome, or why there is no answer"),
-    "points": ("1", "points that were tried"),
-    "failed": ("1", "points without a number"),
-    "meaningless": ("1", "points whose number has no meaning: a link left the range in which its law has one"),
-    "key": ("", "key that varies"),
-    "unit": ("", "its unit"),
-    "value": ("", "of the key at the optimum; NaN of a choice"),
-    "place": ("1", "of the optimum in what was searched, 0 to 1"),
-    "option": ("", "chosen at the optimum; empty of a number"),
-    "flat_from": ("", f"lower end {_FLAT}, of a key by itself, the others at the optimum"),
-    "flat_to": ("", f"upper end {_FLAT}, of a key by itself, the others at the optimum"),
-    "together_from": ("", f"lower end {_FLAT}, among all points that were tried"),
-    "together_to": ("", f"upper end {_FLAT}, among all points that were tried"),
-    "range_from": ("", "lower end of what was searched"),
-    "range_to": ("", "upper end of what was searched"),
-    "spacing": ("", "linear or log; empty of a choice"),
-    "written": ("", "of the key as written"),
-    "written_option": ("", "option as written"),
-    "mapped": ("1", "1 of a key of the map"),
-    "point": ("1", "number of the point"),
-    "stage": ("", "what it was tried for"),
-}
-_DESIGN: Columns = {
-    "quantity": ("", "what is compared; largest over the storeys"),
-    "unit": ("", "its unit"),
-    "optimum": ("", "at the optimum"),
-    "as_written": ("", "with the study as it is written"),
-    "of": ("1", "scenes, where scenes are counted; otherwise 0"),
-}
 
 
 # What is asked
@@ -238,12 +200,10 @@ class Optimise(Workflow):
         whole, tried = _Solved(question, solver, list(search.tried), is_rough=True), list(search.tried)
         best = None if search.best is None else tried.index(search.best)
         written = len(whole.sought) - 1 if search.written is None else tried.index(search.written)
-        unit = question.expression.unit or "1"
-        columns = {name: (unit if si == _SOUGHT else si, text) for name, (si, text) in _COLUMNS.items()}
         tables = [
-            tabled(OPTIMUM, _optimum(search, question, whole, written), columns),
-            tabled(DESIGN, _design(question, whole, {"optimum": best, "as_written": written}), _DESIGN),
-            _points(search, question, whole, columns),
+            tabled(OPTIMUM, _optimum(search, question, whole, written), star=question.expression.unit),
+            tabled(DESIGN, _design(question, whole, {"optimum": best, "as_written": written})),
+            _points(search, question, whole),
         ]
         return Found(whole.plan, whole.data, tables)
 
@@ -336,8 +296,7 @@ def _optimum(search: Search, question: Question, whole: _Solved, written: int) -
             if span is not None and not factor.options:
                 row[f"{name}_from"], row[f"{name}_to"] = factor.number(np.array(span)).tolist()
         rows.append(row)
-    names = list(_COLUMNS)
-    return pd.DataFrame(rows).reindex(columns=names[: names.index("point")])
+    return pd.DataFrame(rows).reindex(columns=list(columns_of(OPTIMUM)))
 
 
 def _value(factor: Factor, u: float, number: str, option: str) -> dict[str, Any]:
@@ -376,14 +335,14 @@ def _design(question: Question, whole: _Solved, at: dict[str, int | None]) -> pd
     frame = pd.DataFrame([row[:3] for row in rows], columns=["quantity", "unit", "of"])
     for name, number in at.items():
         frame[name] = [np.nan if number is None else float(values[number]) for *_, values in rows]
-    return frame[list(_DESIGN)]
+    return frame[list(columns_of(DESIGN))]
 
 
-def _points(search: Search, question: Question, whole: _Solved, columns: Columns) -> Table:
+def _points(search: Search, question: Question, whole: _Solved) -> Table:
     """Every point that was tried, in the order in which the search asked for it."""
     cube, tried = np.array(list(search.tried)), list(search.tried.values())
     frame: dict[str, Any] = {"point": np.arange(1, len(cube) + 1), "stage": [each.stage for each in tried]}
-    units, meant = {}, dict(columns)
+    units, meant = {}, dict[str, tuple[str, str]]()
     for factor, u in zip(question.factors, cube.T, strict=True):
         values = factor.number(u)
         frame[factor.key] = [factor.labels[int(value)] for value in values] if factor.options else values
@@ -393,5 +352,4 @@ def _points(search: Search, question: Question, whole: _Solved, columns: Columns
     frame["value"] = question.sign * np.array([each.value for each in tried])
     frame["error"] = [each.error for each in tried]
     frame["meaningless"] = whole.is_void[: len(tried)].astype(int)
-    meant["value"] = columns["optimum"][0], "of the number sought; NaN where it has none or no meaning"
-    return tabled(POINTS, pd.DataFrame(frame), meant, units=units)
+    return tabled(POINTS, pd.DataFrame(frame), units=units, star=question.expression.unit, more=meant)
