@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -176,7 +176,7 @@ _OTHER_FILES = re.compile(
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
 MOST_FILES = 50_000
-"""Files that one pattern may match."""
+"""Files and folders that are looked at for one pattern."""
 
 
 @dataclass(frozen=True)
@@ -233,8 +233,16 @@ class MotionReader:
         elif os.path.exists(path):
             return (Item(record.name or path.stem, path, record),)
         else:
-            found = glob.iglob(written, root_dir=self.folder, recursive=True) if "\0" not in written else iter(())
-            files = sorted(each for name in islice(found, MOST_FILES) if os.path.isfile(each := self.folder / name))
+            head, deep, tail = written.partition(
+                "**/"
+            )  # what lies below is visited file by file, so that it can be much
+            found = glob.iglob(f"{head}**" if deep else written, root_dir=self.folder, recursive=True)
+            seen = list(islice(found, MOST_FILES + 1)) if "\0" not in written else []
+            if len(seen) > MOST_FILES:
+                hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
+                raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files and folders", hint))
+            fits = (self.folder / name for name in seen if not deep or PurePath(name).match(tail))
+            files = sorted(each for each in fits if os.path.isfile(each))
         if not files:
             message = f"the record file {shortened(path)} does not exist"
             if glob.has_magic(record.file) or os.path.isdir(path):
