@@ -12,7 +12,7 @@ import click
 from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
-from pounding_cli.study import laws, models, questions, schema
+from pounding_cli.study import laws, models, motions, questions, schema
 from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import shown
 from pounding_cli.study.quantity import RANGES
@@ -69,13 +69,13 @@ API = {
 
 MODELS = {
     "The file": schema.Study,
-    "`records`": models.Records,
-    "`records.use`: a file of your own": models.RecordFile,
-    "`records.scale`: Arias intensity": models.Arias,
-    "`records.scale`: peak acceleration": models.Pga,
-    "`records.scale`: peak velocity": models.Pgv,
-    "`records.scale`: an ordinate of the spectrum": models.Sa,
-    "`records.scale`: a target spectrum": models.Spectrum,
+    "`records`": motions.Records,
+    "`records.use`: a file of your own": motions.RecordFile,
+    "`records.scale`: Arias intensity": motions.Arias,
+    "`records.scale`: peak acceleration": motions.Pga,
+    "`records.scale`: peak velocity": motions.Pgv,
+    "`records.scale`: an ordinate of the spectrum": motions.Sa,
+    "`records.scale`: a target spectrum": motions.Spectrum,
     "`buildings.NAME`": models.Building,
     "`yield`": models.Code,
     "`yield`: a base-shear coefficient": models.BaseShear,

@@ -16,9 +16,9 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted, listed
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.records.scaling import SpectrumMatch
-from pounding_cli.results.file import groups, opened, plain_value, read_table, written
+from pounding_cli.results.file import kept, opened, plain_value, read_table, written
 from pounding_cli.results.flags import counts_of_flags, flagged_scenes
 from pounding_cli.results.histories import History
 from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
@@ -77,14 +77,12 @@ class Results:
 
     def _start(self) -> None:
         data = self.data
-        if missing := [
-            v.name for v in VARIABLES.values() if v.always and LINK[-1] not in v.dims and v.name not in data
-        ]:
+        needed = {v.name for v in VARIABLES.values() if v.always and LINK[-1] not in v.dims}
+        if missing := sorted(needed - set(data.variables)):
             raise ValueError(f"no {', '.join(missing)}")
         self.attrs = {str(name): plain_value(value) for name, value in data.attrs.items() if name != "coordinates"}
         self.title, self.workflow = str(self.attrs["title"]), str(self.attrs["workflow"])
-        there = groups(self.path, "answer")
-        self.answers = tuple(name for name in json.loads(self.attrs.get("answers", "[]")) if name in there)
+        self.answers = tuple(json.loads(self.attrs.get("answers", "[]")))
         self.study_text, self.resolved_text = (str(data[name].item()) for name in ("study_text", "study_resolved"))
         self.warnings = tuple(Problem(**each) for each in json.loads(str(data["study_warnings"].item())))
         self.assumed_heights: tuple[str, ...] = tuple(map(plain, json.loads(self.attrs["assumed_heights"])))
@@ -232,11 +230,12 @@ class Results:
         import xarray as xr
 
         data, places = self.data, (*self._dims, "case", "analysis")
-        names = {f"{ratio}_{measure}": f"{ratio}_{measure}" for ratio in RATIOS for measure in _MEASURES}
+        names = [f"{ratio}_{measure}" for ratio in RATIOS for measure in _MEASURES]
         found = {}
-        for name, source in (names | {"records_used": "V_ratio_count"}).items():
-            v = data[source].variable
+        for name in (*names, "V_ratio_count"):
+            v = data[name].variable
             found[name] = xr.Variable([str(dim).replace("floor", "storey") for dim in v.dims], v.values)
+        found["records_used"] = found.pop("V_ratio_count")
         flags, status = (data[name].transpose(*places, "record").values for name in ("flags", "status"))
         counts = counts_of_flags(flags) | {"records_collapsed": (status == COLLAPSED).sum(axis=-1)}
         found |= {name: xr.Variable(places, count) for name, count in counts.items()}
@@ -271,14 +270,13 @@ class Results:
 
     def histories(self) -> pd.DataFrame:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
+        return self._kept.copy()
+
+    @cached_property
+    def _kept(self) -> pd.DataFrame:
         import pandas as pd
 
-        rows = []
-        for number in sorted(groups(self.path, "histories"), key=int):
-            kept = opened(self.path, f"histories/{number}")
-            facts = {str(name): plain_value(value) for name, value in kept.attrs.items()}
-            rows.append(facts | {"number": int(number), "times": kept["time"].size})
-        return pd.DataFrame(rows, columns=[*self.axes, *PLACE, "number", "scene", "every", "times"])
+        return pd.DataFrame(kept(self.path), columns=[*self.axes, *PLACE, "number", "scene", "every", "times"])
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
@@ -294,25 +292,20 @@ class Results:
         ------
         InputError : no kept scene, or more than one, is meant
         """
-        meant = kept = self.histories()
         given = {"case": case, "analysis": analysis, "record": record, **swept}
         given = {key: value for key, value in given.items() if value is not None}
-        for key, value in given.items():
-            is_number = isinstance(value, int | float) and key in self.axes
-            meant = meant[np.isclose(meant[key], value, 1e-9, 0.0) if is_number else meant.get(key) == value]
+        places = self._kept.to_dict("records")
+        meant = [place for place in places if all(_same(place.get(key), value) for key, value in given.items())]
         if len(meant) == 1:
-            return History(opened(self.path, f"histories/{meant['number'].iloc[0]}").load())
-        if kept.empty:
-            hint = "add `keep: histories` to the study and run it again; what is solved stays"
-            raise InputError(Problem("keeps no histories", hint, str(self.path)))
-        places = (kept if meant.empty else meant)[[*self.axes, *PLACE]].to_dict("records")
-        shown = [
-            ", ".join(f"{key} = {place[key]}" if key in self.axes else place[key] for key in place) for place in places
-        ]
+            return History(opened(self.path, f"histories/{meant[0]['number']}").load())
         said = " of " + ", ".join(f"{key} {value}" for key, value in given.items()) if given else ""
-        what = "keeps no history" if meant.empty else f"keeps {len(meant)} histories"
-        hint = f"{'kept are' if meant.empty else 'say which of'}: {listed(shown)}"
-        raise InputError(Problem(f"{what}{said}", hint, str(self.path)))
+        what, hint = f"keeps {len(meant) or 'no'} histories{said}", "say which of those that Results.histories() lists"
+        if not places:
+            what, hint = (
+                "keeps no histories",
+                "add `keep: histories` to the study and run it again; what is solved stays",
+            )
+        raise InputError(Problem(what, hint, str(self.path)))
 
     def first_sample(self) -> Results:
         """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
@@ -321,8 +314,8 @@ class Results:
     def at(self, index: Mapping[str, int]) -> Results:
         """The same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
         found = copy.copy(self)
-        for kept in ("buildings", "_scene"):  # of the whole
-            found.__dict__.pop(kept, None)
+        for name in ("buildings", "_scene"):  # of the whole
+            found.__dict__.pop(name, None)
         found.data = self.data.isel({dim: [place] for dim, place in index.items()})
         cut = {name: index[names[0]] for names in self.swept if names[0] in index for name in names}
         found.axes = {k: [v[cut[k]]] if k in cut else v for k, v in self.axes.items()}
@@ -407,3 +400,10 @@ class Results:
             else:
                 found[name] = self._ravelled(v, dims)[at]
         return pd.DataFrame(found)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values of a key are the same, numbers to nine digits."""
+    if isinstance(one, float) and isinstance(other, int | float):
+        return math.isclose(one, other, rel_tol=1e-9)
+    return bool(one == other)

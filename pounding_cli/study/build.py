@@ -15,7 +15,7 @@ from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import BASE
 from pounding_cli.model.meetings import Strike, meetings
-from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
+from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import ENDLESS, Wall
 from pounding_cli.numbers import counted, listed
@@ -144,40 +144,29 @@ def _design(code: Any) -> Design:
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **known)
 
 
-def design_displacements(spec: Any, building: Building) -> np.ndarray | None:
-    """Design maximum displacements by the code that set the yield shears [m], shape (n,): the elastic ones under the
-    design forces times `UbcDesign.amplification`; None without a code."""
-    if spec.wall is not None or spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
-        return None
-    design = _design(spec.yield_)
-    assert isinstance(design, UbcDesign)
-    return design.amplification * _displacements(design, building)
-
-
 def code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
     """The displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up; without the
     rules whose factors the study does not give.
 
-    delta_M and d_s follow from the static displacements under the forces of `base_shear` and `distribution`.
+    All follow from the static displacements under the design forces: those of the UBC times
+    `UbcDesign.amplification`, delta_M and d_s from the forces of `base_shear` and `distribution`.
     """
-    code, found = spec.yield_ if spec.yield_shear is None else None, dict[str, np.ndarray]()
-    if isinstance(code, BaseShear):
-        elastic = _displacements(_design(code), building)
-        if code.cd is not None and code.ie is not None:
-            found[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
-        if code.qd is not None:
-            found[EN1998] = en1998_displacement(elastic, code.qd)
+    if spec.wall is not None or spec.yield_shear is not None:
+        return {}
+    code, design, found = spec.yield_, _design(spec.yield_), dict[str, np.ndarray]()
+    elastic = design.displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
+    if isinstance(design, UbcDesign):
+        return {UBC: design.amplification * elastic}
+    if code.cd is not None and code.ie is not None:
+        found[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
+    if code.qd is not None:
+        found[EN1998] = en1998_displacement(elastic, code.qd)
     return found
 
 
-def _displacements(design: Design, building: Building) -> np.ndarray:
-    return design.displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
-
-
 def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:
-    """Code separation of two neighbours at the lower roof [m], the sum of their design displacements there (UBC:
-    clauses of `UbcDesign.amplification`; the paper's "sum of the design maximum displacements"); None where no code
-    designed one."""
+    """Code separation of two neighbours at the lower roof [m], the sum of their displacements by the UBC there (clauses
+    of `UbcDesign.amplification`; the paper's "sum of the design maximum displacements"); None where one has none."""
     if left is None or right is None:
         return None
     lower = min(left.size, right.size) - 1

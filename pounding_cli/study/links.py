@@ -136,7 +136,11 @@ class _Builder:
 
     def links(self, case: Any, path: Steps) -> tuple[Link, ...]:
         """The links of all pairs of neighbours."""
-        path = (*path, "links")
+        path, known = (*path, "links"), (*link_laws(), *self.laws, "none")
+        for n, link in enumerate(case.links):
+            if link.kind not in known:
+                hint = f"{nearest(link.link, known)}; a law of your own stands under `laws`"
+                self.note((*path, n, "link"), f"link: '{link.link[:60]}' is not known", hint)
         if self.group.is_empty:  # so that what is wrong with the links is told beside what is wrong with the group
             for n, link in enumerate(case.links):
                 self.law(link, (*path, n))

@@ -11,7 +11,8 @@ from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
 from pounding_cli.study.base import Model, Name, Wrong, form, key, word_or
 from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
-from pounding_cli.study.models import Building, Case, OwnLaw, Records
+from pounding_cli.study.models import Building, Case, OwnLaw
+from pounding_cli.study.motions import Records
 from pounding_cli.study.quantity import TIME, Quantity
 from pounding_cli.study.questions import FragilitySpec, GapSpec, OptimiseSpec, SensitivitySpec
 
@@ -140,9 +141,8 @@ def json_schema() -> dict[str, Any]:
     """The JSON Schema (2020-12) of a study file, for editors: cases as they are written, one link or several."""
     found = Study.model_json_schema(by_alias=True)
     defs = found["$defs"]
-    del defs["UnknownLink"]
     several = defs["Case"]
-    branches = [each for each in several["properties"]["links"]["items"]["oneOf"] if "Unknown" not in each["$ref"]]
+    branches = several["properties"]["links"]["items"]["oneOf"]
     for name, model in link_models().items():
         link = defs[model.__name__]
         link["required"] = ["link"]  # what else it lacks, its case may give

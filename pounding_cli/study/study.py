@@ -16,6 +16,7 @@ from pounding_cli import records
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building, UnstableError
 from pounding_cli.model.links import Link
+from pounding_cli.model.separation import UBC
 from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
@@ -221,7 +222,7 @@ class Study:
         except UnstableError as error:
             hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
             self.problems.at(self.tree(point), (*path, "p_delta"), str(error), hint)
-        except (ValueError, FloatingPointError) as error:
+        except (ValueError, ArithmeticError) as error:
             hint = "check the building's masses, heights, period and stiffness"
             self.problems.at(self.tree(point), path, str(error), hint)
         return None
@@ -243,16 +244,18 @@ class Study:
         return group if build.check_meetings(group, self.root, self.problems) else None
 
     @answer(lambda: ("laws",))
-    def laws(self, point: Point) -> dict[str, OwnLaw]:
-        """The laws of the study's own by name."""
-        return own_laws(self.section(point, "laws") or {}, self.at(point), self.problems)
+    def laws(self, point: Point) -> dict[str, OwnLaw] | None:
+        """The laws of the study's own by name; None where they are faulty."""
+        specs = self.section(point, "laws")
+        return None if specs is None else own_laws(specs, self.at(point), self.problems)
 
     @answer(lambda: ("impact", "laws"))
     def impact(self, point: Point) -> Any:
         """The validated impact element; None where it is faulty."""
         impact, laws = self.section(point, "impact"), self.laws(point)
-        is_sound = impact is not None and check_contact(impact.law, laws, self.at(point), self.problems)
-        return impact if is_sound else None
+        if impact is None or laws is None:
+            return None
+        return impact if check_contact(impact.law, laws, self.at(point), self.problems) else None
 
     @answer(lambda name: ("impact", ("cases", name)))
     def case(self, point: Point, name: str) -> Case | None:
@@ -265,7 +268,7 @@ class Study:
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong with them."""
         case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
-        if case is None or impact is None:
+        if case is None or impact is None or laws is None:
             return None
         if group is None:  # so that what is wrong with the links is told beside what is wrong with the group
             group = build.Group((), self.types(point), (), (), list(get(self.root, "buildings") or ()))
@@ -316,12 +319,6 @@ class Study:
         return records.SpectrumMatch.of(motions, target, scale.spectrum == "each", scale.at_least)
 
     @answer(lambda name: (("buildings", name),))
-    def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
-        """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
-        building: Any = self.type(point, name)
-        return build.design_displacements(self.building_spec(point, name), building)
-
-    @answer(lambda name: (("buildings", name),))
     def code_displacements(self, point: Point, name: str) -> Mapping[str, np.ndarray]:
         """Displacements of a building type that codes expect, by rule (`build.code_displacements`) [m]."""
         building: Any = self.type(point, name)
@@ -332,7 +329,7 @@ class Study:
 
         NaN for the last, and where the yield shears of a neighbour were not set by a code.
         """
-        allowed = [self.design_displacements(point, name) for name in self.model.group]
+        allowed = [self.code_displacements(point, name).get(UBC) for name in self.model.group]
         return np.array([*(build.separation(left, right) for left, right in pairwise(allowed)), None], dtype=float)
 
     def resolved(self) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
 from pounding_cli.model.separation import (
     ASCE7,
     EN1998,
+    UBC,
     absolute_sum,
     cross_correlation,
     double_difference,
@@ -46,7 +47,7 @@ EXACT = "exact"
 OF_MOTIONS = (EXACT, "ABS", "SRSS", "DDC")
 """Rules that depend on the motions."""
 
-UBC, GB50011 = "UBC", "GB 50011-2010"
+GB50011 = "GB 50011-2010"
 
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
@@ -203,10 +204,8 @@ def _codes(plan: Plan, at: Point) -> dict[str, np.ndarray]:
     study, storeys = plan.study, most_storeys(plan)
     found = {rule: np.full((len(plan.buildings), 1 + storeys), np.nan) for rule in (UBC, ASCE7, EN1998)}
     for place, name in enumerate(study.model.group):
-        known = {UBC: study.design_displacements(at, name), **study.code_displacements(at, name)}
-        for rule, moved in known.items():
-            if moved is not None:
-                found[rule][place, : 1 + len(moved)] = 0.0, *moved
+        for rule, moved in study.code_displacements(at, name).items():
+            found[rule][place, : 1 + len(moved)] = 0.0, *moved
     return found
 
 

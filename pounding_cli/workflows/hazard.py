@@ -34,7 +34,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.hazard import intensity_factor, read_hazard
 from pounding_cli.study import Plan, Study
 from pounding_cli.study.file import Problems
-from pounding_cli.study.models import Pga, Pgv, Sa
+from pounding_cli.study.motions import Pga, Pgv, Sa
 from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
 from pounding_cli.workflows.curves import draws_of, interval
