@@ -47,12 +47,11 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Point:
-    """One point of the sweep: its place on every axis, in words, the study there, what each swept key is.
+    """One point of the sweep: in words, the study there, what each swept key is.
 
     data : what came of it; its `status` is "done", or says why there is nothing else
     """
 
-    place: tuple[int, ...]
     label: str
     study: Any
     swept: Mapping[str, float | str]
@@ -86,19 +85,18 @@ def load(path: Path, name: str) -> Sweep:
     axes = read_axes(root, problems, asked.Study)
     problems.check()
     points = []
-    for place in product(*(range(len(axis)) for axis in axes)):
-        tree, swept, words = root, {}, []
-        for axis, at in zip(axes, place, strict=True):
-            told = axis.given[at], axis.marks[at], axis.values[at], axis.shown(at)
-            for key, given, mark, si, shown in zip(axis.names, *told, strict=True):
-                tree, swept[key] = put(tree, key.split("."), given, mark), si
-                words.append(f"{key} = {shown}")
+    for places in product(*(range(len(axis)) for axis in axes)):
+        tree, swept = root, dict[str, float | str]()
+        for axis, at in zip(axes, places, strict=True):
+            for key, given, mark in zip(axis.paths, axis.given[at], axis.marks[at], strict=True):
+                tree = put(tree, key, given, mark)
+            swept |= dict(zip(axis.names, axis.values[at], strict=True))
+        label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
         try:
-            points.append(Point(place, ", ".join(words), asked.Study.model_validate(tree), swept))
+            points.append(Point(label, asked.Study.model_validate(tree), swept))
+            doubt_values(points[-1].study, tree, (), notes)
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
-            continue
-        doubt_values(points[-1].study, tree, (), notes)
     problems.check()
     return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
 
@@ -134,9 +132,9 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
         nested = [nested[at : at + len(axis)] for at in range(0, len(nested), len(axis))]
     how: Any = {"join": "outer", "data_vars": "all", "combine_attrs": "override"}
     whole = xr.combine_nested(nested, names, **how) if names else padded[0]
-    for number, axis in enumerate(sweep.axes):
-        at = {point.place[number]: point.swept for point in points}
-        whole = whole.assign_coords({name: (names[number], [at[n][name] for n in sorted(at)]) for name in axis.names})
+    for axis in sweep.axes:
+        columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
+        whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
     return whole.transpose(*names, ...).assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import os
+import difflib
 import stat
+from itertools import islice
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
@@ -25,17 +26,22 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
 
     Raises
     ------
-    InputError : a pipe, device or socket, or too large a file
-    OSError, ValueError : it is not there, or cannot be read
+    InputError : it is not there, with the nearest name; no regular file, too large, or cannot be read
     """
-    wrong, hint = "", f"a {what} has at most {most / 1e6:g} MB"
-    if len(os.fspath(path)) > LONGEST_PATH:
-        wrong, hint = f"the path has {len(os.fspath(path))} characters", "no path is that long"
-    elif not path.is_dir() and not stat.S_ISREG((facts := path.stat()).st_mode):
-        wrong, hint = "this is not a regular file", f"name a {what} on disk"
-    elif not path.is_dir() and facts.st_size > most:
-        wrong = f"the file has {facts.st_size / 1e6:.3g} MB"
-    if wrong:
-        raise InputError(Problem(wrong, hint, shortened(path)))
-    with path.open("rb") as file:
-        return file.read(most)
+    hint = f"give the path of a {what} of at most {most / 1e6:g} MB"
+    try:
+        facts = path.stat()
+        if stat.S_ISREG(facts.st_mode) and facts.st_size <= most:
+            with path.open("rb") as file:
+                return file.read(most)
+        wrong = "this is not a regular file"
+        if stat.S_ISREG(facts.st_mode):
+            wrong = f"the file has {facts.st_size / 1e6:.3g} MB"
+    except FileNotFoundError:
+        wrong = "no such file"
+        beside = [each.name for each in islice(path.parent.glob(f"*{path.suffix}"), 1000)]
+        if near := difflib.get_close_matches(path.name, beside, 1):
+            hint = f"did you mean {shortened(path.parent / near[0])}?"
+    except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
+        wrong = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    raise InputError(Problem(wrong, hint, shortened(path).replace("\0", "\\0")))

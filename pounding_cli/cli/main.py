@@ -32,7 +32,7 @@ COMMANDS = {
     "schema": ("study", "Print the JSON Schema of study files, for editors."),
     "records": ("records", "List, show and import ground motions."),
     "connector": ("solve", "Solve two connected oscillators in closed form (Figs 4 and 5)."),
-    "accuracy": ("accuracy", "Measure error and time of every method on a study."),
+    "accuracy": ("solve", "Measure error and time of every method on a study."),
     "wall": ("solve", "Solve an impact on a bumper wall (Fig. 8)."),
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""

@@ -9,17 +9,11 @@ from __future__ import annotations
 import re
 
 from pounding_cli.records.text import Asked, Samples, Text, number
-from pounding_cli.records.units import quantity_of
+from pounding_cli.records.units import quantity_of, unit_in
 
 _CSMIP_LABEL = re.compile(r"(?i)\bCHAN(?:NEL)?\s*(\d+\s*:\s*\S+(?:\s\S+)*)")
 _CSMIP_DATA = re.compile(r"(?i)\s*(\d{1,9})\s+points\s+of\s+(?:\w+\s+)?(accel|veloc|displ)\w*")
 _CSMIP_SPACED = re.compile(r"(?i)at\s+(\d*\.?\d+)\s*sec")
-_CSMIP_UNITS = {
-    "g/10": r"g\s*/\s*10",
-    "cm/s2": r"cm\s*/\s*s(?:ec)?(?:\s*/\s*s(?:ec)?|\s*\*\*\s*2|\^?2)",
-    "gal": r"\bgals?\b",
-    "g": r"\bg\b",
-}
 _COSMOS_FIRST = re.compile(r"(?i)\(\s*format\s+v\s*[\d.]+(?:\s+with\s+(\d{1,3})\s+text\s+lines)?")
 _COSMOS_CHANNEL = re.compile(r"(?i)sta chan? ?:? ?(.*?) ?(?:\(|location|\Z)")
 _COSMOS_DATA = re.compile(
@@ -194,17 +188,16 @@ def csmip(text: Text, asked: Asked) -> Samples | None:
     if not series:
         example = "4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)"
         raise text.damaged(f"the header does not say how many points follow, e.g. {example}", start + 1)
-    found = [index for index, (_, data, _) in series.items() if quantity_of(data[2]) == "acceleration"]
-    if not found:
-        raise text.wrong_quantity(quantity_of(series[min(series)][1][2]), min(series) + 1)
+    kinds = {index: quantity_of(data[2]) for index, (_, data, _) in series.items()}
+    found = [index for index, kind in kinds.items() if kind == "acceleration"]
+    if len(found) < max(1, list(kinds.values()).count("velocity")):
+        raise text.damaged("a channel holds no acceleration", min(series) + 1)
     index = found[text.channel(asked, [series[each][0] for each in found], start + 1)]
     _, data, spaced = series[index]
     line = text.lines[index]
     step = text.step(spaced[1], index + 1, asked.dt)
     values, _ = text.fixed(index + 1, int(data[1]), _fortran(line), last=True)
-    words = line[spaced.end() :]
-    units = (unit for unit, pattern in _CSMIP_UNITS.items() if re.search(pattern, words, re.IGNORECASE))
-    return Samples(step, values, index + 2, next(units, "cm/s2"), index + 1)
+    return Samples(step, values, index + 2, unit_in(line[spaced.end() :], ()) or "cm/s2", index + 1)
 
 
 def _check_peak(text: Text, values: list[float], pattern: str, end: int, unit: str) -> None:

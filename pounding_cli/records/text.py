@@ -179,17 +179,10 @@ def tokens(line: str) -> list[str]:
 
 def load(path: Path, what: str = "motion file") -> Text:
     """The file's lines and header.  Raises `InputError` for a file that is missing, empty or not text."""
-    shown = shortened(path)
-    try:
-        raw = read_bytes(path, MOST_BYTES, what)
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:  # a NUL in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(Problem(f"cannot be read: {reason}", f"give the path of a {what}", shown)) from None
+    raw = read_bytes(path, MOST_BYTES, what)
     if len(raw.translate(None, _CONTROL)) < len(raw):
         hint = "unpack an archive; give a text file in one of the formats of docs/records.md"
-        raise InputError(Problem("not a text file", hint, shown))
+        raise InputError(Problem("not a text file", hint, shortened(path)))
     try:
         written = raw.decode("utf-8-sig")
     except UnicodeDecodeError:

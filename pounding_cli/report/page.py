@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from pounding_cli import __version__
 from pounding_cli.report.document import Report
 from pounding_cli.report.style import data_address
-from pounding_cli.report.table import PAGE_ROWS, to_html
+from pounding_cli.report.table import PAGE_ROWS, columns_in, right_aligned, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,7 +74,7 @@ def _template(name: str) -> Any:
         undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     environment.filters["keys_as_code"] = _keys_as_code
-    environment.globals["to_html"] = to_html
+    environment.globals |= {"shown": shown, "right_aligned": right_aligned, "columns_in": columns_in}
     return environment.get_template(name)
 
 

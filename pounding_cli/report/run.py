@@ -14,11 +14,10 @@ from pounding_cli.report.background import background, frame_of, limits, trust
 from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
-from pounding_cli.report.explorer import explored
 from pounding_cli.report.figures import RESPONSES, loop_pictures, profiles
-from pounding_cli.report.player import players
 from pounding_cli.report.sweep import Asked, sweep_pictures
 from pounding_cli.report.table import NOTHING, column_of, digits, from_rows
+from pounding_cli.report.widgets import explored, players
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import NEVER_CLOSES

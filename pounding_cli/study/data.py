@@ -86,7 +86,7 @@ def building_of(name: str, keys: Mapping[str, Any]) -> Building:
     spec = _valid(BuildingSpec, root, path, problems)
     try:
         return build.building(name, spec)
-    except (ValueError, FloatingPointError) as error:
+    except (ValueError, ArithmeticError) as error:
         problems.at(root, path, str(error), "check its masses, heights, period and stiffness")
         problems.check()
         raise

@@ -149,19 +149,9 @@ def read_study(path: Path) -> tuple[str, Map]:
     shown = shortened(path)
     try:
         text = read_bytes(path, MOST_BYTES, "study file").decode("utf-8-sig")
-    except FileNotFoundError:
-        names = [p.name for p in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
-        near = difflib.get_close_matches(path.name, names[:1000], 1)
-        hint = f"did you mean {shortened(path.parent / near[0])}?" if near else "`pound init NAME` writes one"
-        raise InputError(Problem("no such file", hint, shown)) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError(Problem("the file is not UTF-8 text", "save it as UTF-8", shown, line, 1)) from None
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:
-        what, hint = getattr(error, "strerror", None) or error, "name a study file that can be read"
-        raise InputError(Problem(f"cannot be read: {what}", hint, shown)) from None
     return text, parse(text, shown)
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from dataclasses import MISSING, replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, create_model
 
@@ -111,7 +111,8 @@ def _of(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
     """How a study writes a parameter that a law declares; `absent`: 0 stands for what is not there."""
     declared = law.parameters()[name].metadata["parameter"]
     ends = declared.low, declared.high, declared.open_low and not absent, declared.open_high
-    return Quantity(name.replace("_", " "), declared.unit.removesuffix("/rad"), example, *ends)
+    unit = "" if declared.unit == "-" else declared.unit.removesuffix("/rad")
+    return Quantity(name.replace("_", " "), unit, example, *ends)
 
 
 def _about(law: Any, name: str) -> str:
@@ -119,64 +120,42 @@ def _about(law: Any, name: str) -> str:
     return str(law.parameters()[name].metadata["parameter"].words)
 
 
-Radius = Annotated[float, _of(FrictionPendulum, "radius", "3.1 m")]
-Friction = Annotated[float, Quantity("friction coefficient", "", "6 %", 0.0, 1.0, open_low=True)]
-Capacity = Annotated[float, LENGTH.but(name="capacity", example="35 cm")]
+class _Isolators(Model):
+    """Isolators under the base."""
 
-
-class Isolation(Model):
-    """Isolators under the base: those of a friction pendulum have `radius` and `friction`, lead-rubber and other
-    bearings `strength`, `stiffness` and `yield_displacement`, high-damping rubber by equivalent values `stiffness` and
-    `damping_ratio`."""
-
-    radius: Radius | None = key(None, _about(FrictionPendulum, "radius"))
-    friction: Friction | None = key(None, _about(FrictionPendulum, "friction"))
-    strength: Annotated[float, _of(Bearings, "strength", "800 kN")] | None = key(None, _about(Bearings, "strength"))
-    stiffness: Annotated[float, _of(Bearings, "stiffness", "5 kN/mm")] | None = key(None, _about(Bearings, "stiffness"))
-    yield_displacement: Annotated[float, _of(Bearings, "yield_displacement", "1 cm")] | None = key(
-        None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.01 mm"
-    )
-
-    damping_ratio: Ratio | None = key(None, _about(Rubber, "damping_ratio"))
-    capacity: Capacity | None = key(
-        None, "displacement that they can take [m]; scenes in which the base moves further are flagged"
-    )
+    kind: ClassVar[Any]
 
     @property
     def law(self) -> FrictionPendulum | Bearings | Rubber:
         """What they do."""
-        if self.damping_ratio is not None and self.stiffness is not None:
-            capacity = {} if self.capacity is None else {"capacity": self.capacity}
-            return Rubber(self.stiffness, self.damping_ratio, **capacity)
-        given = {"yield_displacement": self.yield_displacement, "capacity": self.capacity}
-        more = {name: value for name, value in given.items() if value is not None}
-        if self.radius is not None and self.friction is not None:
-            return FrictionPendulum(radius=self.radius, friction=self.friction, **more)
-        assert self.strength is not None  # `wrong` has refused what is not complete
-        assert self.stiffness is not None
-        return Bearings(strength=self.strength, stiffness=self.stiffness, **more)
-
-    def wrong(self) -> Iterator[Wrong]:
-        given = [name for name in self.model_fields_set if name != "capacity" and getattr(self, name) is not None]
-        fitting = [needs for needs, may in _ISOLATORS.values() if {*given} <= needs | may]
-        form = (
-            "write {radius: 3.1 m, friction: 6 %}, {strength: 800 kN, stiffness: 5 kN/mm, yield_displacement: 1 cm} or "
-            "{stiffness: 5 kN/mm, damping_ratio: 12 %}"
-        )
-        if not fitting:
-            kind = max(_ISOLATORS, key=lambda name: len(_ISOLATORS[name][0] & {*given}))
-            extra = next(name for name in given if name not in _ISOLATORS[kind][0] | _ISOLATORS[kind][1])
-            yield (extra,), f"'{extra}' is no key of {kind}", form, True
-        elif not any(needs <= {*given} for needs in fitting):
-            yield (), "these isolators are not complete", form
+        given: Any = {name: value for name, value in vars(self).items() if value is not None}
+        return type(self).kind(**given)
 
 
-_ISOLATORS: dict[str, tuple[set[str], set[str]]] = {
-    "a friction pendulum": ({"radius", "friction"}, {"yield_displacement"}),
-    "lead-rubber bearings": ({"strength", "stiffness", "yield_displacement"}, set()),
-    "high-damping rubber": ({"stiffness", "damping_ratio"}, set()),
-}
-"""Of each kind of isolators the keys that it needs, and that it may have."""
+def _isolators(law: Any, **examples: str) -> Any:
+    """The keys of isolators, from the parameters that their law declares."""
+    fields: dict[str, Any] = {}
+    for name, example in examples.items():
+        kind, is_needed = Annotated[float, _of(law, name, example)], law.parameters()[name].default is MISSING
+        fields[name] = kind if is_needed else kind | None, key(... if is_needed else None, _about(law, name), example)
+    model = create_model(law.__name__, __base__=_Isolators, __doc__=law.__doc__, **fields)
+    model.kind = law
+    return model
+
+
+_PENDULUM = _isolators(FrictionPendulum, radius="3.1 m", friction="6 %", yield_displacement="1 cm", capacity="35 cm")
+_BEARINGS = _isolators(Bearings, strength="800 kN", stiffness="5 kN/mm", yield_displacement="1 cm", capacity="35 cm")
+_RUBBER = _isolators(Rubber, stiffness="5 kN/mm", damping_ratio="12 %", capacity="35 cm")
+
+
+def _isolation_kind(value: Any) -> str:
+    given = value if isinstance(value, dict) else ()
+    if isinstance(value, _PENDULUM) or "radius" in given or "friction" in given:
+        return "pendulum"
+    return "rubber" if isinstance(value, _RUBBER) or "damping_ratio" in given else "bearings"
+
+
+Isolation: Any = tagged(_isolation_kind, pendulum=_PENDULUM, bearings=_BEARINGS, rubber=_RUBBER)
 
 
 class Foundation(Model):

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import glob
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -175,7 +176,7 @@ _OTHER_FILES = re.compile(
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
 MOST_FILES = 50_000
-"""Files that one pattern may match."""
+"""Files and folders that are looked at for one pattern."""
 
 
 @dataclass(frozen=True)
@@ -199,35 +200,26 @@ class MotionReader:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._items: dict[str | RecordFile, tuple[Item, ...]] = {}
-        self._read: dict[Item, records.Reading | Motion] = {}
+        self.items: Callable[[str | RecordFile], tuple[Item, ...]] = functools.cache(self._items)
+        self.reading: Callable[[Item], records.Reading | Motion] = functools.cache(self._reading)
 
-    def items(self, record: str | RecordFile) -> tuple[Item, ...]:
-        """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
-        if record not in self._items:
-            self._items[record] = tuple(self._found(record))
-        return self._items[record]
-
-    def reading(self, item: Item) -> records.Reading | Motion:
+    def _reading(self, item: Item) -> records.Reading | Motion:
         """The whole motion, with how it was read where it is a file.  Raises `InputError`: it cannot be read."""
-        if item not in self._read:
-            how = item.how
-            if item.file is None or how is None:
-                self._read[item] = records.find(item.name)
-            else:
-                more: dict[str, Any] = how.model_dump(exclude={"file", "name"})
-                self._read[item] = records.read_file(item.file, name=item.name, **more)
-        return self._read[item]
+        if item.file is None or item.how is None:
+            return records.find(item.name)
+        more: dict[str, Any] = item.how.model_dump(exclude={"file", "name"})
+        return records.read_file(item.file, name=item.name, **more)
 
     def motion(self, item: Item) -> Motion:
         """The whole motion; raises as `reading`."""
         found = self.reading(item)
         return found.motion if isinstance(found, records.Reading) else found
 
-    def _found(self, record: str | RecordFile) -> list[Item]:
+    def _items(self, record: str | RecordFile) -> tuple[Item, ...]:
+        """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
         if isinstance(record, str):
             if record in records.names():
-                return [Item(record)]
+                return (Item(record),)
             is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
             if not is_path:
                 records.entry(record)  # refuses the name, with the nearest one
@@ -239,10 +231,18 @@ class MotionReader:
         if os.path.isdir(path):
             files = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
         elif os.path.exists(path):
-            return [Item(record.name or path.stem, path, record)]
+            return (Item(record.name or path.stem, path, record),)
         else:
-            found = glob.iglob(written, root_dir=self.folder, recursive=True) if "\0" not in written else iter(())
-            files = sorted(each for name in islice(found, MOST_FILES) if os.path.isfile(each := self.folder / name))
+            head, deep, tail = written.partition(
+                "**/"
+            )  # what lies below is visited file by file, so that it can be much
+            found = glob.iglob(f"{head}**" if deep else written, root_dir=self.folder, recursive=True)
+            seen = list(islice(found, MOST_FILES + 1)) if "\0" not in written else []
+            if len(seen) > MOST_FILES:
+                hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
+                raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files and folders", hint))
+            fits = (self.folder / name for name in seen if not deep or PurePath(name).match(tail))
+            files = sorted(each for each in fits if os.path.isfile(each))
         if not files:
             message = f"the record file {shortened(path)} does not exist"
             if glob.has_magic(record.file) or os.path.isdir(path):
@@ -254,7 +254,7 @@ class MotionReader:
         stems = Counter(each.stem for each in files)
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
-        return [Item(record.name or name, each, record) for each, name in zip(files, names, strict=True)]
+        return tuple(Item(record.name or name, each, record) for each, name in zip(files, names, strict=True))
 
 
 @dataclass(frozen=True)
@@ -412,12 +412,13 @@ class _Motions:
                     raise _Wrong(("records", "scale"), f"table1 has no scale for '{name}'", hint)
                 return {name: float(records.entry(name).scale) for name in cut}
             case Pga():
-                return {name: records.pga_factor(motion, scale.pga) for name, motion in cut.items()}
+                return {name: records.scale_factor(motion, motion.pga, scale.pga) for name, motion in cut.items()}
             case Pgv():
-                return {name: records.pgv_factor(motion, scale.pgv) for name, motion in cut.items()}
+                peaks = {name: records.pgv(motion) for name, motion in cut.items()}
+                return {name: records.scale_factor(cut[name], peak, scale.pgv) for name, peak in peaks.items()}
             case Sa():
-                of = scale.sa, scale.period, scale.damping
-                return {name: records.sa_factor(motion, *of) for name, motion in cut.items()}
+                found = {n: records.spectrum(m, (scale.period,), scale.damping)[0] for n, m in cut.items()}
+                return {name: records.scale_factor(cut[name], sa, scale.sa) for name, sa in found.items()}
             case Spectrum() if target is not None:
                 return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
             case Arias():

@@ -222,7 +222,7 @@ class Study:
         except UnstableError as error:
             hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
             self.problems.at(self.tree(point), (*path, "p_delta"), str(error), hint)
-        except (ValueError, FloatingPointError) as error:
+        except (ValueError, ArithmeticError) as error:
             hint = "check the building's masses, heights, period and stiffness"
             self.problems.at(self.tree(point), path, str(error), hint)
         return None

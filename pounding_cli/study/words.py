@@ -166,6 +166,8 @@ def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
         hint = f"write it in the entry that it is of: `links: [{{link: ..., {name}: ...}}]`"
         return f"'{name}' beside `links:` does not apply to them, or does not say which it is of", hint, True
     known += [key for link in link_models().values() for key in fields_of(link)] if known == ["links"] else []
+    if name in known:
+        return f"'{name}' does not go with the other keys here", "remove it, or them", True
     return f"unknown key '{name}'", instead().get(name) or nearest(name, dict.fromkeys(known)), True
 
 

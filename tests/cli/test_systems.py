@@ -88,7 +88,7 @@ def test_a_point_that_fails_leaves_the_others(folder, pound):
     )
     code, _, err = pound("wall", "w.yaml", "-o", "w.h5")
     assert code == 1
-    assert "failed: striker.mass = 1e-09 t: refused: an impact this short" in err
+    assert "failed: striker.mass = 1e-6 kg: refused: an impact this short" in err
     frame = pd.read_csv("w/tables/wall.csv")
     assert np.isnan(frame["peak_force"]).tolist() == [False, True]
     assert frame["status"].str.partition(":")[0].tolist() == ["done", "refused"]
