@@ -302,11 +302,6 @@ class WrittenLaw(LinkLaw):
         return self.tension_cut
 
     @property
-    def is_linear(self) -> bool:
-        """Of a joint, where the formula is straight."""
-        return super().is_linear or (self.joins and self.force(1.0).is_straight)
-
-    @property
     def steepest(self) -> tuple[float, float]:
         """At a closing of `PRESSED`; its dashpot at rest, or up to 1 m/s where that is more."""
         force = self.force(1.0)

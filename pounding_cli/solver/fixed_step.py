@@ -40,11 +40,6 @@ NEAR = 1e-7
 """Part of a rate and of a deformation by which slopes of a force are taken."""
 
 
-def steps_a_sample(dt: float, time_step: float) -> int:
-    """The fewest equal parts of a sample of the motion, dt [s], that are not longer than `time_step` [s]."""
-    return max(1, math.ceil(dt / time_step - 1e-9))
-
-
 @njit(**CALLED)
 def _settle(el, formula):
     """Let an element pass the guards that lie between its branch and its state at the end of the step."""

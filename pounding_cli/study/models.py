@@ -10,8 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import storey_laws
-from pounding_cli.laws.foundation import Rocking, Sway
-from pounding_cli.laws.isolation import Bearings, FrictionPendulum, Rubber
+from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.numbers import counted
 from pounding_cli.records.units import UNITS, acceleration_unit
 from pounding_cli.study.base import Model, Name, Wrong, key, list_or, one_or_many, tagged, word_or
