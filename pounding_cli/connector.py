@@ -15,7 +15,7 @@ from scipy.optimize import brentq, minimize_scalar
 from pounding_cli.points import Point, value
 from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
-from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.axes import Axis
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.quantity import MASS, RANGES, STIFFNESS, TIME, Quantity, Text, Whole
 
@@ -202,33 +202,11 @@ def solve(study: Study) -> xr.Dataset:
         "frequency": value("1", "Omega / omega10", ratio, "frequency"),
         "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
     }
-    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {_in_words(bands)}"]})
-
-
-def _in_words(bands: Any) -> str:
-    return ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
-
-
-def _frequencies(data: xr.Dataset) -> tuple[bool, str]:
-    low, high, p = (float(data[name]) for name in ("frequency_low", "frequency_high", "p"))
-    words = f"{low:.4f} and {high:.4f}, uncoupled 1 and {p:.4f} (over omega10)"
-    return min(1, p) <= low <= max(1, p) <= high, words
-
-
-def _opposites(data: xr.Dataset) -> tuple[bool, str]:
-    peak1, at1, peak2, at2 = (float(data[name]) for name in ("peak1", "at1", "peak2", "at2"))
-    return not data.sizes["band"], (
-        f"both largest displacements grow in: {_in_words(data['both_above'].to_numpy())}; |R1| peaks at {peak1:.2f} "
-        f"(Omega/omega10 = {at1:.2f}), |R2| at {peak2:.2f} ({at2:.2f}). It holds for the "
-        "signed real ratios of undamped systems: m1 R1 + m2 R2 = m1 + m2."
-    )
+    both = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
+    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {both}"]})
 
 
 SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
-STATEMENTS = {
-    "The lowest frequency lies between the uncoupled ones, the other above both.": _frequencies,
-    "Whenever the response of one system increases, that of the other decreases.": _opposites,
-}
 
 
 def cites(study: Study) -> dict[str, str]:
@@ -237,7 +215,7 @@ def cites(study: Study) -> dict[str, str]:
     return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if study.connector.damping_ratio else {})
 
 
-def pictures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> list[Picture]:
+def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points), has_scale=True)]

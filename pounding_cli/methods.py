@@ -1,6 +1,6 @@
-"""The methods of solution: what each is called, which setting it takes, where it is stable, who published it.
+"""The methods of solution: what each is called, which setting it takes, who published it.
 
-They are stated here alone; the study's schema, `solve`, `pound accuracy`, citations and docs read this list."""
+They are stated here alone; the study's schema, `solve`, `pound accuracy` and citations read this list."""
 
 from __future__ import annotations
 
@@ -14,43 +14,26 @@ class Setting:
     Parameters
     ----------
     key : its name in study files, in `solve` and in the columns of results
-    title : its name in sentences
-    unit : of its values; "" where they are relative [-]
-    low, high : range of its values; above `low` where `open_low`
-    default : value where none is given; None where one has to be
+    title, unit : its name in sentences; the unit of its values, "" where they are relative [-]
     example : as people write it
     tried : values that `pound accuracy` tries, coarse to fine
-    phrase : how a sentence says a value
     """
 
     key: str
     title: str
     unit: str
-    low: float
-    high: float
-    default: float | None
     example: str
     tried: tuple[float, ...]
-    phrase: str
 
     def text(self, value: float) -> str:
         """A value with its unit: "0.001 s"."""
         return f"{value:g} {self.unit}".rstrip()
 
-    def said(self, value: float) -> str:
-        """A value within a sentence: "a time step of 0.001 s"."""
-        return f"{self.phrase} {self.text(value)}"
 
-
-ACCURACY = Setting(
-    "accuracy", "accuracy", "", 1e-14, 0.1, 1e-6, "1e-6", (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10), "accuracy"
-)
+ACCURACY = Setting("accuracy", "accuracy", "", "1e-6", (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10))
 """Relative error wanted of the peaks [-]; the method chooses its steps."""
 
-TIME_STEP = Setting(
-    "time_step", "time step", "s", 0.0, 3600.0, None, "1e-4 s", (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5),
-    "a time step of",
-)  # fmt: skip
+TIME_STEP = Setting("time_step", "time step", "s", "1e-4 s", (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5))
 """Length of every step [s]; cut to a whole number of steps in a sample of the motion."""
 
 
@@ -64,10 +47,7 @@ class Method:
     title : what tables and figures call it
     order : of convergence in the time step where the motion is smooth [-]; 0 where it follows the accuracy asked
     setting : what it is told
-    stability : largest time step, in words
-    contacts : what it does at a contact or a yield, in words
     citation : (key of `report/references.bib`, where in it or with what values), ...
-    solves : which scenes it runs, in words
     remembers : whether it runs laws whose force depends on events before
     """
 
@@ -75,10 +55,7 @@ class Method:
     title: str
     order: int
     setting: Setting
-    stability: str
-    contacts: str
     citation: tuple[tuple[str, str], ...]
-    solves: str = "every scene"
     remembers: bool = False
 
     @property
@@ -87,55 +64,13 @@ class Method:
         return self.setting is TIME_STEP
 
 
-_STEPPED_OVER = "steps over it: order 1"
-_NO_MEMORY = (
-    "all but links `hertz-damp`, `jankowski`, `bilinear`, `maxwell`, `friction` and Bouc-Wen storeys, "
-    "whose force depends on what happened before"
-)
-
 _LIST = (
-    Method(
-        "taylor", "Taylor with events", 0, ACCURACY, "chooses its steps itself", "locates it to rounding",
-        (("jorba2005", ""),),
-        remembers=True,
-    ),
-    Method(
-        "dop853", "Dormand-Prince 8(5,3) with events", 8, ACCURACY, "chooses its steps itself",
-        "locates it to rounding",
-        (("hairer1993", "section II.10"),),
-        remembers=True,
-    ),
-    Method(
-        "central-difference", "central difference", 2, TIME_STEP, "2 (√(1 + 4 ξ²) - 2 ξ) / ω", _STEPPED_OVER,
-        (("newmark1959", "with beta = 0"), ("bathe1996", "section 9.2.1")),
-        solves=_NO_MEMORY,
-    ),
-    Method(
-        "newmark", "Newmark", 2, TIME_STEP, "any where the scene is linear; a contact may leave a step without a root",
-        _STEPPED_OVER,
-        (("newmark1959", ""),),
-        solves=_NO_MEMORY,
-    ),
+    Method("taylor", "Taylor with events", 0, ACCURACY, (("jorba2005", ""),), remembers=True),
+    Method("dop853", "Dormand-Prince 8(5,3) with events", 8, ACCURACY, (("hairer1993", "section II.10"),), True),
+    Method("central-difference", "central difference", 2, TIME_STEP,
+           (("newmark1959", "with beta = 0"), ("bathe1996", "section 9.2.1"))),
+    Method("newmark", "Newmark", 2, TIME_STEP, (("newmark1959", ""),)),
 )  # fmt: skip
 
 METHODS: dict[str, Method] = {method.name: method for method in _LIST}
 """The methods by name, as tables list them. Whoever has one of his own adds it here (docs/extending.md)."""
-
-
-def setting_of(name: str) -> Setting:
-    """The setting of a method by its name."""
-    return METHODS[name].setting
-
-
-def table() -> list[str]:
-    """The methods as lines of Markdown: the site shows them."""
-    rows = ["| `method:` | order | setting | time step below | at a contact or a yield | runs |", "|" + "---|" * 6]
-    for method in METHODS.values():
-        order = str(method.order) if method.order else "follows the accuracy"
-        facts = (f"`{method.name}`", order, f"`{method.setting.key}`", method.stability, method.contacts, method.solves)
-        rows.append(f"| {' | '.join(facts)} |")
-    return rows
-
-
-if __name__ == "__main__":
-    print("\n".join(table()))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -12,16 +11,7 @@ from pounding_cli.errors import InputError, Problem
 Mine = Callable[[Path, bytes], bool]
 """mine(path, head) -> whether a file that begins with `head` is an older output of the same kind."""
 
-_HEAD = 4096
-
-_SIGNS: dict[str, tuple[bytes, ...]] = {
-    ".png": (b"\x89PNG\r\n\x1a\n",),
-    ".gif": (b"GIF87a", b"GIF89a"),
-    ".pdf": (b"%PDF-",),
-    ".svg": (b"<?xml", b"<svg"),
-    ".xlsx": (b"PK\x03\x04",),
-    ".parquet": (b"PAR1",),
-}
+_SIGNS = {".png": b"\x89PNG", ".pdf": b"%PDF-", ".svg": b"<?xml", ".xlsx": b"PK\x03\x04"}
 """Suffix -> what a file of that kind begins with."""
 
 
@@ -40,11 +30,8 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
     InputError : the path is a folder, a device, one of `inputs`, or a file of another kind; its folder cannot be made
         or written
     """
-    name = str(path)
-    elsewhere = f"name another file with {option}"
+    name, elsewhere = str(path), f"name another file with {option}"
     try:
-        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            path.stat()  # raises for what no file can be called
         if path.is_dir():
             raise InputError(Problem("the output is a folder", f"name a file in it, e.g. {path / 'results.h5'}", name))
         if path.exists():
@@ -53,17 +40,14 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
             if any(path.samefile(each) for each in inputs if each.exists()):
                 raise InputError(Problem("the output is the file that this command reads", elsewhere, name))
             with path.open("rb") as stream:
-                head = stream.read(_HEAD)
-            if head and not (mine or _by_suffix)(path, head):
+                head = stream.read(4096)
+            sign = _SIGNS.get(path.suffix.lower())
+            if head and not (mine(path, head) if mine else sign and head.startswith(sign)):
                 hint = f"it would be overwritten: choose another name with {option}, or move it away"
                 raise InputError(Problem("the output exists and was not written by this command", hint, name))
-        check_folder(path.parent, path, option)
-    except InputError:  # a ValueError too
-        raise
-    except (OSError, ValueError) as error:  # a path that is too long, or holds a NUL
-        raise InputError(
-            Problem(f"cannot be written: {_reason(error)}", f"name another place with {option}", name)
-        ) from None
+    except OSError as error:  # a path that is too long
+        raise InputError(Problem(f"cannot be written: {error.strerror}", elsewhere, name)) from None
+    check_folder(path.parent, path, option)
 
 
 def check_folder(folder: Path, output: Path | None = None, option: str = "-o") -> None:
@@ -84,14 +68,5 @@ def check_folder(folder: Path, output: Path | None = None, option: str = "-o") -
         with tempfile.TemporaryFile(dir=folder):  # a name of its own: two commands may start at once
             pass
     except (OSError, ValueError) as error:
-        what = f"the output folder {folder} cannot be written ({_reason(error)})"
+        what = f"the output folder {folder} cannot be written ({getattr(error, 'strerror', None) or error})"
         raise InputError(Problem(what, f"choose another place with {option}", str(output or folder))) from None
-
-
-def _by_suffix(path: Path, head: bytes) -> bool:
-    suffix = path.suffix.lower()
-    return head.startswith(_SIGNS.get(suffix, ())) or (suffix == ".mp4" and head[4:8] == b"ftyp")
-
-
-def _reason(error: OSError | ValueError) -> str:
-    return getattr(error, "strerror", None) or str(error)

@@ -5,7 +5,6 @@ A question is a module (`connector`, `wall`) with the name of its command. It of
 Study : pydantic model of its file
 solve(study) : a Dataset of values with unit and meaning (`value`); `notes` among its attributes is a list of sentences
 SHOWN : names of the numbers that a terminal prints
-STATEMENTS : sentence of the paper -> function of the Dataset: whether it holds, and what was found in words
 cites(study) : {reference: what for}
 pictures(title, points, axes) : the figures, the most important first
 """
@@ -24,10 +23,9 @@ from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.study.axes import SweepAxis, read_axes
+from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
 from pounding_cli.study.plausible import doubt_values, few
-from pounding_cli.study.words import value_at
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,12 +47,11 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Point:
-    """One point of the sweep: its place on every axis, in words, the study there, what each swept key is.
+    """One point of the sweep: in words, the study there, what each swept key is.
 
     data : what came of it; its `status` is "done", or says why there is nothing else
     """
 
-    place: tuple[int, ...]
     label: str
     study: Any
     swept: Mapping[str, float | str]
@@ -69,7 +66,7 @@ class Sweep:
     asked: Any
     title: str
     text: str
-    axes: tuple[SweepAxis, ...]
+    axes: tuple[Axis, ...]
     points: tuple[Point, ...]
     warnings: tuple[Problem, ...]
 
@@ -88,19 +85,18 @@ def load(path: Path, name: str) -> Sweep:
     axes = read_axes(root, problems, asked.Study)
     problems.check()
     points = []
-    for place in product(*(range(len(axis)) for axis in axes)):
-        tree, swept, words = root, {}, []
-        for axis, at in zip(axes, place, strict=True):
-            for key, given, mark, unit in zip(axis.paths, axis.given[at], axis.marks[at], axis.units, strict=True):
+    for places in product(*(range(len(axis)) for axis in axes)):
+        tree, swept = root, dict[str, float | str]()
+        for axis, at in zip(axes, places, strict=True):
+            for key, given, mark in zip(axis.paths, axis.given[at], axis.marks[at], strict=True):
                 tree = put(tree, key, given, mark)
-                swept[".".join(key)] = value_at(asked.Study, tuple(key), given)
-                words.append(f"{'.'.join(key)} = {unit.text(swept['.'.join(key)])}")
+            swept |= dict(zip(axis.names, axis.values[at], strict=True))
+        label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
         try:
-            points.append(Point(place, ", ".join(words), asked.Study.model_validate(tree), swept))
+            points.append(Point(label, asked.Study.model_validate(tree), swept))
+            doubt_values(points[-1].study, tree, (), notes)
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
-            continue
-        doubt_values(points[-1].study, tree, (), notes)
     problems.check()
     return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
 
@@ -136,9 +132,9 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
         nested = [nested[at : at + len(axis)] for at in range(0, len(nested), len(axis))]
     how: Any = {"join": "outer", "data_vars": "all", "combine_attrs": "override"}
     whole = xr.combine_nested(nested, names, **how) if names else padded[0]
-    for number, axis in enumerate(sweep.axes):
-        at = {point.place[number]: point.swept for point in points}
-        whole = whole.assign_coords({name: (names[number], [at[n][name] for n in sorted(at)]) for name in axis.names})
+    for axis in sweep.axes:
+        columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
+        whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
     return whole.transpose(*names, ...).assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
 
 
@@ -152,7 +148,7 @@ def write(sweep: Sweep, points: Sequence[Point], file: Path) -> tuple[Report, li
 
 
 def report(sweep: Sweep, points: Sequence[Point]) -> Report:
-    """The numbers of every point, figures, what the paper says of them, and references."""
+    """The numbers of every point, figures and references."""
     import pandas as pd
 
     from pounding_cli.report.document import Report, Section
@@ -173,11 +169,6 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         columns[name] = Column(each.attrs["long_name"], unit, name.replace("_", " "))
     shown = frame[[name for name in (*swept, *asked.SHOWN) if name in frame]]
     pictures = asked.pictures(sweep.title, done, sweep.axes) if done else []
-    judged = [
-        [point.label or "as given", *(f"{'holds' if holds else 'does not hold'}: {found}" for holds, found in verdicts)]
-        for point in done
-        for verdicts in [[judge(point.data) for judge in asked.STATEMENTS.values()]]
-    ]
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
     failed = len(points) - len(done)
@@ -186,7 +177,6 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         sweep.title,
         Section("", said, [Table("", shown, columns)], pictures[:1], notes),
         lambda: [
-            Section("Against the paper", tables=[from_rows("", ["point", *asked.STATEMENTS], judged)]),
             *([Section("Further figures", pictures=pictures[1:])] if pictures[1:] else []),
             Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),
             Section("References", tables=[from_rows("", ("reference", "for"), cited)]),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import os
+import difflib
 import stat
+from itertools import islice
 from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
@@ -18,47 +19,29 @@ def shortened(path: object) -> str:
     return text if len(text) <= 300 else f"{text[:100]} ... {text[-100:]}"
 
 
-def check_regular(path: Path, most: int, what: str) -> None:
-    """Refuse what is no regular file of at most `most` bytes; a file that is not there is left to who opens it.
-
-    what : what is read, e.g. "study"
-
-    Raises
-    ------
-    InputError : a pipe, device, socket or too large a file
-    """
-    shown = shortened(path)
-    if len(os.fspath(path)) > LONGEST_PATH:
-        raise InputError(Problem(f"the path has {len(os.fspath(path))} characters", "no path is that long", shown))
-    try:
-        facts = path.stat()
-    except (OSError, ValueError):
-        return
-    if stat.S_ISDIR(facts.st_mode):
-        return
-    if not stat.S_ISREG(facts.st_mode):
-        raise InputError(
-            Problem(f"this is not a regular file: {_kind(facts.st_mode)}", f"name a {what} on disk", shown)
-        )
-    if facts.st_size > most:
-        size = f"{facts.st_size / 1e6:.3g} MB"
-        hint = f"a {what} has at most {most / 1e6:g} MB"
-        raise InputError(Problem(f"the file has {size}", hint, shown))
-
-
 def read_bytes(path: Path, most: int, what: str) -> bytes:
     """The content of a regular file of at most `most` bytes.
 
+    what : what is read, e.g. "study file"
+
     Raises
     ------
-    InputError : as `check_regular`
-    OSError, ValueError : it is not there, or cannot be read
+    InputError : it is not there, with the nearest name; no regular file, too large, or cannot be read
     """
-    check_regular(path, most, what)
-    with path.open("rb") as file:
-        return file.read(most)
-
-
-def _kind(mode: int) -> str:
-    kinds = {stat.S_IFIFO: "a pipe", stat.S_IFCHR: "a device", stat.S_IFBLK: "a device", stat.S_IFSOCK: "a socket"}
-    return kinds.get(stat.S_IFMT(mode), "a special file")
+    hint = f"give the path of a {what} of at most {most / 1e6:g} MB"
+    try:
+        facts = path.stat()
+        if stat.S_ISREG(facts.st_mode) and facts.st_size <= most:
+            with path.open("rb") as file:
+                return file.read(most)
+        wrong = "this is not a regular file"
+        if stat.S_ISREG(facts.st_mode):
+            wrong = f"the file has {facts.st_size / 1e6:.3g} MB"
+    except FileNotFoundError:
+        wrong = "no such file"
+        beside = [each.name for each in islice(path.parent.glob(f"*{path.suffix}"), 1000)]
+        if near := difflib.get_close_matches(path.name, beside, 1):
+            hint = f"did you mean {shortened(path.parent / near[0])}?"
+    except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
+        wrong = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    raise InputError(Problem(wrong, hint, shortened(path).replace("\0", "\\0")))

@@ -15,41 +15,17 @@ LONGEST = 40
 Dimension = tuple[float, float, float]
 """Powers of kg, m and s."""
 
-_UNITS: dict[str, tuple[Fraction, Dimension]] = {
-    name: (Fraction(factor), dimension)
-    for names, factor, dimension in (
-        ("m metre meter", "1", (0.0, 1.0, 0.0)),
-        ("in inch", "0.0254", (0.0, 1.0, 0.0)),
-        ("ft foot", "0.3048", (0.0, 1.0, 0.0)),
-        ("s sec second", "1", (0.0, 0.0, 1.0)),
-        ("min minute", "60", (0.0, 0.0, 1.0)),
-        ("g gram", "0.001", (1.0, 0.0, 0.0)),
-        ("t ton tonne", "1000", (1.0, 0.0, 0.0)),
-        ("N newton", "1", (1.0, 1.0, -2.0)),
-        ("Pa pascal", "1", (1.0, -1.0, -2.0)),
-        ("Hz hertz", "1", (0.0, 0.0, -1.0)),
-        ("Gal gal", "0.01", (0.0, 1.0, -2.0)),
-        ("% pct percent", "0.01", (0.0, 0.0, 0.0)),
-        ("rad radian", "1", (0.0, 0.0, 0.0)),
-    )
-    for name in names.split()
-}
-_PREFIXES = {
-    "m": Fraction("0.001"),
-    "c": Fraction("0.01"),
-    "k": Fraction(10**3),
-    "M": Fraction(10**6),
-    "G": Fraction(10**9),
-    "milli": Fraction("0.001"),
-    "centi": Fraction("0.01"),
-    "kilo": Fraction(10**3),
-    "mega": Fraction(10**6),
-    "giga": Fraction(10**9),
-}
-_FACTOR = re.compile(
-    r"\s*(?P<sign>[*/·.]?)\s*(?P<open>\(?)\s*(?P<word>[A-Za-z]+|%)"
-    r"(?:(?:\*\*|\^)?(?P<power>-?[1-9](?:\.5)?)|(?P<small>[²³]))?\s*(?P<close>\)?)"
-)
+_LENGTH, _TIME, _MASS, _PLAIN = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+_UNITS = {
+    "m": ("1", _LENGTH), "in": ("0.0254", _LENGTH), "ft": ("0.3048", _LENGTH),
+    "s": ("1", _TIME), "sec": ("1", _TIME), "min": ("60", _TIME), "Hz": ("1", (0.0, 0.0, -1.0)),
+    "g": ("0.001", _MASS), "t": ("1000", _MASS),
+    "N": ("1", (1.0, 1.0, -2.0)), "Pa": ("1", (1.0, -1.0, -2.0)),
+    "Gal": ("0.01", (0.0, 1.0, -2.0)), "gal": ("0.01", (0.0, 1.0, -2.0)),
+    "%": ("0.01", _PLAIN), "rad": ("1", _PLAIN),
+}  # fmt: skip
+_PREFIXES = {"": "1", "m": "0.001", "c": "0.01", "k": "1000", "M": "1000000", "G": "1000000000"}
+_FACTOR = re.compile(r"\s*([*/·.]?)\s*([A-Za-z]+|%)(?:(?:\*\*|\^)?(-?[1-9](?:\.5)?)|([²³]))?\s*")
 
 
 @cache
@@ -58,37 +34,32 @@ def measure(unit: str) -> tuple[float, Dimension]:
 
     Raises ValueError for an unknown unit.
     """
-    text, exact, rounded, dimension, at, inside = unit.strip(), Fraction(1), 1.0, (0.0, 0.0, 0.0), 0, 0
+    text, exact, rounded, dimension = unit.strip(), Fraction(1), 1.0, _PLAIN
+    at = 1 if text.startswith("1/") else 0
     if not text or len(text) > LONGEST:
         raise ValueError(unit)
-    at = 1 if text.startswith("1/") else 0
     while at < len(text):
         found = _FACTOR.match(text, at)
-        if found is None or (at == 0 and found["sign"]) or (found["open"] and inside):
+        if found is None or (at == 0 and found[1]):
             raise ValueError(unit)
-        below = found["sign"] == "/"
-        if found["open"]:
-            inside, below = (-1 if below else 1), False
-        sign = (-1 if below else 1) * (inside or 1)
-        if found["close"]:
-            if not inside:
-                raise ValueError(unit)
-            inside = 0
-        power = sign * float(found["power"] or {"²": 2, "³": 3}.get(found["small"], 1))
-        one, own = _one(found["word"])
+        power = float(found[3] or {"²": 2, "³": 3}.get(found[4], 1)) * (-1 if found[1] == "/" else 1)
+        one, (mass, length, time) = _one(found[2])
         if power.is_integer():
             exact *= one ** int(power)
         else:
             rounded *= float(one) ** power
-        dimension = (
-            dimension[0] + power * own[0],
-            dimension[1] + power * own[1],
-            dimension[2] + power * own[2],
-        )
+        dimension = dimension[0] + power * mass, dimension[1] + power * length, dimension[2] + power * time
         at = found.end()
-    if inside:
-        raise ValueError(unit)
     return float(exact) * rounded, dimension
+
+
+def _one(word: str) -> tuple[Fraction, Dimension]:
+    """A single unit with its prefix, as `km`."""
+    for prefix, size in _PREFIXES.items():
+        if word.startswith(prefix) and word.removeprefix(prefix) in _UNITS:
+            value, dimension = _UNITS[word.removeprefix(prefix)]
+            return Fraction(value) * Fraction(size), dimension
+    raise ValueError(word)
 
 
 @cache
@@ -100,16 +71,4 @@ def factor(unit: str, si: str) -> float | None:
     if unit == "g" and si == "m/s2":
         return GRAVITY
     one, dimension = measure(unit)
-    return one if dimension == (measure(si)[1] if si else (0.0, 0.0, 0.0)) else None
-
-
-def _one(word: str) -> tuple[Fraction, Dimension]:
-    """A single unit with its prefix and its plural, as `kilometres`."""
-    for name in dict.fromkeys((word, word.removesuffix("s") if len(word) > 3 else word)):
-        if name in _UNITS:
-            return _UNITS[name]
-        for prefix, size in _PREFIXES.items():
-            if name.startswith(prefix) and name[len(prefix) :] in _UNITS and "%" not in name:
-                value, dimension = _UNITS[name[len(prefix) :]]
-                return value * size, dimension
-    raise ValueError(word)
+    return one if dimension == (measure(si)[1] if si else _PLAIN) else None

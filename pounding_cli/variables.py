@@ -125,9 +125,8 @@ SCENES = (
     Variable("orders", PLACE, "1", "Taylor orders computed in all", "i"),
     Variable("seconds", PLACE, "s", "time inside the solver", label="solver time"),
     Variable("energy_residual", PLACE, "1", "energy imbalance over the input"),
-    Variable(
-        "error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most", label="error"
-    ),
+    Variable("error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most",
+             label="error"),
     Variable("sensitivity", PLACE, "1", "change of the peaks under a small change of the motion, relative"),
     Variable("effects", PLACE, "", "effects simulated, one a line", "s"),
     Variable("dropped", PLACE, "", "effects left out with the reason, one a line", "s"),
@@ -139,31 +138,21 @@ SCENES = (
     Variable("energy_hysteresis", PLACE, "J", "energy lost in yielding storeys"),
     Variable("energy_links", PLACE, "J", "energy lost in links"),
     Variable("scene", PLACE, "", "digest of the scene", "s"),
-)
+)  # fmt: skip
 
 OF_COLUMNS = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
 """What files have where some link strikes columns."""
 
-# The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
+_WHERE = "part of the height of the storey below its floor, 1 at it"
 
 LINKS = (
     Variable("kind", ("case", "link"), "", "law of the link; empty where there is none", "s"),
     Variable("gap", ("case", "link"), "m", "initial distance of the two floors"),
-    Variable(
-        "left_at",
-        ("case", "link"),
-        "1",
-        "left end: part of the height of the storey below its floor, 1 at it",
-        always=False,
-    ),
-    Variable(
-        "right_at",
-        ("case", "link"),
-        "1",
-        "right end: part of the height of the storey below its floor, 1 at it",
-        always=False,
-    ),
+    Variable("left_at", ("case", "link"), "1", f"left end: {_WHERE}", always=False),
+    Variable("right_at", ("case", "link"), "1", f"right end: {_WHERE}", always=False),
 )
+
+# The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
 
 BUILDINGS = (
     Variable("mass", ("building", "storey"), "kg", "floor mass"),
@@ -177,9 +166,7 @@ BUILDINGS = (
 )
 
 RECORDS = (
-    Variable(
-        "record_source", ("record",), "", "real, stand-in or user; ', unit g assumed' where no unit is stated", "s"
-    ),
+    Variable("record_source", ("record",), "", "real, stand-in or user; ', unit g assumed' where none is stated", "s"),
     Variable("record_digest", ("record",), "", "SHA-256 of the motion as used", "s"),
     Variable("record_scale", ("record",), "1", "factor on the motion as read"),
     Variable("record_window", ("record",), "s", "duration used", label="duration"),
@@ -187,26 +174,23 @@ RECORDS = (
     Variable("record_arias", ("record",), "m/s", "Arias intensity as used", label="Arias intensity"),
 )
 
+_STATISTICS = {
+    "mean": "mean",
+    "std": "standard deviation (n - 1)",
+    "min": "smallest",
+    "max": "largest",
+    "count": "number",
+    "mean_error": "numerical error of the mean",
+    "mean_sensitivity": "mean relative change of the peaks under a small change of the motion",
+}
+
 STATISTICS = tuple(
     Variable(
-        f"{ratio.name}_{statistic}",
-        ("case", "analysis", *ratio.dims[-2:]),
-        "1",
-        f"{words} over the records of {ratio.name}",
-        "i" if statistic == "count" else "f",
+        f"{ratio.name}_{name}", ("case", "analysis", *ratio.dims[-2:]), "1",
+        f"{words} over the records of {ratio.name}", "i" if name == "count" else "f",
     )
-    for ratio in RESPONSES
-    if ratio.ratio
-    for statistic, words in (
-        ("mean", "mean"),
-        ("std", "standard deviation (n - 1)"),
-        ("min", "smallest"),
-        ("max", "largest"),
-        ("count", "number"),
-        ("mean_error", "numerical error of the mean"),
-        ("mean_sensitivity", "mean relative change of the peaks under a small change of the motion"),
-    )
-)
+    for ratio in RESPONSES if ratio.ratio for name, words in _STATISTICS.items()
+)  # fmt: skip
 
 WRITTEN = {
     "gap": "gap", "max_closing": "gap",

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import click
 
-from pounding_cli import methods
 from pounding_cli.cli.main import COMMANDS, cli
+from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
-from pounding_cli.study import laws, models, questions, schema
+from pounding_cli.study import laws, models, motions, questions, schema
 from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import shown
 from pounding_cli.study.quantity import RANGES
@@ -69,13 +69,13 @@ API = {
 
 MODELS = {
     "The file": schema.Study,
-    "`records`": models.Records,
-    "`records.use`: a file of your own": models.RecordFile,
-    "`records.scale`: Arias intensity": models.Arias,
-    "`records.scale`: peak acceleration": models.Pga,
-    "`records.scale`: peak velocity": models.Pgv,
-    "`records.scale`: an ordinate of the spectrum": models.Sa,
-    "`records.scale`: a target spectrum": models.Spectrum,
+    "`records`": motions.Records,
+    "`records.use`: a file of your own": motions.RecordFile,
+    "`records.scale`: Arias intensity": motions.Arias,
+    "`records.scale`: peak acceleration": motions.Pga,
+    "`records.scale`: peak velocity": motions.Pgv,
+    "`records.scale`: an ordinate of the spectrum": motions.Sa,
+    "`records.scale`: a target spectrum": motions.Spectrum,
     "`buildings.NAME`": models.Building,
     "`yield`": models.Code,
     "`yield`: a base-shear coefficient": models.BaseShear,
@@ -124,19 +124,9 @@ def keys_page() -> str:
 
 
 def methods_page() -> str:
-    """The methods of solution."""
-    parts = [
-        "# Methods",
-        "\n".join(methods.table()),
-        textwrap.dedent("""\
-        ω is the largest circular frequency with every link closed and every infill at its largest stiffness, ξ the
-        damping ratio of that mode. A longer step of `central-difference` is not run: the status is `unstable step`, and
-        the advice names a stable one. `newmark` is average acceleration. [What accuracy costs](../accuracy.md) compares
-        them."""),
-        "## Sources",
-        "\n".join(method_sources(methods.METHODS)),
-    ]
-    return "\n\n".join(parts) + "\n"
+    """Sources of the methods of solution."""
+    about = "[What accuracy costs](../accuracy.md#the-methods) describes and compares the methods. Sources:"
+    return "\n\n".join(["# Methods", about, "\n".join(method_sources(METHODS))]) + "\n"
 
 
 def commands_page() -> str:

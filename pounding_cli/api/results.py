@@ -42,4 +42,4 @@ class Results(results.Results):
         swept = sweep_pictures(self, shown, Asked(places={"building": name}))
         figure = swept[0].draw() if swept else response(shown, name)
         plt.figure(FigureClass=lambda *_, **__: figure)  # type: ignore[arg-type]  # pyplot shows it from here on
-        return [ax for ax in figure.axes if ax.get_xlabel()]
+        return [ax for ax in figure.axes if ax.get_title(loc="left")]

@@ -32,13 +32,10 @@ COMMANDS = {
     "schema": ("study", "Print the JSON Schema of study files, for editors."),
     "records": ("records", "List, show and import ground motions."),
     "connector": ("solve", "Solve two connected oscillators in closed form (Figs 4 and 5)."),
-    "accuracy": ("accuracy", "Measure error and time of every method on a study."),
+    "accuracy": ("solve", "Measure error and time of every method on a study."),
     "wall": ("solve", "Solve an impact on a bumper wall (Fig. 8)."),
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
-
-FIRST = ("init", "check", "run", "show", "report")
-"""What a newcomer needs, in the order of use."""
 
 REFUSED, FAULT, STOPPED, NOBODY_READS = 2, 70, 130, 141
 """Exit codes: refused input; an internal error (EX_SOFTWARE); Ctrl-C and SIGPIPE, as shells count them."""
@@ -57,33 +54,9 @@ class LazyGroup(click.Group):
         command.short_help = COMMANDS[cmd_name][1]
         return command
 
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click's, but an unknown command is answered with the nearest one, or with what takes such a file."""
-        name = args[0]
-        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
-            ctx.fail(f"there is no command '{name}'.{_meant(name)}")
-        return super().resolve_command(ctx, args)
-
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        sections = {"First steps": FIRST, "More": tuple(name for name in COMMANDS if name not in FIRST)}
-        for title, names in sections.items():
-            with formatter.section(title):
-                formatter.write_dl([(name, COMMANDS[name][1]) for name in names])
-
-
-def _meant(word: str) -> str:
-    """What the user may have meant by an unknown command."""
-    import difflib  # here, as whatever is needed for an error only: `pound --help` stays fast
-
-    for suffixes, name in (((".yaml", ".yml"), "run"), ((".h5", ".hdf5"), "show")):
-        if word.lower().endswith(suffixes):
-            return f" Did you mean `pound {name} {word}`?"
-    if word == "plan":
-        return " `pound check` shows what a study will solve, leave out and take."
-    near = difflib.get_close_matches(word.lower(), COMMANDS, n=1, cutoff=0.5)
-    return f" Did you mean `pound {near[0]}`?" if near else " `pound --help` lists them."
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterable, Sequence
 from contextlib import nullcontext, suppress
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
 TABLES = (*OF_SCENES, *(table for tables in ANSWERS.values() for table in tables))
-_SENTENCES = ("effects", "dropped", "flags")
 _ASIDE = {
     "summary": ("_error", "_sensitivity", "_std", "_min"),
     "scene": ("advice", "effects", "dropped", "_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
@@ -94,8 +92,8 @@ def _swept(results: Results, given: str) -> list[str]:
 @click.argument("file", type=FILE, metavar="FILE.h5")
 @click.argument("table", type=click.Choice(TABLES), required=False, metavar="[TABLE]")
 @click.option(
-    "--format", "form", type=click.Choice(("table", "csv", "json")), default="table", show_default=True,
-    help="table: aligned columns in the units of the study; csv, json: all digits in SI.",
+    "--format", "form", type=click.Choice(("table", "csv")), default="table", show_default=True,
+    help="table: aligned columns in the units of the study; csv: all digits in SI.",
 )  # fmt: skip
 @click.option("--wide", is_flag=True, help="Every column, including those that summary, scene and records leave out.")
 @rows_options
@@ -116,16 +114,14 @@ def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> N
     results = open_results(file)
     table = table or (results.answers[0] if results.answers else "summary")
     frame = _filtered(results, results.table(table), _wanted(**rows), table)
-    sentences = [name for name in (*_SENTENCES, "advice") if name in frame.columns]
-    one_line = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
+    sentences = [name for name in ("effects", "dropped", "flags", "advice") if name in frame.columns]
+    frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
     if form == "csv":
-        click.echo(cells(one_line).to_csv(index=False, lineterminator="\n"), nl=False)
-    elif form == "json":
-        click.echo(_json(frame))
+        click.echo(cells(frame).to_csv(index=False, lineterminator="\n"), nl=False)
     else:
         aside = [] if wide else [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
         click.echo(results.title)
-        click.echo(_columns(results, table, one_line.drop(columns=aside)))
+        click.echo(_columns(results, table, frame.drop(columns=aside)))
         if aside:
             click.echo(f"{counted(len(aside), 'more column')} with --wide: {', '.join(map(str, aside))}", err=True)
 
@@ -151,14 +147,6 @@ def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str,
     for key, values in chosen.items():
         frame = frame[frame[key].isin(values)]
     return frame
-
-
-def _json(frame: pd.DataFrame) -> str:
-    """Rows as JSON objects with all digits; null where there is no number, lists of sentences."""
-    rows = frame.astype(object).where(frame.notna(), None).to_dict("records")
-    for row in rows:
-        row.update({name: row[name].splitlines() for name in _SENTENCES if name in row})
-    return json.dumps(rows, indent=1, default=float)
 
 
 def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -180,18 +180,13 @@ def _isolators(group: Sequence[Building], width: Unit) -> list[str]:
     return ["isolators  (as a linear oscillator)", *lines] if lines else []
 
 
-def _effects(found: Forecast) -> list[str]:
-    """In how many scenes each effect is simulated, and why it is left out in the others; those that no scene has and
-    nobody expects in one sentence."""
-    from pounding_cli.model.effects import EXPECTED, others
+def _effects(found: Forecast) -> Iterator[str]:
+    """In how many scenes each effect is simulated, and why it is left out in the others."""
+    from pounding_cli.model.effects import told
 
-    said = {name: [f"simulated in {round(count)}"] for name, count in found.kept.items()}
-    for text, count in found.dropped.items():
-        name, reason = text.split(": ", 1)
-        said.setdefault(name, []).append(f"left out in {round(count)}: {reason}")
-    told = [name for name in said if name in found.kept or name in EXPECTED]
-    rest = others([name for name in said if name not in told])
-    return [*(f"  {name:<30} {'; '.join(said[name])}" for name in told), *([f"  {rest}"] if rest else [])]
+    for name, here, out, why in told(found.kept, found.dropped):
+        said = [f"simulated in {round(here)}"] * bool(here) + [f"left out in {round(out)}: {why}"] * bool(out)
+        yield f"  {name:<30} {'; '.join(said)}"
 
 
 def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Collection
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,12 +17,25 @@ EXPECTED = ("yielding storeys", "foundation motions", "P-Delta")
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is told."""
 
 
-def others(names: Collection[str]) -> str:
-    """Effects that no scene of a study calls for, in one sentence."""
-    links = [name.removesuffix(" links") for name in names if name.endswith(" links")]
-    rest = [name for name in names if not name.endswith(" links")]
-    rest += [f"links of the kinds {', '.join(links)}"] if links else []
-    return f"nothing in the study calls for: {', '.join(rest)}" if rest else ""
+def told(kept: Mapping[str, float], dropped: Mapping[str, float]) -> Iterator[tuple[str, float, float, str]]:
+    """What is told of many scenes: an effect, in how many it was simulated, in how many left out, and why; those that
+    no scene has and nobody expects in one row.
+
+    kept : effect -> scenes with it; dropped : "effect: reason" -> scenes without it
+    """
+    without: dict[str, dict[str, float]] = {name: {} for name in kept}
+    for line, count in dropped.items():
+        name, _, reason = line.partition(": ")
+        without.setdefault(name, {})[reason] = count
+    rest = [name for name in without if name not in kept and name not in EXPECTED]
+    for name, reasons in without.items():
+        if name not in rest:
+            words = [f"{reason} ({round(n)})" if len(reasons) > 1 else reason for reason, n in reasons.items()]
+            yield name, kept.get(name, 0), sum(reasons.values()), "; ".join(words)
+    if rest:
+        links = ", ".join(name.removesuffix(" links") for name in rest if name.endswith(" links"))
+        others = [name for name in rest if not name.endswith(" links")] + [f"links of the kinds {links}"] * bool(links)
+        yield "all others", 0, sum(without[rest[0]].values()), f"nothing in the study calls for: {', '.join(others)}"
 
 
 @dataclass(frozen=True)

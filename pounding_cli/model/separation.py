@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from pounding_cli.model.building import Building
 
-ASCE7, EN1998 = "ASCE 7-16", "EN 1998-1"
+UBC, ASCE7, EN1998 = "UBC", "ASCE 7-16", "EN 1998-1"
 """Names of the rules of codes that take a displacement of every building."""
 
 

@@ -7,13 +7,13 @@ them may stand headings with units (`t [s]; a [cm/s2]`), comments behind `#`, `%
 from __future__ import annotations
 
 import re
-from itertools import chain, islice, pairwise
+from itertools import chain, islice
 
 import numpy as np
 
 from pounding_cli.numbers import counted
 from pounding_cli.records.text import Asked, Samples, Text, number, tokens
-from pounding_cli.records.units import acceleration_unit, quantity_of
+from pounding_cli.records.units import BRACKETS, acceleration_unit, unit_in
 
 FORMATS = ("two-column", "column", "table")
 
@@ -26,7 +26,6 @@ _TOP, _ROWS_OF_HEADINGS = 60, 3
 _UNEVEN = 0.02
 # Times are printed with few digits: a sample may stand off its even place by this part of a step, or by the last digit
 # printed where that is less than a quarter of a step.
-_BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 _HEADING = re.compile(r"[^\s(\[]+(?:\s*[(\[][^()\[\]]*[)\]])?")
 _TIME = re.compile(r"(?:t|time|s|sec)(?![a-z])", re.IGNORECASE)
 _MILLISECONDS = re.compile(r"(?<![a-z])(?:ms|msecs?|milliseconds)(?![a-z])", re.IGNORECASE)
@@ -138,7 +137,7 @@ def _cells(line: str, width: int) -> list[str]:
     found = _HEADING.findall(line)
     if len(found) == width:
         return found
-    return [line] if width == 1 and _BRACKETS.search(line) else [""] * width
+    return [line] if width == 1 and BRACKETS.search(line) else [""] * width
 
 
 def _unit(text: Text, above: _Above, width: int, place: int) -> tuple[str | None, int, str]:
@@ -148,27 +147,16 @@ def _unit(text: Text, above: _Above, width: int, place: int) -> tuple[str | None
     rows = [(line, _cells(words, width)[place]) for line, words in above[:_ROWS_OF_HEADINGS]]
     headings = [(line, words) for line, words in rows if words]
     found = chain(
-        ((line, _unit_in(words)) for line, words in headings),
+        ((line, unit_in(words)) for line, words in headings),
         ((line, _unit_in_text(words)) for line, words in above),
     )
     line, unit = next(((line, unit) for line, unit in found if unit), (0, None))
     if unit is not None:
         return unit, line, ""
-    spoken = (words for _, words in above if _ACCELERATION.search(words) and _BRACKETS.search(words))
+    spoken = (words for _, words in above if _ACCELERATION.search(words) and BRACKETS.search(words))
     named = headings[0][1] if headings and _TIME.match(above[0][1]) else ""
     unclear = named or next((words for words in spoken if not _PEAK.search(words)), "")
     return None, 0, "" if _ONLY_ACCELERATION.fullmatch(unclear) else unclear[:60]
-
-
-def _unit_in(words: str, others: tuple[str, ...] = ("velocity", "displacement", "counts")) -> str | None:
-    """The unit of acceleration that a heading states, else the other quantity that it names: in brackets, or one or
-    two of its words: `a [m/s^2]`, `Accel, mg`, `acc in 0.01 g`, `acc_g`, `acc_m_s2`, `v (cm/s)`, `velocity`."""
-    inside, plain = _BRACKETS.findall(words), re.sub(r"\s*/\s*", "/", _BRACKETS.sub(" ", words))
-    outside = [word for word in re.split(r"[\s,;:=_]+", plain) if word.lower() not in ("", "in")]
-    pairs = [f"{one}{between}{other}" for between in " /" for one, other in pairwise(outside)]
-    units = (word for word in (*inside, *pairs, *outside) if acceleration_unit(word))
-    other = (word for word in (*inside, *outside) if quantity_of(word) in others)
-    return next((word.strip() for word in chain(units, other)), None)
 
 
 def _unit_in_text(line: str) -> str | None:
@@ -176,10 +164,10 @@ def _unit_in_text(line: str) -> str | None:
     unit alone. A line that gives a peak speaks of that number."""
     if acceleration_unit(line):
         return line.strip()
-    if (named := _UNITS.search(line)) and (unit := _unit_in(line[named.end() :])):
+    if (named := _UNITS.search(line)) and (unit := unit_in(line[named.end() :])):
         return unit
     named = _ACCELERATION.search(line)
-    unit = _unit_in(line[named.end() :], ()) if named and not _PEAK.search(line) else None
+    unit = unit_in(line[named.end() :], ()) if named and not _PEAK.search(line) else None
     return None if unit is None or unit[0].isdigit() else unit
 
 

@@ -7,30 +7,18 @@ damaged, holds no acceleration, or several channels and none was named.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 
 from pounding_cli.records.text import Asked, Samples, Text, number
-from pounding_cli.records.units import quantity_of
+from pounding_cli.records.units import quantity_of, unit_in
 
-Header = Mapping[str, tuple[str, int]]
-"""Key -> its value and line (from 1)."""
-
-_DOWNLOAD = "the file is damaged, or its scale is another's: download it again"
 _CSMIP_LABEL = re.compile(r"(?i)\bCHAN(?:NEL)?\s*(\d+\s*:\s*\S+(?:\s\S+)*)")
 _CSMIP_DATA = re.compile(r"(?i)\s*(\d{1,9})\s+points\s+of\s+(?:\w+\s+)?(accel|veloc|displ)\w*")
 _CSMIP_SPACED = re.compile(r"(?i)at\s+(\d*\.?\d+)\s*sec")
-_CSMIP_UNITS = {
-    "g/10": r"g\s*/\s*10",
-    "cm/s2": r"cm\s*/\s*s(?:ec)?(?:\s*/\s*s(?:ec)?|\s*\*\*\s*2|\^?2)",
-    "gal": r"\bgals?\b",
-    "g": r"\bg\b",
-}
 _COSMOS_FIRST = re.compile(r"(?i)\(\s*format\s+v\s*[\d.]+(?:\s+with\s+(\d{1,3})\s+text\s+lines)?")
 _COSMOS_CHANNEL = re.compile(r"(?i)sta chan? ?:? ?(.*?) ?(?:\(|location|\Z)")
 _COSMOS_DATA = re.compile(
     r"(?i)\s*(\d{1,9}) (\w+) (?:data )?(?:pts|points).*?units? ?= ?([^,(]+?) ?(?:\( ?\d+ ?\))? ?,.*?(format.*)"
 )
-_FORTRAN = re.compile(r"\(\s*(\d*)\s*[IFEDG]\s*(\d+)", re.IGNORECASE)
 
 
 def at2(text: Text, asked: Asked) -> Samples | None:
@@ -61,27 +49,19 @@ def knet(text: Text, asked: Asked) -> Samples | None:
     The counts carry the recorder's offset; as in the file's own `Max. Acc. (gal)`, the acceleration is what remains
     without the mean of the whole record (NIED, https://www.kyoshin.bosai.go.jp/kyoshin/man/knetform_en.html).
     """
-    if not text.lines[text.first].startswith("Origin Time"):
+    first, end = text.first, text.first + 17
+    if not text.lines[first].startswith("Origin Time"):
         return None
-    head = enumerate(text.lines[text.first : text.first + 17], text.first + 1)
-    keys = {line[:18].partition("(")[0].strip(" ."): (line[18:].strip(), place) for place, line in head}
-    frequency, line = _said(text, keys, "Sampling Freq", "100Hz")
-    rate = number(frequency.lower().removesuffix("hz").strip())
-    if not rate or rate < 0:
-        raise text.refuse(f"the sampling frequency is '{frequency}'", "write e.g. Sampling Freq(Hz) 100Hz", line)
-    step = text.step(1.0 / rate, line, asked.dt)
-    scale, scale_line = _said(text, keys, "Scale Factor", "3920(gal)/6182761")
-    parts = re.fullmatch(r"(\S+?) *\( *gal *\) */ *(\S+)", scale)
-    gal, count = map(number, parts.groups()) if parts else (None, None)
-    if not gal or not count:
-        hint = "write gal over counts, e.g. Scale Factor 3920(gal)/6182761"
-        raise text.refuse(f"the scale factor is '{scale}': the counts have no unit", hint, scale_line)
-    counts, start = text.values(text.first + 17)
-    duration, line = _said(text, keys, "Duration Time", "60")
-    text.count(f"{(number(duration) or 0.0) * rate:.0f}", len(counts), line, "duration x frequency")
-    mean = sum(counts) / len(counts)
-    values = [(each - mean) * (gal / count) for each in counts]
-    _check_peak(text, values, keys.get("Max. Acc"), "gal")
+    rate, line = text.find(r"^Sampling Freq\S*\s+([1-9][\d.]*)", first, end, "Sampling Freq(Hz), e.g. 100Hz")
+    step = text.step(1.0 / float(rate[1]), line, asked.dt)
+    scale = r"^Scale Factor\s+([\d.]+) *\( *gal *\) */ *([1-9][\d.]*)"
+    gal, scale_line = text.find(scale, first, end, "Scale Factor, e.g. 3920(gal)/6182761: its counts have no unit")
+    counts, start = text.values(end)
+    duration, line = text.find(r"^Duration Time\S*\s+(\d[\d.]*)", first, end, "Duration Time(s), e.g. 60")
+    text.count(f"{float(duration[1]) * float(rate[1]):.0f}", len(counts), line, "duration x frequency")
+    mean, one = sum(counts) / len(counts), float(gal[1]) / float(gal[2])
+    values = [(each - mean) * one for each in counts]
+    _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))?\s+(\S+)", end, "gal")
     return Samples(step, values, start, "gal", scale_line)
 
 
@@ -90,23 +70,23 @@ def esm(text: Text, asked: Asked) -> Samples | None:
 
     Luzi et al. (2016), The Engineering Strong-Motion Database, Seismological Research Letters 87(4), 987-997.
     """
-    if not text.lines[text.first].startswith("EVENT_NAME:"):
+    first = end = text.first
+    if not text.lines[first].startswith("EVENT_NAME:"):
         return None
-    keys, end = dict[str, tuple[str, int]](), text.first
-    while found := re.match(r"([A-Z][A-Z0-9_/^]*)\s*:\s?(.*)", text.line(end).rstrip()):
+    while re.match(r"[A-Z][A-Z0-9_/^]*\s*:", text.line(end)):
         end += 1
-        keys[found[1]] = found[2], end
-    interval, line = _said(text, keys, "SAMPLING_INTERVAL_S", "0.005")
-    step = text.step(interval, line, asked.dt)
-    kind, line = keys.get("DATA_TYPE", ("ACCELERATION", 0))
-    if not kind.upper().startswith("ACC"):
-        raise text.wrong_quantity(kind.lower() or "no named quantity", line)
-    unit, unit_line = _said(text, keys, "UNITS", "cm/s^2")
-    count, line = _said(text, keys, "NDATA", "12000")
+    interval, line = text.find(r"^SAMPLING_INTERVAL_S:\s*(\S+)", first, end, "SAMPLING_INTERVAL_S")
+    step = text.step(interval[1], line, asked.dt)
+    kind, line = text.find(r"^DATA_TYPE:\s*(\S+)", first, end, "DATA_TYPE")
+    if not kind[1].upper().startswith("ACC"):
+        raise text.wrong_quantity(kind[1].lower(), line)
+    unit, unit_line = text.find(r"^UNITS:\s*(\S+)", first, end, "UNITS")
+    count, line = text.find(r"^NDATA:\s*(\S+)", first, end, "NDATA")
     values, start = text.values(end)
-    text.count(count, len(values), line, "NDATA")
-    _check_peak(text, values, keys.get("PGA_CM/S^2") if unit.startswith("cm") else None, "cm/s2")
-    return Samples(step, values, start, unit, unit_line)
+    text.count(count[1], len(values), line, "NDATA")
+    if unit[1].startswith("cm"):
+        _check_peak(text, values, r"^PGA_CM/S\^2:\s*(\S+)", end, "cm/s2")
+    return Samples(step, values, start, unit[1], unit_line)
 
 
 def smc(text: Text, asked: Asked) -> Samples | None:
@@ -135,8 +115,7 @@ def smc(text: Text, asked: Asked) -> Samples | None:
         hint = "read its comments; set the second integer of the third integer line to 0 if you judge it sound"
         raise text.refuse("the record is flagged as faulty", hint, place + 3)
     if not (0 <= comments < len(text.lines) and 0 < count < 10**9):
-        message = f"the header says {comments} comments and {count} samples"
-        raise text.refuse(message, "download the file again", place + 2)
+        raise text.damaged(f"the header says {comments} comments and {count} samples", place + 2)
     values, _ = text.fixed(start + comments, count, (8, 10), last=True)
     return Samples(step, values, start + comments + 1, "cm/s2")
 
@@ -164,7 +143,7 @@ def cosmos(text: Text, asked: Asked) -> Samples | None:
         raise text.wrong_quantity(*others[0])
     start = list(found)[text.channel(asked, list(channels.values()), min(found))]
     step, data = found[start]
-    values, _ = text.fixed(start, int(data[1]), _fortran(data[4]) or (8, 10), last=True)
+    values, _ = text.fixed(start, int(data[1]), _fortran(data[4]), last=True)
     return Samples(text.step(step, start, asked.dt), values, start + 1, data[3], start)
 
 
@@ -173,20 +152,15 @@ def _cosmos_header(text: Text, index: int) -> tuple[int, float, re.Match[str]]:
     quantity and unit of the samples, and their Fortran format."""
     reals: list[float] = []
     for kind in ("integer", "real"):
-        line = text.line(index)
-        found, columns = re.match(rf"(?i)\s*(\d{{1,6}})\s+{kind}[- ]*header", line), _fortran(line)
-        if not found or columns is None:
-            example = f"100 {kind.capitalize()}-header values follow on 10 lines, Format= (10I8)"
-            message = f"no line that says how many {kind} header values follow"
-            raise text.refuse(message, f"a COSMOS file has e.g. '{example}' here", index + 1)
-        reals, index = text.fixed(index + 1, int(found[1]), columns)
+        pattern, what = rf"^\s*(\d{{1,6}})\s+{kind}[- ]*header.*?(\(.*)", f"how many {kind} header values follow"
+        found, _ = text.find(pattern, index, index + 1, f"{what}, e.g. 100 {kind.capitalize()}-header values (10I8)")
+        reals, index = text.fixed(index + 1, int(found[1]), _fortran(found[2]))
     if comments := re.match(r"(?i)\s*(\d{1,6})\s+comment", text.line(index)):
         index += 1 + int(comments[1])
     data = _COSMOS_DATA.match(_one_blank(text.line(index)))
-    if not data or _fortran(data[4]) is None:
+    if not data:
         example = "12091 acceleration pts, approx 120 secs, units=cm/s2 (4),Format=(8F10.5)"
-        message = "no line that says how many samples follow, in which unit and format"
-        raise text.refuse(message, f"a COSMOS file has e.g. '{example}'", index + 1)
+        raise text.damaged(f"the header does not say how many samples follow, e.g. {example}", index + 1)
     reals += [-999.0] * 62  # the data's own step [ms], number 62 in the documentation, comes before the recorder's [s]
     return index + 1, float(f"{reals[61] / 1000.0 if reals[61] > 0 else reals[33]:.9g}"), data
 
@@ -212,43 +186,33 @@ def csmip(text: Text, asked: Asked) -> Samples | None:
         if data and spaced:  # a line of the header may speak of the points too, without their spacing
             series[index] = label, data, spaced
     if not series:
-        hint = "a CSMIP V2 file has e.g. '4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)'"
-        message = "no line that says how many points of acceleration follow, and their spacing"
-        raise text.refuse(message, hint, start + 1)
-    found = [index for index, (_, data, _) in series.items() if quantity_of(data[2]) == "acceleration"]
-    if not found:
-        raise text.wrong_quantity(quantity_of(series[min(series)][1][2]), min(series) + 1)
+        example = "4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)"
+        raise text.damaged(f"the header does not say how many points follow, e.g. {example}", start + 1)
+    kinds = {index: quantity_of(data[2]) for index, (_, data, _) in series.items()}
+    found = [index for index, kind in kinds.items() if kind == "acceleration"]
+    if len(found) < max(1, list(kinds.values()).count("velocity")):
+        raise text.damaged("a channel holds no acceleration", min(series) + 1)
     index = found[text.channel(asked, [series[each][0] for each in found], start + 1)]
     _, data, spaced = series[index]
     line = text.lines[index]
     step = text.step(spaced[1], index + 1, asked.dt)
-    values, _ = text.fixed(index + 1, int(data[1]), _fortran(line) or (8, 10), last=True)
-    words = line[spaced.end() :]
-    units = (unit for unit, pattern in _CSMIP_UNITS.items() if re.search(pattern, words, re.IGNORECASE))
-    return Samples(step, values, index + 2, next(units, "cm/s2"), index + 1)
+    values, _ = text.fixed(index + 1, int(data[1]), _fortran(line), last=True)
+    return Samples(step, values, index + 2, unit_in(line[spaced.end() :], ()) or "cm/s2", index + 1)
 
 
-def _said(text: Text, keys: Header, key: str, example: str) -> tuple[str, int]:
-    """What the header says of `key`, and the line that does; refused where it says nothing."""
-    value, line = keys.get(key, ("", text.first + 1))
-    if not value:
-        raise text.refuse(f"the header does not say {key}", f"write e.g. {example}", line)
-    return value, line
-
-
-def _check_peak(text: Text, values: list[float], said: tuple[str, int] | None, unit: str) -> None:
+def _check_peak(text: Text, values: list[float], pattern: str, end: int, unit: str) -> None:
     """Refuse samples whose peak is not the one that the header states, to 2 % and the last digit of what is printed."""
-    peak, stated = max(map(abs, values)), abs(number(said[0]) or 0.0) if said else 0.0
-    if said and stated and abs(peak - stated) > 0.02 * stated + 0.01:
-        message = f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g} {unit}"
-        raise text.refuse(message, _DOWNLOAD, said[1])
+    peak = max(map(abs, values))
+    for place, line in enumerate(text.lines[:end], 1):
+        stated = abs(number(said[1]) or 0.0) if (said := re.search(pattern, line)) else 0.0
+        if stated and abs(peak - stated) > 0.02 * stated + 0.01:
+            raise text.damaged(f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", place)
 
 
-def _fortran(written: str) -> tuple[int, int] | None:
-    """Numbers a line and width of each, from a Fortran format such as (8F10.5)."""
-    found = _FORTRAN.search(written)
-    columns = (int(found[1] or 1), int(found[2])) if found else (0, 0)
-    return columns if 1 <= columns[0] <= 100 and 1 <= columns[1] <= 40 else None
+def _fortran(written: str) -> tuple[int, int]:
+    """Numbers a line and width of each, from a Fortran format such as (8F10.5), which is that of most files."""
+    found = re.search(r"(?i)\(\s*(\d{0,2})\s*[IFEDG]\s*([1-9]\d?)", written)
+    return (int(found[1] or 1) or 1, int(found[2])) if found else (8, 10)
 
 
 def _one_blank(line: str) -> str:

@@ -24,7 +24,7 @@ _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
 _HEADER = re.compile(r"[#%!\s]*([A-Za-z][A-Za-z ]{,30})[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
-_DAMAGED = "the file is cut short or damaged: download it again, or correct the header"
+_DAMAGED = "the file is cut short or damaged: download it again, or correct its header"
 
 
 class Asked(NamedTuple):
@@ -60,6 +60,20 @@ class Text:
         line = min(line, len(self.lines))
         return InputError(Problem(message, hint, shortened(self.path), line, column if line else 0))
 
+    def damaged(self, message: str, line: int) -> InputError:
+        """The refusal of a file of a network that is not as they write it."""
+        return self.refuse(message, _DAMAGED, line)
+
+    def find(self, pattern: str, start: int, end: int, what: str) -> tuple[re.Match[str], int]:
+        """The first match of a pattern in the lines of indices start to end, and its line (from 1).
+
+        what : the match, in words.  Raises `InputError` where there is none.
+        """
+        for index in range(start, min(end, len(self.lines))):
+            if found := re.search(pattern, self.lines[index], re.IGNORECASE):
+                return found, index + 1
+        raise self.damaged(f"the header does not say {what}", start + 1)
+
     def wrong_quantity(self, quantity: str, line: int) -> InputError:
         """The refusal of a velocity, a displacement, a spectrum."""
         hint = "give the acceleration record (.AT2, .acc, HNx)"
@@ -88,8 +102,8 @@ class Text:
     def count(self, written: str, found: int, line: int, what: str = "NPTS") -> None:
         """Refuse a file whose header says another number of values than follow."""
         if number(written) != found:
-            said = f"the header says {what} = {written}"
-            raise self.refuse(f"{said}, but {counted(found, 'value follows', 'values follow')}", _DAMAGED, line)
+            follow = counted(found, "value follows", "values follow")
+            raise self.damaged(f"the header says {what} = {written}, but {follow}", line)
 
     def channel(self, asked: Asked, labels: list[str], line: int) -> int:
         """Index of the channel asked for; refused where there are several and none was named."""
@@ -124,24 +138,18 @@ class Text:
         while len(values) < count:
             wanted = min(per_line, count - len(values))
             line = self.line(index).rstrip()
-            if not line:
-                said = f"the header says {counted(count, 'value')}, but {counted(len(values), 'follows', 'follow')}"
-                raise self.refuse(said, _DAMAGED, start)
             cells = line.split()
             if len(cells) != wanted or None in map(number, cells):
-                cells = [line[place * width : (place + 1) * width].strip() for place in range(wanted)]
-            for place, cell in enumerate(cells):
-                value = number(cell)
-                if value is None and not cell:
-                    said = f"{counted(place, 'value')} on this line, where {wanted} should stand"
-                    raise self.refuse(said, _DAMAGED, index + 1)
-                if value is None:
-                    raise self._no_number(cell, index, place * width)
-                values.append(value)
+                cells = [cell for i in range(wanted) if (cell := line[i * width : (i + 1) * width].strip())]
+            found = [each for each in map(number, cells) if each is not None]
+            if len(found) < wanted:
+                message = f"{counted(len(found), 'number')} on this line, where {wanted} should stand"
+                raise self.damaged(f"{message}: the header says {counted(count, 'value')}", index + 1)
+            values += found
             index += 1
         following = self.line(index).split()
         if last and following and None not in map(number, following):
-            raise self.refuse(f"more than the {count} values that the header says follow", _DAMAGED, index + 1)
+            raise self.damaged(f"more than the {count} values that the header says follow", index + 1)
         return values, index
 
     def _row(self, index: int) -> list[float]:
@@ -150,14 +158,10 @@ class Text:
         for token in tokens(line):
             for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
                 if (value := number(part)) is None:
-                    raise self._no_number(token, index, line.find(token))
+                    hint = "write plain numbers; fill or cut gaps in the record before reading it"
+                    raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, line.find(token) + 1)
                 values.append(value)
         return values
-
-    def _no_number(self, token: str, index: int, place: int) -> InputError:
-        shown = token if len(token) <= 40 else f"{token[:40]}..."
-        hint = "write plain numbers; fill or cut gaps in the record before reading it"
-        return self.refuse(f"'{shown}' is not a finite number", hint, index + 1, max(place, 0) + 1)
 
 
 def number(token: str) -> float | None:
@@ -175,17 +179,10 @@ def tokens(line: str) -> list[str]:
 
 def load(path: Path, what: str = "motion file") -> Text:
     """The file's lines and header.  Raises `InputError` for a file that is missing, empty or not text."""
-    shown = shortened(path)
-    try:
-        raw = read_bytes(path, MOST_BYTES, what)
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:  # a NUL in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(Problem(f"cannot be read: {reason}", f"give the path of a {what}", shown)) from None
+    raw = read_bytes(path, MOST_BYTES, what)
     if len(raw.translate(None, _CONTROL)) < len(raw):
         hint = "unpack an archive; give a text file in one of the formats of docs/records.md"
-        raise InputError(Problem("not a text file", hint, shown))
+        raise InputError(Problem("not a text file", hint, shortened(path)))
     try:
         written = raw.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 import re
+from itertools import chain, pairwise
 
 from pounding_cli.units import GRAVITY, measure
 
 UNITS = {name: measure(name)[0] for name in ("m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2")}
 UNITS = {"g": GRAVITY, **UNITS, "mg": 0.001 * GRAVITY}
 """The common units, and one of each in m/s2; other spellings and multiples are read too (`acceleration_unit`)."""
+
+BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
+"""Words in brackets."""
 
 _OF_GRAVITY = {
     "g": 1.0, "g's": 1.0, "%g": 0.01, "mg": 0.001, "millig": 0.001, "milli-g": 0.001, "ug": 1e-6,
@@ -46,6 +50,17 @@ def quantity_of(text: str) -> str:
         return "acceleration"
     plain = _plain(text)
     return _measured(plain)[1] or next((_WORDS[start] for start in _WORDS if plain.startswith(start)), "")
+
+
+def unit_in(words: str, others: tuple[str, ...] = ("velocity", "displacement", "counts")) -> str | None:
+    """The unit of acceleration that a heading states, else the other quantity that it names: in brackets, or one or
+    two of its words: `a [m/s^2]`, `Accel, mg`, `acc in 0.01 g`, `acc_g`, `acc_m_s2`, `v (cm/s)`, `velocity`."""
+    inside, plain = BRACKETS.findall(words), re.sub(r"\s*/\s*", "/", BRACKETS.sub(" ", words))
+    outside = [word for word in re.split(r"[\s,;:=_]+", plain) if word.lower() not in ("", "in")]
+    pairs = [f"{one}{between}{other}" for between in " /" for one, other in pairwise(outside)]
+    units = (word for word in (*inside, *pairs, *outside) if acceleration_unit(word))
+    other = (word for word in (*inside, *outside) if quantity_of(word) in others)
+    return next((word.strip(" .") for word in chain(units, other)), None)
 
 
 def _plain(text: str) -> str:

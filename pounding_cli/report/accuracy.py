@@ -112,7 +112,8 @@ def _wish(lines: pd.DataFrame, wanted: float, scenes: int) -> str:
     if not best:
         return f"For {100 * wanted:g} %: no method and setting that was tried reaches it on every scene."
     first, *others = best
-    use = METHODS[first["method"]].setting.said(first["setting"])
+    setting = METHODS[first["method"]].setting
+    use = f"{setting.title} {setting.text(first['setting'])}"
     text = f"For {100 * wanted:g} % use {first['method']} with {use}: {1e3 * first['seconds']:.3g} ms a scene."
     slower = ", ".join(f"{line['method']} {1e3 * line['seconds']:.3g} ms" for line in others)
     text += f" The others: {slower}." if others else ""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from pounding_cli.model.effects import EXPECTED, others
+from pounding_cli.model.effects import told
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import Picture, Section
@@ -81,8 +81,8 @@ def limits(results: Results) -> Section | None:
     tables, found = [], list(spreads(results.data))
     for key in dict.fromkeys(spread.key for spread in found):
         mine = [spread for spread in found if spread.key == key]
-        heads = ["result", *(f"at {end.value}" for end in mine[0].ends)]
-        rows = [[spread.quantity, *map(str, spread.ends)] for spread in mine]
+        heads = ["result", *(f"at {value}" for value in mine[0].ends)]
+        rows = [[spread.quantity, *spread.words] for spread in mine]
         what = f"Bracket of {key}: results at both ends over those at {mine[0].middle}, median (smallest to largest)"
         tables.append(from_rows(what, heads, rows))
         said += depends(mine)
@@ -139,21 +139,10 @@ def _cases(shown: Evidence) -> Table:
 
 
 def _effects(scene: pd.DataFrame) -> Table:
-    """The effects: in how many runs each was simulated, in how many left out, and why; those that no run has and nobody
-    expects in one row."""
+    """The effects: in how many runs each was simulated, in how many left out, and why."""
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
-    dropped: dict[str, Counter[str]] = {}
-    for line in (line for cell in scene["dropped"] for line in cell.splitlines()):
-        effect, _, reason = line.partition(": ")
-        dropped.setdefault(effect, Counter())[reason] += 1
-    every = dict.fromkeys((*kept, *dropped))
-    told, rows = [effect for effect in every if kept[effect] or effect in EXPECTED], []
-    for effect in told:
-        reasons = dropped.get(effect, Counter())
-        words = "; ".join(f"{reason} ({n})" if len(reasons) > 1 else reason for reason, n in reasons.most_common())
-        rows.append([effect, str(kept[effect] or NOTHING), str(reasons.total() or NOTHING), words])
-    if rest := others([effect for effect in every if effect not in told]):
-        rows.append(["all others", NOTHING, str(len(scene)), rest])
+    dropped = Counter(line for cell in scene["dropped"] for line in cell.splitlines())
+    rows = [[name, str(here or NOTHING), str(out or NOTHING), why] for name, here, out, why in told(kept, dropped)]
     return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -154,6 +154,11 @@ def axis_keys(frame: pd.DataFrame) -> list[str]:
     return columns[: columns.index("case")]
 
 
+def points_of(results: Results, keys: Sequence[str]) -> list[tuple[Any, ...]]:
+    """The points of the axis of some swept keys: a value of every key."""
+    return list(zip(*(results.axes[key] for key in keys), strict=True))
+
+
 def at_point(results: Results, index: Mapping[str, int]) -> Evidence:
     """The evidence at a point: on every axis, by its first key, the number of a value."""
     point = {key: results.axes[key][index[keys[0]]] for keys in results.swept for key in keys}
@@ -165,8 +170,7 @@ def nominal(results: Results) -> Evidence:
     the first point that was solved where that one was not."""
     index = {}
     for keys in results.swept:
-        points = list(zip(*(results.axes[key] for key in keys), strict=True))
-        written = tuple(_at(results.resolved, key.split(".")) for key in keys)
+        points, written = points_of(results, keys), tuple(_at(results.resolved, key.split(".")) for key in keys)
         index[keys[0]] = points.index(written) if written in points else 0
     solved = (results.data["status"] != "").any(("case", "analysis", "record"))
     if not solved.isel(index) and solved.any():

@@ -24,7 +24,7 @@ from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.curves import Outcome
 from pounding_cli.workflows.fragility import ALONE, CURVES, LINKED, MOTIONS, POINTS
-from pounding_cli.workflows.fragility_question import INTENSITY_KEYS
+from pounding_cli.workflows.hazard import INTENSITY_KEYS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results

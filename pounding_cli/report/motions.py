@@ -6,7 +6,6 @@ import io
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pounding_cli.errors import InputError, Problem
@@ -17,9 +16,6 @@ from pounding_cli.report.style import FORMATS, caption, entitle, is_for_paper, n
 
 PERIODS = np.geomspace(0.05, 4.0, 200)
 """Periods of the spectrum of one motion [s]."""
-NAMED = 8
-"""Motions up to which each is named in the legend."""
-_MARK = "#b3261e"
 
 
 def draw(motion: Motion, title: str, path: Path) -> None:
@@ -51,10 +47,8 @@ def draw_motion(motion: Motion, title: str) -> Figure:
     for ax, (label, values) in zip(over_time, series.items(), strict=True):
         ax.plot(times, values, color="#1a1a1a", lw=0.8)
         ax.set(ylabel=label, xlim=(0.0, times[-1]))
-        if label != "Husid [-]":
-            _mark_peak(ax, times, values)
     first, end = significant_duration(motion)
-    over_time[-1].axvspan(first, end, color=_MARK, alpha=0.07, lw=0)
+    over_time[-1].axvspan(first, end, color="#b3261e", alpha=0.07, lw=0)
     over_time[-1].set_xlabel(f"time [s]; shaded: D5-95, {end - first:.2f} s")
     last.plot(PERIODS, spectrum(motion, PERIODS) / GRAVITY, color="#1a1a1a", lw=1.0)
     last.set(xscale="log", xlim=(PERIODS[0], PERIODS[-1]), xlabel="period [s]")
@@ -62,14 +56,6 @@ def draw_motion(motion: Motion, title: str) -> Figure:
     last.set_ylabel("pseudo-acceleration [g], 5 %")
     figure.align_ylabels([*over_time, last])
     return figure
-
-
-def _mark_peak(ax: Axes, times: np.ndarray, values: np.ndarray) -> None:
-    """A dot at the largest sample, with its value."""
-    place = int(np.abs(values).argmax())
-    ax.plot(times[place], values[place], "o", color=_MARK, ms=3.5)
-    text = f"{abs(values[place]):.3g} at {times[place]:.2f} s"
-    ax.text(0.99, 0.95, text, transform=ax.transAxes, ha="right", va="top", fontsize=8, color=_MARK)
 
 
 @styled
@@ -80,12 +66,9 @@ def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     entitle(figure, "Target spectrum", "bold")
     ax = figure.add_subplot()
     ax.axvspan(target.low, target.high, color="0.94", lw=0, zorder=0)
-    few = len(match.spectra) <= NAMED
-    for number, (name, values) in enumerate(match.spectra.items()):
-        style = ("-", "--", ":", "-.")[number % 4] if few else "-"
-        shade = ("0.55", "0.7")[number // 4 % 2] if few else "0.75"
-        label = name if few else "motions" if number == 0 else None
-        ax.plot(match.periods, np.array(values) / unit.factor, style, color=shade, lw=1.0, label=label)
+    for values in match.spectra.values():
+        (each,) = ax.plot(match.periods, np.array(values) / unit.factor, color="0.7", lw=1.0)
+    each.set_label("motions")
     ax.plot(match.periods, match.mean / unit.factor, color="#0072B2", lw=2.2, label=f"mean of {len(match.spectra)}")
     across = np.geomspace(target.periods[0], target.periods[-1], 200)
     wanted = np.exp(np.interp(np.log(across), np.log(target.periods), np.log(target.values)))

@@ -15,27 +15,24 @@ from typing import TYPE_CHECKING, Any
 from pounding_cli import __version__
 from pounding_cli.report.document import Report
 from pounding_cli.report.style import data_address
-from pounding_cli.report.table import PAGE_ROWS, to_html
+from pounding_cli.report.table import PAGE_ROWS, columns_in, right_aligned, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_FIGURES = 60
-"""Figures that a page carries; the others stand beside it."""
 SCRIPTS = ("parts.js", "explorer.js", "stage.js", "player.js", "main.js")
 """In the order they are needed."""
 
 
 def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
     """Write the page; `drawn` : the figures by name, none where none are wanted."""
-    sketch = {"group": report.sketch()} if report.sketch else {}
-    kept = dict(list(drawn.items())[:MOST_FIGURES]) | sketch
+    kept = dict(drawn) | ({"group": report.sketch()} if report.sketch else {})
     style = _asset("style.css")
     scripts = "(() => {\n'use strict';\n" + "\n".join(map(_asset, SCRIPTS)) + "\n})();"
     text = _template("page.html.j2").render(
         report=report, images={name: data_address(figure) for name, figure in kept.items()},
         sizes={name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()},
-        most=PAGE_ROWS, figures_left=max(0, len(drawn) - MOST_FIGURES), version=__version__,
+        most=PAGE_ROWS, version=__version__,
         data=as_json({each.widget: each.data for each in report.sections if each.data}),
         style=style, scripts=scripts,
         allowed_style=_allowed(style), allowed_scripts=_allowed(scripts),
@@ -77,7 +74,7 @@ def _template(name: str) -> Any:
         undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     environment.filters["keys_as_code"] = _keys_as_code
-    environment.globals["to_html"] = to_html
+    environment.globals |= {"shown": shown, "right_aligned": right_aligned, "columns_in": columns_in}
     return environment.get_template(name)
 
 

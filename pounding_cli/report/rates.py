@@ -17,8 +17,7 @@ from pounding_cli.report.style import entitle, looks, panels, shared_legend, sty
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, LINKED, RATES
-from pounding_cli.workflows.gap_rate import RATE
-from pounding_cli.workflows.hazard import YEARS
+from pounding_cli.workflows.hazard import RATE, YEARS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -54,9 +53,10 @@ def rate_table(results: Results, shown: Evidence) -> tuple[list[Table], list[Pic
             f"Up to {beyond:.0%} of a rate comes from intensities above the last one of the hazard curve, where its "
             "last line goes on: give the curve further."
         )
-    text = "Annual rates at which limits are passed, by the intensity at which they are."
-    draw = partial(draw_contributions, results, shown)
-    pictures = [Picture("fragility-rates", "What contributes to the annual rates", text, draw)]
+    text, pictures = "Annual rates at which limits are passed, by the intensity at which they are.", []
+    if len(shown.here(results.answer(CONTRIBUTIONS).frame)):
+        draw = partial(draw_contributions, results, shown)
+        pictures = [Picture("fragility-rates", "What contributes to the annual rates", text, draw)]
     return (
         [from_rows("Annual rates of the limits", list(rows[0]), [list(row.values()) for row in rows])],
         pictures,

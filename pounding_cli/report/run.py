@@ -14,11 +14,10 @@ from pounding_cli.report.background import background, frame_of, limits, trust
 from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
-from pounding_cli.report.explorer import explored
 from pounding_cli.report.figures import RESPONSES, loop_pictures, profiles
-from pounding_cli.report.player import players
 from pounding_cli.report.sweep import Asked, sweep_pictures
 from pounding_cli.report.table import NOTHING, column_of, digits, from_rows
+from pounding_cli.report.widgets import explored, players
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import NEVER_CLOSES
@@ -104,15 +103,18 @@ def notes(results: Results, shown: Evidence) -> list[str]:
 def largest(results: Results) -> Table:
     """The largest demand, ratio to the building alone, drift, acceleration, closing and shear of struck columns of
     every case and analysis over buildings, storeys, motions and points of the sweep, each with its place."""
-    scene, storey, struck = results.scene(), results.storey(), results.struck()
+    scene, struck = results.scene(), results.struck()
+    storey = results.storey("mu", "mu_ratio", "V_ratio", "drift_ratio")  # no more: sweeps may be long
     inelastic = storey["analysis"] == "inelastic"
+    storey["mu_ratio"] = storey["mu_ratio"].where(inelastic, storey.pop("V_ratio"))
+    storey["mu"] = storey["mu"].where(inelastic)
     analyses = scene["analysis"].unique().tolist()
     both = "μ/μ₀ (V/V₀ elastic)" if len(analyses) > 1 else "V/V₀" if analyses == ["elastic"] else "μ/μ₀"
     wanted: dict[str, tuple[pd.DataFrame, str]] = {
-        "μ": (storey[inelastic], "mu"),
-        both: (storey.assign(mu_ratio=storey["mu_ratio"].where(inelastic, storey["V_ratio"])), "mu_ratio"),
+        "μ": (storey, "mu"),
+        both: (storey, "mu_ratio"),
         "drift": (storey, "drift_ratio"),
-        "acceleration": (results.floor(), "acceleration"),
+        "acceleration": (results.floor("acceleration"), "acceleration"),
         "struck columns": (struck[struck["impacts"] > 0], "shear_demand"),
     }
     flagged = flagged_scenes(scene)
@@ -133,10 +135,12 @@ def largest(results: Results) -> Table:
 def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
     """By case and analysis the largest number as people read it, MARK where it means nothing, and below it where it
     stands."""
-    known, how, found = frame[frame[name].notna()], column_of(name, results.units), {}
+    how, found = column_of(name, results.units), {}
+    values = frame[name].dropna()
+    largest = values.groupby([frame[key][values.index] for key in ("case", "analysis")], sort=False).idxmax()
     level = "floor" if "floor" in frame else "storey"
     several = len(results.data["record"]) > 1
-    for row in known.loc[known.groupby(["case", "analysis"], sort=False)[name].idxmax()].to_dict("records"):
+    for row in frame.loc[largest].to_dict("records"):
         where = [row["building"], f"{level} {row[level]}", *([row["record"]] if several else [])]
         point = ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes)
         mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
@@ -147,7 +151,7 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
 
 def _closing(results: Results) -> dict[tuple[str, str], str]:
     """By case and analysis the largest closing of the link that comes closest to its gap or goes furthest beyond."""
-    link, found = results.link(), {}
+    link, found = results.link("kind", "gap", "max_closing", "impacts"), {}
     unit = results.units.get("gap") or results.units["max_closing"]
     place: Any
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):

@@ -209,5 +209,5 @@ def name_axis(
     lines = [", ".join(unit.label(key_words(key)) for key, unit in zip(keys, units, strict=True))]
     if not is_for_paper() and any(key_words(key) != key for key in keys):
         lines.append(", ".join(keys))
-    label = "\n".join(textwrap.fill(line, room) if room else line for line in lines)
+    label = "\n".join(textwrap.fill(line, room, break_long_words=False) if room else line for line in lines)
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(label, fontsize=size)

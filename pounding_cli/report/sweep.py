@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
 from pounding_cli.report.figures import RESPONSES as PANELS
 from pounding_cli.report.figures import framed
 from pounding_cli.report.style import Look, caption, key_words, looks, name_axis, styled
@@ -87,6 +87,13 @@ class SweptAxis:
         bare = [Unit("", unit.factor) for unit in self.units]
         return tuple(", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in self.points)
 
+    def point(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """The values of all keys at the point where some have given values.  Raises InputError: there is none."""
+        for point in (dict(zip(self.keys, values, strict=True)) for values in self.points):
+            if given.items() <= point.items():
+                return point
+        raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
+
     def ascending(self) -> SweptAxis:
         """The same with its points in the order in which they stand."""
         return replace(self, points=tuple(self.points[place] for place in np.argsort(self.coordinates, kind="stable")))
@@ -94,11 +101,10 @@ class SweptAxis:
 
 def swept_axes(results: Results) -> tuple[SweptAxis, ...]:
     """The axes of a results file in the order of the study; none where nothing is swept."""
-    found = []
-    for keys in results.swept:
-        points, units = zip(*(results.axes[key] for key in keys), strict=True), [results.units[key] for key in keys]
-        found.append(SweptAxis(tuple(keys), tuple(points), tuple(units)))
-    return tuple(found)
+    return tuple(
+        SweptAxis(tuple(keys), tuple(points_of(results, keys)), tuple(results.units[key] for key in keys))
+        for keys in results.swept
+    )
 
 
 # numbers over the sweep
@@ -126,10 +132,8 @@ def over_sweep(
     rows: dict[str, Any] = {
         keys[0]: results.axes[key].index(at[key]) for keys in results.swept for key in keys if key in at
     }
-    for axis in axes:
-        there = list(zip(*(results.axes[key] for key in axis.keys), strict=True))
-        rows[axis.dim] = [there.index(point) for point in axis.points]
-    values = _chosen(_variable(results, quantity), quantity, places or {}).isel(rows, drop=True)
+    rows |= {axis.dim: list(map(points_of(results, axis.keys).index, axis.points)) for axis in axes}
+    values = _values(results, quantity, places or {}).isel(rows, drop=True)
     values = values / column_of(quantity, results.units).unit.factor
     flags = results.data["flags"].sel({name: values[name] for name in ("case", "analysis", "record")})
     mean, void = values.mean("record"), meaningless(flags.isel(rows, drop=True)).any("record")
@@ -139,19 +143,15 @@ def over_sweep(
     return found.isel(place=abs(found["mean"]).fillna(-1.0).argmax("place")).transpose(*dims)
 
 
-def _variable(results: Results, quantity: str) -> xr.DataArray:
-    """A quantity over swept axes, case, analysis, record and place; refused where there is none of that name."""
+def _values(results: Results, quantity: str, places: Mapping[str, Any]) -> xr.DataArray:
+    """A quantity over swept axes, case, analysis, record and place, at some places; what is not there is refused with
+    what is."""
     known = (*(v.name for v in RESPONSES if v.dims[-1] in ("storey", "floor", "link")), *OF_SCENES)
     if quantity not in known:
         raise InputError(Problem(f"there is no quantity {quantity!r}", f"write one of: {', '.join(known)}"))
     if quantity not in results.data:
-        hint = "choose another quantity: no case has such a link"
-        raise InputError(Problem(f"no {quantity} in these results", hint))
-    return results.data[quantity].astype(float)
-
-
-def _chosen(values: xr.DataArray, quantity: str, places: Mapping[str, Any]) -> xr.DataArray:
-    """The values at some places; a name that is not there is refused with those that are."""
+        raise InputError(Problem(f"no case has a link with {quantity}", "choose another quantity"))
+    values = results.data[quantity].astype(float)
     for name, wanted in places.items():
         dim = "link" if name == "floor" and "link" in values.dims else name
         if dim not in values.dims:
@@ -208,7 +208,10 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
             hint = "leave --quantity out, or one of the swept keys free"
             raise InputError(Problem(f"no swept key is left to draw {asked.quantities[0]} over", hint))
         return []
-    cut = {key: shown.point[key] for axis in every if axis not in drawn for key in axis.keys} | dict(asked.at)
+    cut: dict[str, Any] = {}
+    for axis in (axis for axis in every if axis not in drawn):
+        given = {key: asked.at[key] for key in axis.keys if key in asked.at}
+        cut |= axis.point(given or {key: shown.point[key] for key in axis.keys})
     axes, found = [axis.ascending() for axis in drawn], []
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_curves)
     for name, building, wanted in _figures(shown, asked):
@@ -256,19 +259,10 @@ def _by_case(
 def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any]) -> str:
     """What is drawn, in a sentence without its full stop."""
     motions = counted(len(shown.records["record"].unique()), "motion")
-    what = f"Under {places['record']}" if "record" in places else f"Mean over the {motions}"
-    where = [f"{name} {places[name]}" for name in ("storey", "floor", "link") if name in places]
-    at = f" at {', '.join(where)}" if where else ", at the place where it is largest"
-    others = "".join(f"; {key} = {shown.results.value_label(key, value)}" for key, value in cut.items())
-    return f"{motion_sentence(shown.records)} {what}{at}{others}"
-
-
-def _framed(
-    shown: Evidence, building: str, rows: int, columns: int, size: tuple[float, float], cases: Sequence[str]
-) -> tuple[Figure, list[list[Axes]]]:
-    """The frame of a figure over the sweep, in which periods may change."""
-    black, title = ([building], f"{building} over the sweep") if building in shown.group else ([], "Over the sweep")
-    return framed(shown, black, rows, columns, title, size=size, cases=cases, periods=False)
+    where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
+    others = [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
+    what = f"Mean over the {motions}, at the place where it is largest"
+    return "; ".join([f"{motion_sentence(shown.records)} {what}", *where, *others])
 
 
 def _set_axis(ax: Axes, side: Literal["x", "y"], axis: SweptAxis, names: Sequence[str], room: int = 0) -> None:
@@ -292,7 +286,8 @@ def draw_curves(
     """
     cases = list(dict.fromkeys(case for *_, by_case in panels for case in by_case))
     (axis,), look, columns = axes, looks(cases), min(len(panels), 2)
-    figure, lines = _framed(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
+    title, rows = f"Over the sweep: {building}".removesuffix(": "), -(-len(panels) // columns)
+    figure, lines = framed(shown, [building], rows, columns, title, size=(4.0, 3.2), cases=cases, periods=False)
     flat = [ax for line in lines for ax in line]
     names = [] if axis.numeric else [textwrap.fill(name, max(34 // len(axis), 9)) for name in axis.names]
     for ax, (quantity, analysis, by_case) in zip(flat, panels, strict=False):
@@ -340,7 +335,8 @@ def draw_maps(
     ]
     few = max(map(len, axes)) <= MOST_TICKS
     along, across = (1.4 + 0.34 * max(len(axis), 3) if few else (5.0 if columns == 1 else 3.7) for axis in axes)
-    figure, rows = _framed(shown, building, len(lines), columns, (across, along), ())
+    title = f"Over the sweep: {building}".removesuffix(": ")
+    figure, rows = framed(shown, [building], len(lines), columns, title, size=(across, along), cases=(), periods=False)
     for row, (quantity, analysis, by_case, cases) in zip(rows, lines, strict=True):
         norm = _norm(np.concatenate([over["mean"].values.ravel() for over in by_case.values()]))
         for ax, case in zip(row, cases, strict=False):

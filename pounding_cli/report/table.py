@@ -24,7 +24,8 @@ NOTHING = "–"
 """Stands where there is no number."""
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_NUMBER = re.compile(r"[-−+]?\d|[–-]?$")
+_NUMBER = re.compile(r"[-−+]?\d[\d.]*(×10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?( ±.*| \(.*\)| [^\s\d]\S{0,6})?$|[–-]?$")
+"""A number with its error, interval or unit, or none."""
 
 
 def digits(value: float, count: int = 4) -> str:
@@ -82,27 +83,6 @@ def to_csv(table: Table, folder: Path) -> Path:
     return path
 
 
-def to_html(table: Table, most: int = PAGE_ROWS) -> str:
-    """An HTML table of the first `most` rows."""
-    from markupsafe import escape
-
-    found = shown(table, most)
-    kind = [' class="n"' if each else "" for each in _right_aligned(found)]
-    heads = [
-        f'<th scope="col"{how} title="{escape(column.text or head)}">{escape(head)}</th>'
-        for how, head, column in zip(kind, found.columns, columns_in(table), strict=True)
-    ]
-    rows = []
-    for first, *others in found.itertuples(index=False, name=None):
-        cells_of_row = [f"<td{how}>{_lines(text)}</td>" for how, text in zip(kind[1:], others, strict=True)]
-        rows.append(f'<tr><th scope="row">{_lines(first)}</th>{"".join(cells_of_row)}</tr>')
-    return "\n".join([
-        f'<table class="grid"><caption class="quiet">{escape(table.caption)}</caption>',
-        f"<thead><tr>{''.join(heads)}</tr></thead>",
-        "<tbody>", *rows, "</tbody></table>",
-    ])  # fmt: skip
-
-
 def to_text(table: Table, width: int | None = None, most: int = TERMINAL_ROWS) -> str:
     """The first `most` rows for a terminal of so many characters; of its own width unless given."""
     import io
@@ -113,7 +93,7 @@ def to_text(table: Table, width: int | None = None, most: int = TERMINAL_ROWS) -
 
     found = shown(table, most)
     printed = Printed(box=box.SIMPLE_HEAD, pad_edge=False, title=table.caption or None, title_justify="left")
-    for place, (head, right) in enumerate(zip(found.columns, _right_aligned(found), strict=True)):
+    for place, (head, right) in enumerate(zip(found.columns, right_aligned(found), strict=True)):
         printed.add_column(head, justify="right" if right else "left", no_wrap=place == 0)
     for row in found.itertuples(index=False, name=None):
         printed.add_row(*row)
@@ -129,21 +109,14 @@ def from_rows(caption: str, heads: Sequence[str], rows: Sequence[Sequence[Any]],
     return Table(name, frame, columns, caption)
 
 
-def _right_aligned(shown: pd.DataFrame) -> list[bool]:
+def right_aligned(found: pd.DataFrame) -> list[bool]:
     """Of every column but the first whether it holds numbers, most of them without a second line."""
-    found = [False]
-    for place in range(1, shown.shape[1]):
-        texts = shown.iloc[:, place]
-        numbers = sum(bool(_NUMBER.match(text)) for text in texts)
-        found.append(2 * numbers > len(texts) and not any("\n" in text for text in texts))
-    return found
-
-
-def _lines(text: str) -> str:
-    from markupsafe import escape
-
-    first, _, where = text.partition("\n")
-    return f'{escape(first)}<span class="where">{escape(where)}</span>' if where else str(escape(first))
+    aligned = [False]
+    for place in range(1, found.shape[1]):
+        column = found.iloc[:, place]
+        numbers = sum(bool(_NUMBER.match(text)) for text in column)
+        aligned.append(2 * numbers > len(column) and not any("\n" in text for text in column))
+    return aligned
 
 
 _UNITS = {"N": Unit("kN", 1e3), "m": Unit("mm", 1e-3), "J": Unit("kJ", 1e3), "N s": Unit("kN s", 1e3),

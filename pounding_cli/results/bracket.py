@@ -33,38 +33,28 @@ QUANTITIES = {
 
 
 @dataclass(frozen=True)
-class End:
-    """A quantity at one end of a bracket over itself at the middle value: of the means over the motions, over all
-    storeys, floors or links of cases whose floors strike.
-
-    value : the bracketed key's value there, as the study wrote it
-    """
-
-    value: str
-    smallest: float
-    median: float
-    largest: float
-
-    def __str__(self) -> str:
-        return f"{self.median:.2f} ({self.smallest:.2f} to {self.largest:.2f})"
-
-
-@dataclass(frozen=True)
 class Spread:
     """How far one quantity depends on one bracketed key.
 
-    middle : the value that tables and figures lead with
+    middle : the value that tables and figures lead with, as the study wrote it
+    ends : likewise the values at both ends -> smallest, median and largest of the quantity there over that at the
+        middle: of the means over the motions, over all storeys, floors or links of cases whose floors strike
     """
 
     key: str
     middle: str
     quantity: str
-    ends: tuple[End, ...]
+    ends: dict[str, tuple[float, float, float]]
 
     @property
     def hardly(self) -> bool:
         """Whether the quantity hardly depends on the key."""
-        return all(abs(end.median - 1) <= HARDLY for end in self.ends)
+        return all(abs(median - 1) <= HARDLY for _, median, _ in self.ends.values())
+
+    @property
+    def words(self) -> list[str]:
+        """The median at both ends (smallest to largest)."""
+        return [f"{median:.2f} ({smallest:.2f} to {largest:.2f})" for smallest, median, largest in self.ends.values()]
 
 
 def spreads(data: xr.Dataset) -> Iterator[Spread]:
@@ -72,23 +62,20 @@ def spreads(data: xr.Dataset) -> Iterator[Spread]:
     or where no floor strikes."""
     struck = _struck(data)
     for key in json.loads(str(data["study_resolved"].item())).get("bracket") or () if struck.any() else ():
-        unit = written(data[key].attrs)
-        values = [unit.text(value) for value in data[key].values.tolist()]
+        values = [written(data[key].attrs).text(value) for value in data[key].values.tolist()]
         middle = len(values) // 2
         here = struck.isel({key: middle}).values
         for name, quantity in QUANTITIES.items():
             array = data[f"{name}_mean"] if f"{name}_mean" in data else data[name].mean("record")
-            array = array.transpose(*struck.dims, ...)
-            lead = array.isel({key: middle}).values[here]
-            ends = []
-            for place in (0, -1):
-                with np.errstate(invalid="ignore", divide="ignore"):
-                    change = array.isel({key: place}).values[here] / lead
-                known = change[np.isfinite(change)]
-                if known.size:
-                    ends.append(End(values[place], float(known.min()), float(np.median(known)), float(known.max())))
-            if len(ends) == 2:
-                yield Spread(key, values[middle], quantity, tuple(ends))
+            first, lead, last = (
+                array.transpose(*struck.dims, ...).isel({key: n}).values[here] for n in (0, middle, -1)
+            )
+            with np.errstate(invalid="ignore", divide="ignore"):
+                changes = {values[0]: first / lead, values[-1]: last / lead}
+            known = {value: change[np.isfinite(change)] for value, change in changes.items()}
+            if all(change.size for change in known.values()):
+                ends = {value: (each.min(), float(np.median(each)), each.max()) for value, each in known.items()}
+                yield Spread(key, values[middle], quantity, ends)
 
 
 def depends(mine: Sequence[Spread]) -> list[str]:

@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.results.results import Results
-from pounding_cli.variables import COUNTED, ITSELF, PLACE, RESPONSES
+from pounding_cli.variables import BUILDINGS, COORDINATES, COUNTED, ITSELF, PLACE, RECORDS, RESPONSES, Variable
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 ROUNDING = 1e-12
 """Relative difference [-] that two machines may show in the same computation."""
 
 SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py", "platform", "machine")
 
-_TABLES = {"storey": ("building", "storey"), "floor": ("building", "floor"), "link": ("link",)}
-_GIVEN = {
-    "buildings": (("building", "storey"), ("mass", "height", "stiffness", "yield_shear", "period", "separation")),
-    "records": (("record",), ("scale", "window", "pga", "arias")),
-}
-_CHANGES = {"table": str, "column": str, "place": str, "before": float, "after": float, "difference": float,
-            "carried": float}  # fmt: skip
+_CHANGES = ["table", "column", "place", "before", "after", "difference", "carried"]
 
 
 @dataclass(frozen=True)
@@ -82,108 +77,94 @@ def compare(first: Results, second: Results) -> Comparison:
     both = before.index.intersection(after.index, sort=False)
     one, other = before.loc[both], after.loc[both]
     failed = one["status"] != other["status"]
-    parts = []
-    if len(both):
-        parts = [*_responses(first, second, one[_ERRORS] + other[_ERRORS]), *_given(first, second)]
-    found = [_differing(*part) for part in parts]
-    changes = (pd.concat(found) if found else pd.DataFrame(columns=list(_CHANGES))).astype(_CHANGES)
-    worst_first = np.argsort(-(changes["difference"] / changes["carried"]).to_numpy(), kind="stable")
+    found, compared = [pd.DataFrame(columns=_CHANGES)], 0
+    for rows, count in _numbers(first, second) if len(both) else ():
+        compared += count
+        found += [rows] if len(rows) else []
+    changes = pd.concat(found[1:] or found, ignore_index=True)
+    worst_first = np.argsort(-(changes["difference"] / changes["carried"]).to_numpy(float), kind="stable")
     lines = difflib.unified_diff(first.study_text.splitlines(), second.study_text.splitlines(), lineterm="", n=0)
-    software = [
-        (name, *(str(each.attrs.get(f"software_{name}", "-")) for each in (first, second))) for name in SOFTWARE
-    ]
+    versions = [[str(each.attrs.get(f"software_{name}", "-")) for each in (first, second)] for name in SOFTWARE]
+    ours, theirs = (dict(_flat(each.resolved)) for each in (first, second))
     return Comparison(
         [line for line in lines if not line.startswith(("---", "+++", "@@"))],
-        list(_keys(first.resolved, second.resolved)),
-        [(name, ours, theirs) for name, ours, theirs in software if ours != theirs],
-        list(map(_words, before.index.difference(after.index, sort=False))),
-        list(map(_words, after.index.difference(before.index, sort=False))),
-        list(zip(map(_words, both[failed]), one["status"][failed], other["status"][failed], strict=True)),
+        [(key, ours.get(key), theirs.get(key)) for key in ours | theirs if ours.get(key) != theirs.get(key)],
+        [(name, old, new) for name, (old, new) in zip(SOFTWARE, versions, strict=True) if old != new],
+        before.index.difference(after.index, sort=False).tolist(),
+        after.index.difference(before.index, sort=False).tolist(),
+        list(zip(both[failed], one["status"][failed], other["status"][failed], strict=True)),
         changes.iloc[worst_first].reset_index(drop=True),
-        sum(len(rows) for _, _, rows, *_ in parts),
+        compared,
         int((one["error_estimate"].isna() | other["error_estimate"].isna()).sum()),
     )
 
 
-_ERRORS = ["estimated", "asked"]
-
-Part = tuple[str, str, Any, np.ndarray, np.ndarray, np.ndarray, Any]
-"""Table, column, places, numbers before and after, what differences are relative to, and the errors carried [-]."""
-
-
 def _scenes(results: Results) -> pd.DataFrame:
-    """Status and errors [-] by place: `estimated` of its peaks, `asked` where the estimate does not speak."""
+    """The table of accuracy by scene in words."""
     frame = results.accuracy()
-    accuracy = frame["accuracy"].fillna(0.0)  # none is asked of fixed steps
-    frame["estimated"] = frame["error_estimate"].fillna(accuracy).clip(lower=ROUNDING / 2)
-    frame["asked"] = np.maximum(frame["estimated"], accuracy)
-    return frame.set_index([*results.axes, *PLACE])
+    places = frame[[*results.axes, *PLACE]]
+    return frame.set_index(places.apply(lambda place: _words(place.index, place), axis=1))
 
 
-def _responses(first: Results, second: Results, carried: pd.DataFrame) -> Iterator[Part]:
-    """Every column of what scenes did; `carried`: errors of the scenes that both files have."""
-    scene = [*first.axes, *PLACE]
-    for table, places in _TABLES.items():
-        inner = list(range(len(scene), len(scene) + len(places)))  # levels below the scene
-        one, other = (results.table(table).set_index([*scene, *places]) for results in (first, second))
-        # Scenes only one file has were told; a storey or link only one has shows as a number beside a NaN.
-        rows: Any = one.index.union(other.index, sort=False)
-        rows = rows[rows.droplevel(inner).isin(carried.index)]
-        one, other = one.reindex(rows), other.reindex(rows)
-        errors = carried.loc[rows.droplevel(inner)]
-        group = [rows.get_level_values(name) for name in scene]
-        for v in RESPONSES:
-            if not v.judged or not (v.name in one or v.name in other):
-                continue
-            a, b = (np.asarray(each.get(v.name, np.full(len(rows), np.nan)), float) for each in (one, other))
-            # the estimate of a building alone stands in no table: it is no worse than the accuracy asked
-            error = errors["estimated" if v.judged == ITSELF and not v.alone else "asked"].to_numpy()
-            size = np.fmax(np.abs(a), np.abs(b))
-            if v.judged == COUNTED:
-                error = np.zeros_like(error)
-            elif v.judged != ITSELF:  # near zero it has no relative error
-                kinds = one[v.judged].abs().combine(other[v.judged].abs(), np.fmax)
-                size = kinds.groupby(group).transform("max").to_numpy(float)
-            yield table, v.name, rows, a, b, size, error
+def _numbers(first: Results, second: Results) -> Iterator[tuple[pd.DataFrame, int]]:
+    """Of every variable the numbers that changed, of scenes that both files have, and how many were compared."""
+    import xarray as xr
 
-
-def _given(first: Results, second: Results) -> Iterator[Part]:
-    """Every column of buildings and motions."""
-    for table, (places, columns) in _GIVEN.items():
-        one, other = first.table(table), second.table(table)
-        keys = [*(name for name in first.axes if name in one.columns and name in other.columns), *places]
-        one, other = one.set_index(keys), other.set_index(keys)
-        rows = one.index.intersection(other.index, sort=False).unique()
-        one, other = one.loc[rows], other.loc[rows]
-        if len(one) != len(other):  # a sweep that only one of the files has: its studies' lines tell
+    one, other = xr.align(first.data, second.data, join="outer", fill_value={"status": ""})
+    here = (one["status"] != "") & (other["status"] != "")
+    (estimated, asked), more = _errors(one), _errors(other)
+    estimated, asked = estimated + more[0], asked + more[1]
+    for v in (*RESPONSES, *BUILDINGS, *RECORDS):
+        is_given = v not in RESPONSES
+        if v.kind == "s" or v.name not in one.keys() | one.coords or v.name not in other.keys() | other.coords:
             continue
-        for name in columns:
-            a, b = one[name].to_numpy(float), other[name].to_numpy(float)
-            yield table, name, one.index, a, b, np.fmax(np.abs(a), np.abs(b)), np.full(len(a), ROUNDING)
+        a, b = one[v.name], other[v.name]
+        size: Any = np.fmax(abs(a), abs(b))
+        is_compared = np.isfinite(a) | np.isfinite(b)
+        if is_given:  # what only one file has comes with its scenes
+            is_compared, error = np.isfinite(a) & np.isfinite(b), xr.full_like(a, ROUNDING)
+        elif not v.judged:
+            continue
+        else:
+            # the estimate of a building alone stands in no table: it is no worse than the accuracy asked
+            error = estimated if v.judged == ITSELF and not v.alone else 0.0 * asked if v.judged == COUNTED else asked
+            if v.judged not in (ITSELF, COUNTED):  # near zero it has no relative error
+                whole = xr.concat([abs(one[v.judged]), abs(other[v.judged])], "file")
+                size = whole.max(["file", *v.dims[len(PLACE) :]])
+            is_compared = is_compared & here
+        with np.errstate(invalid="ignore", divide="ignore"):
+            difference = (abs(a - b) / size).where(a != b, 0.0).fillna(np.inf)
+        yield _changed(v, a, b, difference.where(is_compared, 0.0), error), int(is_compared.sum())
 
 
-def _differing(table: str, column: str, rows: Any, a: np.ndarray, b: np.ndarray, size: Any, error: Any) -> pd.DataFrame:
-    """The rows at which a and b differ by more than `error` of `size`; NaN on one side alone differs without end."""
+def _errors(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Of every scene the error of its peaks [-]: estimated, and what was asked where the estimate does not speak."""
+    accuracy = data["accuracy"].fillna(0.0)  # none is asked of fixed steps
+    estimated = data["error_estimate"].fillna(accuracy).clip(ROUNDING / 2)
+    return estimated, estimated.where(estimated > accuracy, accuracy)
+
+
+def _changed(v: Variable, a: xr.DataArray, b: xr.DataArray, difference: xr.DataArray, error: Any) -> pd.DataFrame:
+    """The places at which a and b differ by more than `error`."""
     import pandas as pd
 
-    with np.errstate(invalid="ignore", divide="ignore"):
-        difference = np.where(a == b, 0.0, np.abs(a - b) / size)  # equal infinities are equal
-    difference[np.isnan(a) & np.isnan(b)] = 0.0
-    difference[np.isnan(a) != np.isnan(b)] = np.inf
-    at = np.flatnonzero(difference > error)
-    data = [table, column, list(map(_words, rows[at])), a[at], b[at], difference[at], error[at]]
-    return pd.DataFrame(dict(zip(_CHANGES, data, strict=True)))
+    dims = a.dims
+    error = error.broadcast_like(a).transpose(*dims)
+    difference = difference.transpose(*dims)
+    at = np.nonzero((difference > error).values)
+    names = [a[dim].values[number] for dim, number in zip(dims, at, strict=True)]
+    levels = {"link": "link", "floor": "floor", "storey": "storey", "record": "scene"}
+    table = "records" if v in RECORDS else "buildings" if v in BUILDINGS else levels[str(dims[-1])]
+    values = [each.transpose(*dims).values[at] for each in (a, b, difference, error)]
+    places = [_words(dims, place) for place in zip(*names, strict=True)]
+    column = v.name.removeprefix("record_")
+    return pd.DataFrame(dict(zip(_CHANGES, [table, column, places, *values], strict=True)))
 
 
-def _words(place: Any) -> str:
-    return ", ".join(map(str, place)) if isinstance(place, tuple) else str(place)
-
-
-def _keys(first: dict[str, Any], second: dict[str, Any]) -> Iterator[tuple[str, Any, Any]]:
-    one, other = dict(_flat(first)), dict(_flat(second))
-    for key in dict.fromkeys((*one, *other)):
-        if one.get(key) != other.get(key):
-            yield key, one.get(key), other.get(key)
+def _words(dims: Iterable[Any], place: Iterable[Any]) -> str:
+    """A place of the tables: "cases.gap.gap = 0.05, gap, elastic, elcentro"."""
+    named = zip(dims, place, strict=True)
+    return ", ".join(str(value) if dim in COORDINATES else f"{dim} = {value}" for dim, value in named)
 
 
 def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:

@@ -186,7 +186,7 @@ def _coordinates(plan: Plan) -> Variables:
             is_numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in given)
             array = np.array(given, float) if is_numeric else np.array(list(map(str, given)), object)
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
-            written = axis.unit(column) if is_numeric else replace(axis.unit(column), si="")
+            written = axis.units[column] if is_numeric else replace(axis.units[column], si="")
             found[name] = _variable(axis.names[0], array, {"long_name": text} | unit_attributes(written))
     storeys, places = np.arange(1, most_storeys(plan) + 1), plan.links.places
     values: dict[str, Any] = {

@@ -131,10 +131,15 @@ def has_seal(path: Path) -> bool:
         return False
 
 
-def groups(path: Path, below: str) -> list[str]:
-    """Names of the groups below a group of a sound file: "answer", "histories"."""
+def kept(path: Path) -> list[dict[str, Any]]:
+    """Of every history of a sound file the attributes, its `number` and how many `times` it has."""
     with h5py.File(path) as file:
-        return list(file[below]) if below in file else []
+        there = sorted(file["histories"].items(), key=lambda each: int(each[0])) if "histories" in file else []
+        return [
+            {"number": int(number), "times": group["time"].size}
+            | {name: plain_value(value) for name, value in group.attrs.items()}
+            for number, group in there
+        ]
 
 
 # Tables of answers, and units

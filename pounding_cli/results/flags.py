@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 MOST_NAMED = 6
-"""Points of a sweep whose flagged scenes are named; of more, the number is."""
+"""Flagged scenes that are named; of more, the number is."""
 
 
 @dataclass(frozen=True)
@@ -69,15 +69,21 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
 
     units : of the swept keys, to name points by (`Results.units`); SI unless given
     """
-    swept, records = _swept(scene), scene["record"].nunique()
+    swept, units = _swept(scene), units or {}
     of = scene.groupby(["case", "analysis"], sort=False).size()
     flagged = flagged_scenes(scene).drop_duplicates([*swept, "case", "analysis", "record", "flag"])
     groups: list[FlagGroup] = []
     place: Any
     for place, rows in flagged.groupby(["case", "analysis", "flag"], sort=False):
-        case, analysis, flag = place
-        first, whole = rows.iloc[0], int(of[case, analysis])
-        named = "all" if len(rows) == whole > 1 else _named(rows, swept, records, units or {})
+        (case, analysis, flag), first = place, rows.iloc[0]
+        whole = int(of[case, analysis])
+        scenes = [
+            ", ".join([*(f"{key} = {units.get(key, Unit()).text(row[key])}" for key in swept), row["record"]])
+            for row in rows.head(MOST_NAMED).to_dict("records")
+        ]
+        more = len(rows) - MOST_NAMED
+        named = "; ".join(scenes if swept else [", ".join(scenes)]) + (f"; and {more} more" if more > 0 else "")
+        named = "all" if len(rows) == whole > 1 else named
         groups.append(
             FlagGroup(case, analysis, flag, first["detail"], bool(first["meaningless"]), len(rows), whole, named)
         )
@@ -95,24 +101,9 @@ def counts_of_flags(flags: np.ndarray) -> dict[str, np.ndarray]:
 
     flags : those of every scene, one a line; over axes, case, analysis and record
     """
-    is_void = np.vectorize(lambda cell: any(map(is_meaningless, cell.splitlines())), otypes=[bool])
-    return {"records_flagged": (flags != "").sum(axis=-1), "records_meaningless": is_void(flags).sum(axis=-1)}
+    void = [cell for cell in set(flags.ravel().tolist()) if any(map(is_meaningless, cell.splitlines()))]
+    return {"records_flagged": (flags != "").sum(axis=-1), "records_meaningless": np.isin(flags, void).sum(axis=-1)}
 
 
 def _swept(scene: pd.DataFrame) -> list[str]:
     return list(scene.columns[: list(scene.columns).index("case")])
-
-
-def _named(rows: pd.DataFrame, swept: list[str], records: int, units: Mapping[str, Unit]) -> str:
-    """Points and records in words: "elcentro, taft", "gap = 0.1: elcentro; gap = 0.2: all motions"."""
-    if not swept:
-        return ", ".join(rows["record"])
-    words = []
-    place: Any
-    for place, mine in rows.groupby(swept, sort=False)["record"]:
-        point = ", ".join(
-            f"{key} = {units.get(key, Unit()).text(value)}" for key, value in zip(swept, place, strict=True)
-        )
-        words.append(f"{point}: {'all motions' if len(mine) == records > 1 else ', '.join(mine)}")
-    more = len(words) - MOST_NAMED
-    return "; ".join(words[:MOST_NAMED]) + (f"; and {counted(more, 'more point')}" if more > 0 else "")

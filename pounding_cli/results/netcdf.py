@@ -97,4 +97,8 @@ class _Stored(BackendArray):
 
     def values(self, key: tuple[Any, ...]) -> np.ndarray:
         """The values at integers and slices."""
-        return np.asarray(self.item.asstr()[key], object) if self.is_text else np.asarray(self.item[key])
+        found = np.asarray(self.item[key])
+        if not self.is_text:
+            return found
+        known = {text: text.decode() for text in set(found.ravel().tolist())}  # many scenes say the same
+        return np.array([known[text] for text in found.ravel().tolist()], object).reshape(found.shape)

@@ -16,9 +16,9 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted, listed
+from pounding_cli.numbers import Unit, counted
 from pounding_cli.records.scaling import SpectrumMatch
-from pounding_cli.results.file import groups, opened, plain_value, read_table, written
+from pounding_cli.results.file import kept, opened, plain_value, read_table, written
 from pounding_cli.results.flags import counts_of_flags, flagged_scenes
 from pounding_cli.results.histories import History
 from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
@@ -77,14 +77,12 @@ class Results:
 
     def _start(self) -> None:
         data = self.data
-        if missing := [
-            v.name for v in VARIABLES.values() if v.always and LINK[-1] not in v.dims and v.name not in data
-        ]:
+        needed = {v.name for v in VARIABLES.values() if v.always and LINK[-1] not in v.dims}
+        if missing := sorted(needed - set(data.variables)):
             raise ValueError(f"no {', '.join(missing)}")
         self.attrs = {str(name): plain_value(value) for name, value in data.attrs.items() if name != "coordinates"}
         self.title, self.workflow = str(self.attrs["title"]), str(self.attrs["workflow"])
-        there = groups(self.path, "answer")
-        self.answers = tuple(name for name in json.loads(self.attrs.get("answers", "[]")) if name in there)
+        self.answers = tuple(json.loads(self.attrs.get("answers", "[]")))
         self.study_text, self.resolved_text = (str(data[name].item()) for name in ("study_text", "study_resolved"))
         self.warnings = tuple(Problem(**each) for each in json.loads(str(data["study_warnings"].item())))
         self.assumed_heights: tuple[str, ...] = tuple(map(plain, json.loads(self.attrs["assumed_heights"])))
@@ -145,19 +143,22 @@ class Results:
         found = column_of(name, table)
         return replace(found, unit=self.units[name]) if name in self.units else found
 
-    def storey(self) -> pd.DataFrame:
-        """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios."""
-        return self._levels("storey", _OVER[STOREY])
+    def storey(self, *columns: str) -> pd.DataFrame:
+        """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
+        are named."""
+        return self._levels("storey", columns or _OVER[STOREY])
 
-    def floor(self) -> pd.DataFrame:
-        """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]."""
-        return self._levels("floor", _OVER[FLOOR])
+    def floor(self, *columns: str) -> pd.DataFrame:
+        """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]; all unless some are
+        named."""
+        return self._levels("floor", columns or _OVER[FLOOR])
 
-    def link(self) -> pd.DataFrame:
-        """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]."""
+    def link(self, *columns: str) -> pd.DataFrame:
+        """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
+        some are named."""
         dims = (*self._dims, *PLACE, "link")
-        facts = ["link_left", "link_right", "link_floor"]
-        names = [*facts, "kind", "gap", *_OVER[LINK], "link_right_floor", *(n for n in OF_COLUMNS if n in self.data)]
+        names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK], "link_right_floor"]
+        names = list(columns) or [*names, *(name for name in OF_COLUMNS if name in self.data)]
         if "link" not in self.data:
             import pandas as pd
 
@@ -177,17 +178,20 @@ class Results:
         storey [-], who strikes with which floor, shears below and above the blow [N], the larger over the columns'
         share of the yield shear [-], blows, largest force [N]. No row where no slab strikes columns.
         """
-        link = self.link()
-        link = link if OF_COLUMNS[0] in link.columns else link.iloc[:0].assign(**dict.fromkeys(OF_COLUMNS, np.nan))
-        link = link[link["shear_below"].notna()].reset_index(drop=True)
-        is_left = link["link"].astype(str).str.contains(", left")
-        place = list(link.columns[: list(link.columns).index("link")])
+        import pandas as pd
+
         sides = {
             "building": ("left", "right"), "storey": ("floor", "right_floor"), "at": ("left_at", "right_at"),
             "by": ("right", "left"), "by_floor": ("right_floor", "floor"),
         }  # fmt: skip
+        place, more = [*self.axes, *PLACE], ["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]
+        if OF_COLUMNS[0] not in self.data:
+            return pd.DataFrame(columns=[*place, *sides, *more])
+        link = self.link()
+        link = link[link["shear_below"].notna()].reset_index(drop=True)
+        is_left = link["link"].astype(str).str.contains(", left")
         found = {name: np.where(is_left, link[left], link[right]) for name, (left, right) in sides.items()}
-        return link[place].assign(**found, **link[["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]])
+        return link[place].assign(**found, **link[more])
 
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
@@ -226,11 +230,12 @@ class Results:
         import xarray as xr
 
         data, places = self.data, (*self._dims, "case", "analysis")
-        names = {f"{ratio}_{measure}": f"{ratio}_{measure}" for ratio in RATIOS for measure in _MEASURES}
+        names = [f"{ratio}_{measure}" for ratio in RATIOS for measure in _MEASURES]
         found = {}
-        for name, source in (names | {"records_used": "V_ratio_count"}).items():
-            v = data[source].variable
+        for name in (*names, "V_ratio_count"):
+            v = data[name].variable
             found[name] = xr.Variable([str(dim).replace("floor", "storey") for dim in v.dims], v.values)
+        found["records_used"] = found.pop("V_ratio_count")
         flags, status = (data[name].transpose(*places, "record").values for name in ("flags", "status"))
         counts = counts_of_flags(flags) | {"records_collapsed": (status == COLLAPSED).sum(axis=-1)}
         found |= {name: xr.Variable(places, count) for name, count in counts.items()}
@@ -265,14 +270,13 @@ class Results:
 
     def histories(self) -> pd.DataFrame:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
+        return self._kept.copy()
+
+    @cached_property
+    def _kept(self) -> pd.DataFrame:
         import pandas as pd
 
-        rows = []
-        for number in sorted(groups(self.path, "histories"), key=int):
-            kept = opened(self.path, f"histories/{number}")
-            facts = {str(name): plain_value(value) for name, value in kept.attrs.items()}
-            rows.append(facts | {"number": int(number), "times": kept["time"].size})
-        return pd.DataFrame(rows, columns=[*self.axes, *PLACE, "number", "scene", "every", "times"])
+        return pd.DataFrame(kept(self.path), columns=[*self.axes, *PLACE, "number", "scene", "every", "times"])
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
@@ -288,25 +292,20 @@ class Results:
         ------
         InputError : no kept scene, or more than one, is meant
         """
-        meant = kept = self.histories()
         given = {"case": case, "analysis": analysis, "record": record, **swept}
         given = {key: value for key, value in given.items() if value is not None}
-        for key, value in given.items():
-            is_number = isinstance(value, int | float) and key in self.axes
-            meant = meant[np.isclose(meant[key], value, 1e-9, 0.0) if is_number else meant.get(key) == value]
+        places = self._kept.to_dict("records")
+        meant = [place for place in places if all(_same(place.get(key), value) for key, value in given.items())]
         if len(meant) == 1:
-            return History(opened(self.path, f"histories/{meant['number'].iloc[0]}").load())
-        if kept.empty:
-            hint = "add `keep: histories` to the study and run it again; what is solved stays"
-            raise InputError(Problem("keeps no histories", hint, str(self.path)))
-        places = (kept if meant.empty else meant)[[*self.axes, *PLACE]].to_dict("records")
-        shown = [
-            ", ".join(f"{key} = {place[key]}" if key in self.axes else place[key] for key in place) for place in places
-        ]
+            return History(opened(self.path, f"histories/{meant[0]['number']}").load())
         said = " of " + ", ".join(f"{key} {value}" for key, value in given.items()) if given else ""
-        what = "keeps no history" if meant.empty else f"keeps {len(meant)} histories"
-        hint = f"{'kept are' if meant.empty else 'say which of'}: {listed(shown)}"
-        raise InputError(Problem(f"{what}{said}", hint, str(self.path)))
+        what, hint = f"keeps {len(meant) or 'no'} histories{said}", "say which of those that Results.histories() lists"
+        if not places:
+            what, hint = (
+                "keeps no histories",
+                "add `keep: histories` to the study and run it again; what is solved stays",
+            )
+        raise InputError(Problem(what, hint, str(self.path)))
 
     def first_sample(self) -> Results:
         """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
@@ -315,8 +314,8 @@ class Results:
     def at(self, index: Mapping[str, int]) -> Results:
         """The same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
         found = copy.copy(self)
-        for kept in ("buildings", "_scene"):  # of the whole
-            found.__dict__.pop(kept, None)
+        for name in ("buildings", "_scene"):  # of the whole
+            found.__dict__.pop(name, None)
         found.data = self.data.isel({dim: [place] for dim, place in index.items()})
         cut = {name: index[names[0]] for names in self.swept if names[0] in index for name in names}
         found.axes = {k: [v[cut[k]]] if k in cut else v for k, v in self.axes.items()}
@@ -355,7 +354,7 @@ class Results:
     def _dims(self) -> tuple[str, ...]:
         return tuple(names[0] for names in self.swept)
 
-    def _levels(self, level: str, names: list[str]) -> pd.DataFrame:
+    def _levels(self, level: str, names: Sequence[str]) -> pd.DataFrame:
         dims = (*self._dims, *PLACE, "building", level)
         return self._frame(names, dims, self._there(dims) & self._solved(dims))
 
@@ -368,7 +367,7 @@ class Results:
 
     def _solved(self, dims: Sequence[str]) -> np.ndarray:
         """Which rows over `dims` have a scene: a question need not ask for all."""
-        return self._ravelled(self.data["status"].variable != "", dims)
+        return self._over("status", dims) != ""
 
     def _there(self, dims: Sequence[str]) -> np.ndarray:
         """Which rows over `dims` stand for a storey, or its floor, that exists."""
@@ -401,3 +400,10 @@ class Results:
             else:
                 found[name] = self._ravelled(v, dims)[at]
         return pd.DataFrame(found)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values of a key are the same, numbers to nine digits."""
+    if isinstance(one, float) and isinstance(other, int | float):
+        return math.isclose(one, other, rel_tol=1e-9)
+    return bool(one == other)

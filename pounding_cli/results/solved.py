@@ -29,14 +29,18 @@ Row = tuple[str, bytes]
 """A response: its kind as JSON (`Kind`), and its numbers, a record of `Kind.layout`."""
 
 
+@lru_cache(maxsize=1024)
 def layout(buildings: int, storeys: int, links: int) -> np.dtype:
-    """The numbers of a scene: "building.drift" (buildings, storeys), "building.sway" (buildings,), "link.impacts" and
-    "columns.demand" (links,), "steps", "energy_input", ... each one."""
-    fields: list[Any] = [(name, "f8") for name in (*SCALARS, *(f"energy_{name}" for name in ENERGIES))]
-    fields += [(f"building.{name}", "f8", (buildings, storeys)) for name in STOREYS]
-    fields += [(f"building.{name}", "f8", (buildings,)) for name in BASE]
-    fields += [(f"link.{name}", "f8", (links,)) for name in LINK]
-    return np.dtype(fields + [(f"columns.{name}", "f8", (links,)) for name in COLUMNS])
+    """The numbers of a scene: SCALARS and ENERGIES; STOREYS, and BASE, of every building; LINK and COLUMNS of every
+    link."""
+    shapes = {
+        "scalars": (len(SCALARS) + len(ENERGIES),),
+        "storeys": (len(STOREYS), buildings, storeys),
+        "bases": (len(BASE), buildings),
+        "links": (len(LINK), links),
+        "columns": (len(COLUMNS), links),
+    }
+    return np.dtype([(name, "f8", shape) for name, shape in shapes.items()])
 
 
 class Kind(NamedTuple):
@@ -66,21 +70,19 @@ def encode(response: Response) -> Row:
     texts = [str(getattr(r, name)) for name in TEXTS] + ["\n".join(map(str, getattr(r, name))) for name in SENTENCES]
     kind = Kind(tuple(texts), (len(r.buildings), max(b.shear.size for b in r.buildings), r.links.impacts.size))
     row = np.full(1, np.nan, kind.layout)[0]
-    for name in SCALARS:
-        row[name] = getattr(r, name)
-    for name in ENERGIES:
-        row[f"energy_{name}"] = r.energy.get(name, np.nan)
+    row["scalars"] = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
     if r.has_result:
         for place, building in enumerate(r.buildings):
-            for name in STOREYS:
-                row[f"building.{name}"][place, : building.shear.size] = getattr(building, name)
-            for name in BASE:
-                row[f"building.{name}"][place] = getattr(building, name)
-        for name in LINK:
-            row[f"link.{name}"] = getattr(r.links, name)
-        for name in COLUMNS:
-            row[f"columns.{name}"][r.columns.link] = getattr(r.columns, name)
-    return json.dumps(kind), row.tobytes()
+            row["storeys"][:, place, : building.shear.size] = [getattr(building, name) for name in STOREYS]
+            row["bases"][:, place] = [getattr(building, name) for name in BASE]
+        row["links"] = [getattr(r.links, name) for name in LINK]
+        row["columns"][:, r.columns.link] = [getattr(r.columns, name) for name in COLUMNS]
+    return _said(kind), row.tobytes()
+
+
+@lru_cache(maxsize=1024)
+def _said(kind: Kind) -> str:
+    return json.dumps(kind)
 
 
 @lru_cache(maxsize=1024)
@@ -105,15 +107,24 @@ class Solved:
     asked for: it has no numbers.
 
     there : whether a scene was solved, shape (scenes + 1,)
-    values : the numbers of `layout`, each with the scenes first, (scenes + 1, ...); a building alone is at place 0,
-        links are those of `plan.links`; NaN where there is nothing
+    values : "building.drift" (scenes + 1, buildings, storeys), a building alone at place 0; "building.sway" (scenes +
+        1, buildings); "link.impacts", "columns.demand" (scenes + 1, links of `plan.links`); "error_estimate",
+        "collapse_storey", "energy_input", ... (scenes + 1,); NaN where there is nothing
     """
 
     def __init__(self, plan: Plan, rows: Mapping[int, Row]) -> None:
-        count, links = len(plan) + 1, len(plan.links.places)
-        whole = layout(len(plan.buildings), most_storeys(plan), links)
+        count = len(plan) + 1
+        size = len(plan.buildings), most_storeys(plan), len(plan.links.places)
         self.plan, self.there = plan, np.zeros(count, bool)
-        self.values = {name: np.full((count, *whole[name].shape), np.nan) for name in whole.names or ()}
+        self._whole = np.full(count, np.nan, layout(*size))
+        named = {
+            "scalars": (*SCALARS, *(f"energy_{name}" for name in ENERGIES)),
+            "storeys": [f"building.{name}" for name in STOREYS],
+            "bases": [f"building.{name}" for name in BASE],
+            "links": [f"link.{name}" for name in LINK],
+            "columns": [f"columns.{name}" for name in COLUMNS],
+        }
+        self.values = {name: self._whole[of][:, k] for of, names in named.items() for k, name in enumerate(names)}
         self._words = {"": 0}
         self._codes = {name: np.zeros(count, np.int32) for name in (*TEXTS, *SENTENCES)}
         alike: dict[str, list[int]] = {}
@@ -123,20 +134,20 @@ class Solved:
         for text, numbers in alike.items():
             kind = kind_of(text)
             records = np.frombuffer(b"".join(rows[number][1] for number in numbers), kind.layout)
-            self._put(kind, np.array(numbers), records, order[numbers])
+            self._put(kind, np.array(numbers), records, order[numbers, None])
 
     def _put(self, kind: Kind, at: np.ndarray, records: np.ndarray, order: np.ndarray) -> None:
-        """Take in scenes of one kind by number; order : of their links, shape (scenes, links of the plan)."""
+        """Take in scenes of one kind by number; order : of their links, shape (scenes, 1, links of the plan)."""
         self.there[at] = True
         for name, text in zip(self._codes, kind.texts, strict=True):
             self._codes[name][at] = self._words.setdefault(text, len(self._words))
-        for name, values in self.values.items():
-            part = records[name]
-            if not name.startswith(("link.", "columns.")):
-                where: tuple[Any, ...] = (at, *map(slice, part.shape[1:]))
-                values[where] = part
-            elif part.size:
-                values[at] = np.where(order < 0, np.nan, np.take_along_axis(part, np.maximum(order, 0), axis=1))
+        buildings, storeys, links = kind.size
+        self._whole["scalars"][at] = records["scalars"]
+        self._whole["storeys"][at, :, :buildings, :storeys] = records["storeys"]
+        self._whole["bases"][at, :, :buildings] = records["bases"]
+        for of in ("links", "columns") if links else ():
+            mine = np.take_along_axis(records[of], np.maximum(order, 0), axis=2)
+            self._whole[of][at] = np.where(order < 0, np.nan, mine)
 
     @property
     def done(self) -> np.ndarray:

@@ -14,35 +14,15 @@ if TYPE_CHECKING:
 
 
 TABLES = (
-    "storey",
-    "floor",
-    "link",
-    "struck",
-    "base",
-    "scene",
-    "flagged",
-    "accuracy",
-    "summary",
-    "records",
-    "buildings",
+    *("storey", "floor", "link", "struck", "base", "scene"),
+    *("flagged", "accuracy", "summary", "records", "buildings"),
 )
 """The tables of `Results`."""
 
 ANSWERS: dict[str, tuple[str, ...]] = {
     "gap": ("gap", "gap_cases", "property_line", "gap_rate"),
-    "fragility": (
-        "fragility",
-        "fragility_motions",
-        "fragility_curves",
-        "fragility_rates",
-        "fragility_contributions",
-    ),
-    "sensitivity": (
-        "sensitivity",
-        "sensitivity_outputs",
-        "sensitivity_probabilities",
-        "sensitivity_samples",
-    ),
+    "fragility": ("fragility", *(f"fragility_{end}" for end in ("motions", "curves", "rates", "contributions"))),
+    "sensitivity": ("sensitivity", *(f"sensitivity_{end}" for end in ("outputs", "probabilities", "samples"))),
     "optimise": ("optimise", "optimise_design", "optimise_points"),
 }
 """The tables that commands add to a results file."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from pydantic import BaseModel
@@ -14,7 +15,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
 from pounding_cli.study.quantity import Quantity, said_place, written_unit
-from pounding_cli.study.words import keys_at, quantity_at
+from pounding_cli.study.words import keys_at, quantity_at, value_at
 from pounding_cli.units import factor
 
 MOST_POINTS, MOST_AXES, MOST_VALUES = 2_000_000, 20, 10_000
@@ -36,16 +37,20 @@ Values = tuple[Sequence[Any], Sequence[Mark], Unit]
 
 
 @dataclass(frozen=True, eq=False)
-class SweepAxis:
-    """One dimension: its keys, what each takes at every point as the file says it, and where that stands.
+class Axis:
+    """One dimension of a sweep.
 
-    units : each key is shown in
+    names : dotted keys as in the file, more than one when they move together
+    given, marks : what each takes at every point as the file says it, and where that stands
+    units : the unit each key is written in; SI where none are given
+    model : of the file
     """
 
     names: tuple[str, ...]
     given: Sequence[tuple[Any, ...]]
     marks: Sequence[tuple[Mark, ...]]
     units: tuple[Unit, ...]
+    model: type[BaseModel] = schema.Study
 
     def __len__(self) -> int:
         return len(self.given)
@@ -59,9 +64,18 @@ class SweepAxis:
         """The values at a point in words."""
         return ", ".join(f"{name} = {value}" for name, value in zip(self.names, self.given[place], strict=True))
 
-    def some(self, places: Sequence[int]) -> SweepAxis:
-        """The axis at some of its points."""
-        return replace(self, given=[self.given[n] for n in places], marks=[self.marks[n] for n in places])
+    @cached_property
+    def values(self) -> tuple[tuple[float | str, ...], ...]:
+        """One tuple per point, as long as names: SI numbers, or the file's text for what is no number."""
+        paths = [tuple(path) for path in self.paths]
+        return tuple(
+            tuple(value_at(self.model, path, value) for path, value in zip(paths, row, strict=True))
+            for row in self.given
+        )
+
+    def shown(self, place: int) -> tuple[str, ...]:
+        """The values at a point in the units of the study, e.g. ("0.7 g",)."""
+        return tuple(unit.text(value) for unit, value in zip(self.units, self.values[place], strict=True))
 
 
 def sweep_maps(root: Any) -> list[Map]:
@@ -70,7 +84,7 @@ def sweep_maps(root: Any) -> list[Map]:
     return [node for node in (sweep if isinstance(sweep, Items) else [sweep]) if isinstance(node, Map)]
 
 
-def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> tuple[SweepAxis, ...]:
+def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> tuple[Axis, ...]:
     """The axes under `sweep:`, each key of a mapping one; what is wrong is noted."""
     sweep, mark = root.get("sweep"), root.marks.get("sweep", (root.mark, root.mark))[1]
     if sweep is None:
@@ -84,7 +98,7 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
     if len(entries) > MOST_AXES:
         problems.add(mark, f"the sweep has {len(entries)} axes", f"keep it to {MOST_AXES}")
         return ()
-    axes, seen = list[SweepAxis](), dict[str, Mark]()
+    axes, seen = list[Axis](), dict[str, Mark]()
     for holder, names in entries:
         columns = list[Values]()
         for name in names:
@@ -106,7 +120,7 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
             continue
         given, marks, units = zip(*columns, strict=True)
         rows = list(zip(*given, strict=True)), list(zip(*marks, strict=True))
-        axes.append(SweepAxis(tuple(names), *rows, units))
+        axes.append(Axis(tuple(names), *rows, units, model))
     if (points := math.prod(map(len, axes))) > MOST_POINTS:
         hint = f"keep it to {MOST_POINTS}: make axes shorter, or let keys move together in a list entry"
         problems.add(mark, f"the sweep has {points} points", hint)
@@ -238,76 +252,65 @@ def in_unit(number: float, unit: Unit) -> Any:
 # Ranges
 
 
-def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Values | None:
-    """The values of `{from, to, count | step, spacing}`."""
-    wrong = list(_wrong_keys(name, node))
-    numbers: dict[str, float] = {}
-    if not wrong:
-        numbers, wrong = _numbers(node, quantity)
-    wrong = wrong or list(_wrong_range(node, numbers, quantity))
-    for message, hint, key in wrong:
-        problems.add(node.marks[key][key in _RANGE] if key else node.mark, message, hint)
-    if wrong:
+def read_number(kind: Quantity, given: Any, mark: Mark, problems: Problems) -> Any:
+    """A number in SI, or a multiple of a storey's stiffness; None where it is wrong, which is noted."""
+    try:
+        value = kind.read(given)
+    except PydanticCustomError as error:
+        context: dict[str, Any] = error.context or {}
+        problems.add(mark, context["message"], context["hint"])
         return None
-    first, last, log = numbers["from"], numbers["to"], node.get("spacing") == "log"
-    count = node.get("count") or round((last - first) / numbers["step"]) + 1
-    unit = unit_of([node[key] for key in ("from", "to", "step") if key in node], quantity)
-    shares = [place / (count - 1) for place in range(count - 1)]
-    values = [first * (last / first) ** s if log else first + (last - first) * s for s in shares]
-    return [in_unit(number, unit) for number in (*values, last)], [node.mark] * count, unit
+    if isinstance(value, str):
+        problems.add(mark, f"'{value}' is not a number", kind.wanted)
+        return None
+    return value
 
 
-Wrong = tuple[str, str, str]
-"""Message, hint, key of the range ("" for all of it)."""
+def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Values | None:
+    """The values of `{from, to, count | step, spacing}`; None where something is wrong, which is noted."""
+    before, spacing = len(problems.found), node.get("spacing", "linear")
 
+    def note(key: str, message: str, hint: str) -> None:
+        problems.add(node.marks[key][key in _RANGE] if key else node.mark, message, hint)
 
-def _wrong_keys(name: str, node: Map) -> Iterator[Wrong]:
     for key in node:
         if key not in _RANGE:
-            yield f"unknown key '{key}' in a range", nearest(key, _RANGE), key
+            note(key, f"unknown key '{key}' in a range", nearest(key, _RANGE))
     if not {"from", "to"} <= node.keys() or ("count" in node) == ("step" in node):
         what = f"a range has `from`, `to` and either `count` or `step`, not {', '.join(node)}"
-        yield what, f"write e.g. `{name}: {FORM}`", ""
-    if node.get("spacing", "linear") not in ("linear", "log") or (node.get("spacing") == "log" and "step" in node):
-        yield f"spacing: '{node['spacing']}' is not known here", "write linear, or log beside `count:`", "spacing"
-
-
-def _numbers(node: Map, quantity: Quantity) -> tuple[dict[str, float], list[Wrong]]:
-    """Ends and step in SI, and what is wrong with them."""
-    found, wrong = dict[str, float](), list[Wrong]()
-    step = Quantity(f"step of a {quantity.name}", quantity.si, quantity.example)
-    for key, kind in (("from", quantity), ("to", quantity), ("step", step)):
-        try:
-            value = kind.read(node[key]) if key in node else 0.0
-        except PydanticCustomError as error:
-            context: dict[str, Any] = error.context or {}
-            wrong.append((context["message"], context["hint"], key))
-            continue
-        if isinstance(value, float):
-            found[key] = value
-        else:
-            wrong.append((f"'{node[key]}' is not a number: a range runs between numbers", quantity.wanted, key))
-    return found, wrong
-
-
-def _wrong_range(node: Map, numbers: dict[str, float], quantity: Quantity) -> Iterator[Wrong]:
-    """What is wrong with a range of sound numbers."""
-    first, last, step = numbers["from"], numbers["to"], numbers["step"]
-    written = {key: bool(written_unit(node[key])) for key, value in numbers.items() if value}
-    bare = next((key for key, has in written.items() if not has), "")
-    if bare and any(written.values()):
-        hint = f"write its unit too; without one it is {node[bare]} {quantity.si}".rstrip()
-        yield f"{node[bare]} has no unit, but the other end of the range has one", hint, bare
+        note("", what, f"write e.g. `{name}: {FORM}`")
+    if spacing not in ("linear", "log") or (spacing == "log" and "step" in node):
+        note("spacing", f"spacing: '{spacing}' is not known here", "write linear, or log beside `count:`")
+    if len(problems.found) > before:
+        return None
+    step_kind = Quantity(f"step of a {quantity.name}", quantity.si, quantity.example)
+    kinds = {"from": quantity, "to": quantity, "step": step_kind}
+    ends = {key: read_number(kinds[key], node[key], node.marks[key][1], problems) for key in kinds if key in node}
+    for key, value in ends.items():
+        if value is not None and not isinstance(value, float):
+            note(key, f"'{node[key]}' is not a number: a range runs between numbers", quantity.wanted)
+    if len(problems.found) > before:
+        return None
+    first, last, log, count = ends["from"], ends["to"], spacing == "log", node.get("count")
+    bare = [key for key, value in ends.items() if value and not written_unit(node[key])]
+    steps = (last - first) / ends["step"] if ends.get("step") else -1.0
+    if bare and any(written_unit(node[key]) for key in ends):
+        hint = f"write its unit too; without one it is {node[bare[0]]} {quantity.si}".rstrip()
+        note(bare[0], f"{node[bare[0]]} has no unit, but the other end of the range has one", hint)
     elif first == last:
-        yield "the range ends where it begins", "write `to:` apart from `from:`, or a single value", "to"
-    elif node.get("spacing") == "log" and not first * last > 0:
-        yield "a logarithmic range cannot reach zero", "begin above zero, e.g. `from: 0.1 s`", "spacing"
-    elif "count" in node:
-        count = node["count"]
+        note("to", "the range ends where it begins", "write `to:` apart from `from:`, or a single value")
+    elif log and not first * last > 0:
+        note("spacing", "a logarithmic range cannot reach zero", "begin above zero, e.g. `from: 0.1 s`")
+    elif count is not None:
         if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES:
-            yield f"count: {count}; a range has 2 to {MOST_VALUES} values", "write how many values, e.g. 15", "count"
-    else:
-        steps = (last - first) / step if step else -1.0
-        if not 0.5 < steps < MOST_VALUES or not math.isclose(steps, round(steps), rel_tol=1e-9):
-            what = f"steps of {node['step']} do not lead from {node['from']} to {node['to']}: that is {steps:.4g} steps"
-            yield what, f"change an end or the step, at most {MOST_VALUES} values, or write `count:`", "step"
+            note("count", f"count: {count}; a range has 2 to {MOST_VALUES} values", "write how many values, e.g. 15")
+    elif not 0.5 < steps < MOST_VALUES or not math.isclose(steps, round(steps), rel_tol=1e-9):
+        what = f"steps of {node['step']} do not lead from {node['from']} to {node['to']}: that is {steps:.4g} steps"
+        note("step", what, f"change an end or the step, at most {MOST_VALUES} values, or write `count:`")
+    if len(problems.found) > before:
+        return None
+    count = count or round(steps) + 1
+    shares = [place / (count - 1) for place in range(count - 1)]
+    values = [first * (last / first) ** s if log else first + (last - first) * s for s in shares]
+    unit = unit_of([node[key] for key in ends], quantity)
+    return [in_unit(number, unit) for number in (*values, last)], [node.mark] * count, unit

@@ -56,6 +56,11 @@ def word_or(word: Any, mapping: Any) -> Any:
     return tagged(lambda v: "word" if isinstance(v, is_word) else "mapping", word=word, mapping=mapping)
 
 
+def form(*required: str, **properties: Any) -> dict[str, Any]:
+    """The JSON Schema of a mapping with these keys."""
+    return {"type": "object", "properties": properties, "required": [*required], "additionalProperties": False}
+
+
 class Model(BaseModel):
     """Base of every mapping in the file; `wrong` yields what is wrong with it as a whole."""
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, weight_above
-from pounding_cli.model.code_design import BaseShearDesign, UbcDesign, code_separation
+from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import BASE
 from pounding_cli.model.meetings import Strike, meetings
-from pounding_cli.model.separation import ASCE7, EN1998, asce7_displacement, en1998_displacement
+from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import ENDLESS, Wall
 from pounding_cli.numbers import counted, listed
@@ -136,7 +136,7 @@ def _filled(value: Any, storeys: int) -> np.ndarray:
     return np.array(value) if isinstance(value, tuple) else np.full(storeys, float(value))
 
 
-def _design(code: Any) -> UbcDesign | BaseShearDesign:
+def _design(code: Any) -> Design:
     """What sets the yield shears."""
     if isinstance(code, BaseShear):
         return BaseShearDesign(code.base_shear, code.distribution)
@@ -144,27 +144,19 @@ def _design(code: Any) -> UbcDesign | BaseShearDesign:
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **known)
 
 
-def design_displacements(spec: Any, building: Building) -> np.ndarray | None:
-    """Design displacements by the code that set the yield shears [m], shape (n,); None without one."""
-    if spec.wall is not None or spec.yield_shear is not None or isinstance(spec.yield_, BaseShear):
-        return None
-    design, period = _design(spec.yield_), float(building.periods[0])
-    assert isinstance(design, UbcDesign)
-    return design.design_displacements(building.mass, building.height, building.stiffness, period)
-
-
 def code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
     """The displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up; without the
     rules whose factors the study does not give.
 
-    delta_M and d_s follow from the static displacements under the forces of `base_shear` and `distribution`.
+    All follow from the static displacements under the design forces: those of the UBC times
+    `UbcDesign.amplification`, delta_M and d_s from the forces of `base_shear` and `distribution`.
     """
-    code = spec.yield_ if spec.yield_shear is None else None
-    if not isinstance(code, BaseShear):
+    if spec.wall is not None or spec.yield_shear is not None:
         return {}
-    design, found = BaseShearDesign(code.base_shear, code.distribution), {}
-    mass, height, stiffness = building.mass, building.height, building.stiffness
-    elastic = design.elastic_displacements(mass, height, stiffness, float(building.periods[0]))
+    code, design, found = spec.yield_, _design(spec.yield_), dict[str, np.ndarray]()
+    elastic = design.displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
+    if isinstance(design, UbcDesign):
+        return {UBC: design.amplification * elastic}
     if code.cd is not None and code.ie is not None:
         found[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
     if code.qd is not None:
@@ -173,8 +165,12 @@ def code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
 
 
 def separation(left: np.ndarray | None, right: np.ndarray | None) -> float | None:
-    """Code separation of two neighbours at the lower roof [m]; None where no code designed one."""
-    return None if left is None or right is None else float(code_separation(left, right)[-1])
+    """Code separation of two neighbours at the lower roof [m], the sum of their displacements by the UBC there (clauses
+    of `UbcDesign.amplification`; the paper's "sum of the design maximum displacements"); None where one has none."""
+    if left is None or right is None:
+        return None
+    lower = min(left.size, right.size) - 1
+    return float(left[lower] + right[lower])
 
 
 def places(names: Sequence[str]) -> tuple[str, ...]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study import build, schema
-from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dumped
+from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dumped, get
 from pounding_cli.study.laws import Impact
 from pounding_cli.study.links import check_contact
 from pounding_cli.study.links import links_of as scene_links
@@ -80,17 +79,17 @@ def building_of(name: str, keys: Mapping[str, Any]) -> Building:
     ------
     InputError : with every problem found, each at its key
     """
-    with _told_below(f"buildings.{name}.") as problems:
-        root = tree_of({"buildings": {name: dict(keys)}})
-        root["buildings"] = inherited(root["buildings"], problems)
+    problems, path = Problems(""), ("buildings", name)
+    root = _tree(buildings=_tree(**{name: _node(keys, "")}))
+    root["buildings"] = inherited(root["buildings"], problems)
+    problems.check()
+    spec = _valid(BuildingSpec, root, path, problems)
+    try:
+        return build.building(name, spec)
+    except (ValueError, ArithmeticError) as error:
+        problems.at(root, path, str(error), "check its masses, heights, period and stiffness")
         problems.check()
-        spec = _valid(BuildingSpec, root["buildings"][name], root, ("buildings", name), problems)
-        try:
-            return build.building(name, spec)
-        except (ValueError, FloatingPointError) as error:
-            problems.at(root, ("buildings", name), str(error), "check its masses, heights, period and stiffness")
-            problems.check()
-            raise
+        raise
 
 
 def links_between(
@@ -102,21 +101,25 @@ def links_between(
     ------
     InputError : with every problem found, each at its key; neighbours without a floor at one elevation
     """
-    names = [building.name for building in buildings]
+    names, problems, path = [building.name for building in buildings], Problems(""), ("cases", "case")
     group = build.Group.of_buildings(tuple(buildings), dict(zip(names, buildings, strict=True)), names)
-    with _told_below("cases.case.") as problems:
-        build.check_meetings(group, Map({}, ("", 0)), problems)
-        problems.check()
-        root = tree_of({"cases": {"case": dict(case)}, "impact": dict(impact)})
-        refuse_old(root, problems)
-        problems.check()
-        root["cases"]["case"] = links_of(root["cases"]["case"], root["impact"])
-        element = _valid(Impact, root["impact"], root, ("impact",), problems)
-        spec = _valid(Case, root["cases"]["case"], root, ("cases", "case"), problems)
-        check_contact(element.law, {}, root, problems)
-        links = scene_links(spec, group, element, {}, ("cases", "case"), partial(problems.at, root))
-        problems.check()
-        return tuple(links or ())
+    root = _tree(cases=_tree(case=_node(case, "")), impact=_node(impact, "impact"))
+    build.check_meetings(group, root, problems)
+    refuse_old(root, problems)
+    problems.check()
+    root["cases"]["case"] = links_of(root["cases"]["case"], root["impact"])
+    element = _valid(Impact, root, ("impact",), problems)
+    spec = _valid(Case, root, path, problems)
+    check_contact(element.law, {}, root, problems)
+    links = scene_links(spec, group, element, {}, path, partial(problems.at, root))
+    problems.check()
+    return tuple(links or ())
+
+
+def _tree(**nodes: Any) -> Map:
+    """A mapping around the keys of a user, without a place of its own."""
+    mark = ("", 0)
+    return Map(nodes, mark, dict.fromkeys(nodes, (mark, mark)))
 
 
 def by_place(buildings: Sequence[Building]) -> tuple[Building, ...]:
@@ -134,24 +137,9 @@ def quantity(form: Quantity, value: Any, key: str) -> float:
         raise InputError(Problem(said.get("message", str(refused)), said.get("hint", ""), key)) from None
 
 
-def _valid(kind: Any, value: Any, root: Map, path: tuple[str, ...], problems: Problems) -> Any:
+def _valid(kind: Any, root: Map, path: tuple[str, ...], problems: Problems) -> Any:
     try:
-        return TypeAdapter(kind).validate_python(value)
+        return TypeAdapter(kind).validate_python(get(root, *path))
     except ValidationError as error:
         problems.validation(root, error, path, schema.Study)
         problems.check()
-
-
-@contextmanager
-def _told_below(inside: str) -> Iterator[Problems]:
-    """Problems that name their key below `inside`, without it."""
-    try:
-        yield Problems("")
-    except InputError as refused:
-        found = [replace(problem, file=problem.file.removeprefix(inside)) for problem in refused.problems]
-        raise InputError([_told_once(problem) for problem in found]) from None
-
-
-def _told_once(problem: Problem) -> Problem:
-    """A problem whose message need not begin with the key that its place names."""
-    return replace(problem, message=problem.message.removeprefix(f"{problem.file.split('.')[-1]}: "))

@@ -15,9 +15,10 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.links import APART, Link, link_places
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.records.motion import Motion
+from pounding_cli.study.axes import Axis
 from pounding_cli.study.build import places
 from pounding_cli.study.keep import kept_rows
-from pounding_cli.study.plan import Axis, Links, Plan
+from pounding_cli.study.plan import Links, Plan
 from pounding_cli.study.study import AROUND, BETWEEN, Point, Study, keep
 
 MOST_PROBLEMS = 20

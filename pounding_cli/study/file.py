@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import yaml
 from pydantic import ValidationError
@@ -31,7 +31,6 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
 # YAML 1.1, as PyYAML reads it, takes 1e10 for text, `no` for false, 0:36 for 36. Here numbers look like it.
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
-_LIST = re.compile(r"(?P<key>[\w.-]{1,60}: +)?\[(?P<values>[^\[\]{}]{1,2000})\]\s*\Z")
 _UNIT = re.compile(r"[A-Za-z%°µ][\w/^*².() -]{0,30}?(?=\s*(?:[,}\]#\n]|\Z))")
 _AFTER_COMMA = re.compile(r"[0-9]{1,15}(?:\s{0,9}[A-Za-z%][^,]{0,30})?\Z")
 _WORDS: dict[str, Any] = {"": None, "~": None, "null": None, "true": True, "false": False}
@@ -150,26 +149,9 @@ def read_study(path: Path) -> tuple[str, Map]:
     shown = shortened(path)
     try:
         text = read_bytes(path, MOST_BYTES, "study file").decode("utf-8-sig")
-    except FileNotFoundError:
-        names = [p.name for p in path.parent.glob("*.y*ml")] if path.parent.is_dir() else []
-        near = difflib.get_close_matches(path.name, names[:1000], 1)
-        hint = f"did you mean {shortened(path.parent / near[0])}?" if near else "`pound init NAME` writes one"
-        raise InputError(Problem("no such file", hint, shown)) from None
-    except IsADirectoryError:
-        raise InputError(Problem(f"{shown} is a folder", "name the study file in it", shown)) from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError(Problem("the file is not UTF-8 text", "save it as UTF-8", shown, line, 1)) from None
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:
-        raise InputError(
-            Problem(
-                f"cannot be read: {getattr(error, 'strerror', None) or error}",
-                "check the path and its permissions",
-                shown,
-            )
-        ) from None
     return text, parse(text, shown)
 
 
@@ -181,17 +163,14 @@ def parse(text: str, file: str) -> Map:
     except yaml.MarkedYAMLError as error:
         raise InputError(_syntax(file, error, text)) from None
     except yaml.YAMLError as error:
-        raise InputError(
-            Problem(f"this is not YAML: {error}", "remove control characters; save the file as UTF-8 text", file, 1, 1)
-        ) from None
+        hint = "remove control characters; save the file as UTF-8 text"
+        raise InputError(Problem(f"this is not YAML: {error}", hint, file, 1, 1)) from None
     if root is None:
-        raise InputError(
-            Problem("the file is empty", "see configs/quickstart.yaml for the smallest useful study", file, 1, 1)
-        )
-    if not isinstance(root, Map):
+        reader.refuse((1, 1), "the file is empty", "see configs/quickstart.yaml for the smallest useful study")
+    elif not isinstance(root, Map):
         reader.refuse(mark, "a study is a mapping of keys to values", "begin with `title: ...`")
     reader.problems.check()
-    return root
+    return cast(Map, root)
 
 
 class _Reader:
@@ -212,12 +191,8 @@ class _Reader:
         for event in self.events:
             if isinstance(event, yaml.DocumentStartEvent):
                 if root[0] is not None:
-                    self.refuse(
-                        _mark(event),
-                        "this is not YAML: expected a single document",
-                        "one file holds one study: remove the line `---`",
-                        True,
-                    )
+                    hint = "one file holds one study: remove the line `---`"
+                    self.refuse(_mark(event), "this is not YAML: expected a single document", hint, last=True)
                 root = self.node(next(self.events), 0)
         return root
 
@@ -225,12 +200,8 @@ class _Reader:
         mark = _mark(event)
         if isinstance(event, yaml.AliasEvent):
             if event.anchor not in self.anchors:
-                self.refuse(
-                    mark,
-                    f"this is not YAML: found undefined alias '{event.anchor}'",
-                    "put quotes around a value that begins with * or &",
-                    True,
-                )
+                hint = "put quotes around a value that begins with * or &"
+                self.refuse(mark, f"this is not YAML: found undefined alias '{event.anchor}'", hint, last=True)
             value, mark, size, height = self.anchors[str(event.anchor)]
             self.counted(size, mark, depth + height)
             return value, mark
@@ -275,11 +246,7 @@ class _Reader:
                 self.refuse(at, "merge keys (<<) are not used here", "write `like: NAME` to build on another building")
             elif key in found:
                 line, column = found.marks[key][0]
-                self.refuse(
-                    at,
-                    f"'{key}' occurs twice; first in line {line}" + (f", column {column}" if line == at[0] else ""),
-                    "remove one of the two",
-                )
+                self.refuse(at, f"'{key}' occurs twice; first at {line}:{column}", "remove one of the two")
             else:
                 found[key], found.marks[key] = value, (at, there)
             last = first
@@ -290,19 +257,11 @@ class _Reader:
         if slip := MISSING_BLANK.match(word):
             self.refuse(_mark(event), f"'{word}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`")
             return True
-        if (
-            isinstance(last, yaml.ScalarEvent)
-            and _is_plain(last)
-            and _INTEGER.match(last.value)
-            and _AFTER_COMMA.match(word)
-        ):
+        if isinstance(last, yaml.ScalarEvent) and _is_plain(last) and _INTEGER.match(last.value):
             end: Any = last.end_mark
-            if self.text[end.index : event.start_mark.index] == ",":
-                self.refuse(
-                    _mark(last),
-                    f"'{last.value},{word}' has a decimal comma: inside brackets a comma ends the value",
-                    f"write `{last.value}.{word}`",
-                )
+            if _AFTER_COMMA.match(word) and self.text[end.index : event.start_mark.index] == ",":
+                what = f"'{last.value},{word}' has a decimal comma: inside brackets a comma ends the value"
+                self.refuse(_mark(last), what, f"write `{last.value}.{word}`")
                 return True
         return False
 
@@ -345,58 +304,35 @@ def _height(node: Any) -> int:
 
 
 def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
+    """What is no YAML at all, with the slip that it comes from where that is known."""
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     what, lines = error.problem or "unreadable", text.split("\n")
     begin = error.context_mark.line + 1 if error.context and error.context_mark else line
     if begin != line:
         what += f" ({error.context} that begins in line {begin})"
-    if (unit := _unit_behind_list(lines, line, column)) is not None:
-        return Problem(*unit, file, line, column)
+    here = lines[line - 1][:2000] if line <= len(lines) else ""
+    if here[: column - 1].rstrip().endswith("]") and (unit := _UNIT.match(here[column - 1 :])) is not None:
+        message = f"YAML ends the list at its bracket: '{unit[0].strip()}' behind it belongs to no value"
+        return Problem(message, f"write the unit at each value: `[1 {unit[0]}, 2 {unit[0]}]`", file, line, column)
     flow = "flow" in str(error.context)
-    for number in range(begin, min(line, begin + 50) + 1):
+    for number in range(begin, min(line, begin + 50) + 1) if flow else ():
         row = "".join(lines[number - 1 : number])[:2000]
-        if flow and (place := row.find(" #")) >= 0 and ("}" in row[place:] or "]" in row[place:]):
-            return Problem(
-                "a # inside brackets hides the rest of its line, the closing bracket too",
-                "move the comment behind the closing bracket",
-                file,
-                number,
-                place + 2,
-            )
-    for number in (line, line - 1):
+        if (place := row.find(" #")) >= 0 and ("}" in row[place:] or "]" in row[place:]):
+            message = "a # inside brackets hides the rest of its line, the closing bracket too"
+            return Problem(message, "move the comment behind the closing bracket", file, number, place + 2)
+    for number in () if flow else (line, line - 1):
         row = "".join(lines[number - 1 : number])[:200] if number > 0 else ""
-        if (slip := MISSING_BLANK.match(row.strip().removeprefix("- "))) and not flow:
-            return Problem(
-                f"'{slip[0]}' lacks a blank after its colon",
-                f"write `{slip[1]}: {slip[2]}`",
-                file,
-                number,
-                len(row) - len(row.lstrip()) + 1,
-            )
-    shown = "".join(lines[line - 1 : line])
-    if "\t" in shown[: len(shown) - len(shown.lstrip())] or "\\t" in what:
+        if slip := MISSING_BLANK.match(row.strip().removeprefix("- ")):
+            message, indent = f"'{slip[0]}' lacks a blank after its colon", len(row) - len(row.lstrip())
+            return Problem(message, f"write `{slip[1]}: {slip[2]}`", file, number, indent + 1)
+    if "\t" in here[: len(here) - len(here.lstrip())] or "\\t" in what:
         hint = "indent with spaces: YAML does not allow tabs"
     elif "mapping values are not allowed" in what:
         hint = "put quotes around a value that holds ': '"
     else:
         hint = "check brackets, quotes, commas and the indentation around this place"
     return Problem(f"this is not YAML: {what}", hint, file, line, column)
-
-
-def _unit_behind_list(lines: list[str], line: int, column: int) -> tuple[str, str] | None:
-    """Message and hint for `[1, 2] kN/m`, where the reading ended at the unit; None for anything else."""
-    before = "\n".join([*lines[max(0, line - 50) : line - 1], "".join(lines[line - 1 : line])[: column - 1]])[-4000:]
-    unit = _UNIT.match("".join(lines[line - 1 : line])[column - 1 :])
-    found = _LIST.search(before)
-    if unit is None or found is None:
-        return None
-    values = [value.strip() for value in found["values"].split(",")]
-    if not all(_FLOAT.match(value.split(" ")[0]) for value in values):
-        return None
-    whole = ", ".join(f"{value} {unit[0].strip()}" if _FLOAT.match(value) else value for value in values)
-    message = f"YAML ends the list at its bracket: '{unit[0].strip()}' behind it belongs to no value"
-    return message, f"write the unit at each value: `{found['key'] or ''}[{whole}]`"
 
 
 class Problems:
@@ -408,7 +344,9 @@ class Problems:
 
     def add(self, mark: Mark, message: str, hint: str = "") -> None:
         """Note a problem at a line and column, or at a key of Python data."""
-        place: Any = (mark[0], 0, 0) if isinstance(mark[0], str) else (self.file, *mark)
+        place: Any = (self.file, *mark)
+        if isinstance(mark[0], str):  # which names the key that the message begins with
+            place, message = (mark[0], 0, 0), message.removeprefix(f"{mark[0].split('.')[-1]}: ")
         self.found[Problem(message, hint, *place)] = None
 
     def at(self, root: Any, path: Steps, message: str, hint: str = "", key: bool = False) -> None:
@@ -442,10 +380,8 @@ class Problems:
         """Raise `InputError` with everything noted, in the file's order, if anything was."""
         if self.found:
             ordered = sorted(self.found, key=lambda p: (p.file, p.line, p.column))
-            if len(ordered) > 2 * MOST_TOLD:
-                ordered[2 * MOST_TOLD :] = [
-                    Problem(f"and {len(ordered) - 2 * MOST_TOLD} more problems", "correct these first", self.file)
-                ]
+            if (more := len(ordered) - 2 * MOST_TOLD) > 0:
+                ordered[2 * MOST_TOLD :] = [Problem(f"and {more} more problems", "correct these first", self.file)]
             raise InputError(ordered)
 
 

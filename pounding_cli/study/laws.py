@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
+import operator
 from collections.abc import Callable, Iterator
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
-from pydantic import ConfigDict, Discriminator, Tag, create_model
+from pydantic import Discriminator, Tag, create_model
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.dashpot import restitution_of
 from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
 from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, Quantity, Text, Whole, refuse, said
 
-POUNDING, FORMULA, UNKNOWN = "pounding", "(formula)", "(unknown)"
+POUNDING, FORMULA = "pounding", "(formula)"
 SHARED = ("gap", "stiffness", "damping_ratio", "restitution", "tension_cut")
 LOSSES = ("damping_ratio", "restitution")
 _ELSEWHERE = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}
@@ -195,41 +195,17 @@ class NoLink(Link):
     link: Literal["none"] = key("none", "no link")
 
 
-class Unknown(str):
-    """A word that names no law; `known`: those it could have meant."""
-
-    known: tuple[str, ...] = ()
-
-
-class UnknownLink(Model):
-    """A link whose law nobody knows, whatever else it says."""
-
-    model_config = ConfigDict(extra="ignore", arbitrary_types_allowed=True)
-    link: Any
-
-    def wrong(self) -> Iterator[Wrong]:
-        near = difflib.get_close_matches(self.link, self.link.known, 1, 0.5)
-        hint = f"{'did you mean ' + repr(near[0]) + '? ' if near else ''}write {', '.join(self.link.known)} or none"
-        yield ("link",), f"link: '{self.link[:60]}' is not known", f"{hint}; a law of your own stands under `laws`"
-
-
 @functools.cache
 def link_models() -> dict[str, Any]:
     """The model of every law by name; FORMULA stands for a law of the study's own."""
     found = {name: _link_model(name, law) for name, law in link_laws().items()}
-    formula = create_model(
-        "Link_formula",
-        __base__=Link,
-        __doc__="A law of the study's own (`laws`).",
-        **{"gap": _SHARED["gap"]},  # type: ignore[call-overload]
-    )
+    fields: Any = {"gap": _SHARED["gap"]}
+    formula = create_model("Link_formula", __base__=Link, __doc__="A law of the study's own (`laws`).", **fields)
     return {**found, "none": NoLink, FORMULA: formula}
 
 
 def tag_of(value: Any) -> str:
     """Which law a link has."""
-    if isinstance(value, UnknownLink) or (isinstance(value, dict) and isinstance(value.get("link"), Unknown)):
-        return UNKNOWN
     word = (value.get("link") if isinstance(value, dict) else getattr(value, "link", None)) or ""
     word = kind_of(str(word))
     return tag(word) if word in link_models() else FORMULA
@@ -241,10 +217,7 @@ def tag(name: str) -> str:
 
 
 _LINKS = [Annotated[model, Tag(tag(name))] for name, model in link_models().items()]
-AnyLink: Any = Annotated[
-    functools.reduce(lambda one, other: one | other, [*_LINKS, Annotated[UnknownLink, Tag(UNKNOWN)]]),
-    Discriminator(tag_of),
-]
+AnyLink: Any = Annotated[functools.reduce(operator.or_, _LINKS), Discriminator(tag_of)]
 
 
 def _contact(value: Any) -> str:

@@ -136,7 +136,11 @@ class _Builder:
 
     def links(self, case: Any, path: Steps) -> tuple[Link, ...]:
         """The links of all pairs of neighbours."""
-        path = (*path, "links")
+        path, known = (*path, "links"), (*link_laws(), *self.laws, "none")
+        for n, link in enumerate(case.links):
+            if link.kind not in known:
+                hint = f"{nearest(link.link, known)}; a law of your own stands under `laws`"
+                self.note((*path, n, "link"), f"link: '{link.link[:60]}' is not known", hint)
         if self.group.is_empty:  # so that what is wrong with the links is told beside what is wrong with the group
             for n, link in enumerate(case.links):
                 self.law(link, (*path, n))
@@ -145,42 +149,41 @@ class _Builder:
         for n, link in enumerate(case.links):
             if (link.pair or 0) > pairs:
                 message = f"pair: {link.pair}, but the group has {counted(pairs, 'pair')} of neighbours"
-                hint = f"write a number from 1 to {pairs}" if pairs > 1 else "leave it out"
-                self.note((*path, n, "pair"), message, hint)
+                self.note((*path, n, "pair"), message, f"write a number from 1 to {pairs}, or leave it out")
         for place, common in enumerate(self.group.common):
             mine = [(n, link) for n, link in enumerate(case.links) if link.pair in (None, place + 1)]
-            here = self._by_floor(mine, place, path)
+            listed = {floor for _, link in mine if isinstance(link.floors, tuple) for floor in link.floors}
+            laws, floors = dict[int, LinkLaw](), dict[int, list[int]]()
+            for n, link in mine:
+                floors[n] = self._floors(link, place, listed, (*path, n))
+                if floors[n] and (law := self.law(link, (*path, n))) is not None:
+                    laws[n] = law
             for floor, right in common.items():
-                taken: set[LinkLaw] = set()
-                for n, law in here.get(floor, ()):
-                    if law in taken:
-                        message = f"two {law.name} links alike between the same floors"
+                here = [n for n in laws if floor in floors[n]]
+                for k, n in enumerate(here):
+                    if laws[n] in [laws[other] for other in here[:k]]:
+                        message = f"two {laws[n].name} links alike between the same floors"
                         self.note((*path, n), message, "give one, or let them differ")
-                    taken.add(law)
-                    found.append(Link(place, floor, right, law))
+                    found.append(Link(place, floor, right, laws[n]))
             found += self._at_columns(mine, place, path)
         return tuple(found)
 
-    def _by_floor(self, mine: list[Any], place: int, path: Steps) -> dict[int, list[tuple[int, LinkLaw]]]:
-        """The laws on every floor of a pair of neighbours, each with the number of its link."""
-        common, here = self.group.common[place], dict[int, list[tuple[int, LinkLaw]]]()
-        listed = {floor for _, link in mine if isinstance(link.floors, tuple) for floor in link.floors}
-        for n, link in mine:
-            is_list = isinstance(link.floors, tuple)
-            named = link.floors if is_list else getattr(link.floors, "floors", ())
-            for k, floor in enumerate(named):
-                if floor not in common:
-                    one, other = self.group.buildings[place : place + 2]
-                    at = (*path, n, "floors", *(() if is_list else ("except",)), k)
-                    message = f"{one.name} and {other.name} have no common floor {floor or BASE}"
-                    self.note(at, message, f"write floors among {', '.join(str(each or BASE) for each in common)}")
-            out = listed if link.floors == "rest" else named
-            chosen = named if is_list else [floor for floor in common if floor not in out]
-            law = self.law(link, (*path, n)) if chosen and link.at is None else None
-            if law is not None:
-                for floor in chosen:
-                    here.setdefault(floor, []).append((n, law))
-        return here
+    def _floors(self, link: Any, place: int, listed: set[int], path: Steps) -> list[int]:
+        """The floors of a link between a pair of neighbours.
+
+        listed : those that links of the pair list
+        """
+        common, is_list = self.group.common[place], isinstance(link.floors, tuple)
+        named = link.floors if is_list else getattr(link.floors, "floors", ())
+        for k, floor in enumerate(named):
+            if floor not in common:
+                one, other = self.group.buildings[place : place + 2]
+                at = (*path, "floors", *(() if is_list else ("except",)), k)
+                message = f"{one.name} and {other.name} have no common floor {floor or BASE}"
+                self.note(at, message, f"write floors among {', '.join(str(each or BASE) for each in common)}")
+        out = listed if link.floors == "rest" else named
+        chosen = list(named) if is_list else [floor for floor in common if floor not in out]
+        return chosen if link.at is None else []
 
     def _at_columns(self, mine: list[Any], place: int, path: Steps) -> list[Link]:
         """The links of slabs that strike columns: those that say so, else those that list no floors."""

@@ -1,22 +1,19 @@
-"""Records, buildings, laws and cases of a study file as pydantic models, and what is wrong with their keys."""
+"""Buildings, laws and cases of a study file as pydantic models, and what is wrong with their keys."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from dataclasses import MISSING, replace
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, create_model
-from pydantic_core import PydanticCustomError
+from pydantic import Field, create_model
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.numbers import counted
-from pounding_cli.records.units import UNITS, acceleration_unit
 from pounding_cli.study.base import Model, Name, Wrong, key, list_or, one_or_many, tagged, word_or
 from pounding_cli.study.laws import RATIO, AnyLink, law_keys, own
 from pounding_cli.study.quantity import (
-    ACCELERATION,
     FORCE,
     LENGTH,
     MASS,
@@ -29,176 +26,31 @@ from pounding_cli.study.quantity import (
     Text,
     Whole,
     measured,
-    refuse,
-    written_unit,
 )
-from pounding_cli.units import factor as unit_factor
 
-# Records
-
-
-def _unit(text: str) -> str:
-    if acceleration_unit(text) is None:
-        raise refuse(
-            f"'{text}' is not a unit of acceleration", f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g"
-        )
-    return text
-
-
-PERIOD = TIME.but(name="period", example="0.5 s", low=0.01, open_low=False, high=60)
-Period = Annotated[float, PERIOD]
-Acceleration = Annotated[float, ACCELERATION]
-Number = Annotated[int, Whole(1, 1000)]
-
-
-class RecordFile(Model):
-    """A motion in a file of one's own, or several in a folder."""
-
-    file: str = key(
-        ..., "a file, a folder, or a pattern such as motions/*.AT2, relative to the study file", "motions/x.AT2"
-    )
-    name: Name | None = key(None, "name of the motion in tables; default: the file's stem")
-    unit: Annotated[str, AfterValidator(_unit)] | None = key(
-        None, "unit of the acceleration, any spelling; only where the file states none (g in plain columns)"
-    )
-    dt: Annotated[float, TIME.but(name="time step", example="0.01 s")] | None = key(
-        None, "time step [s]; needed for one column of values"
-    )
-    format: Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "column", "table"] | None = key(
-        None, "default: detected"
-    )
-    channel: Number | None = key(None, "channel of a file with several channels, from 1")
-    column: Number | None = key(None, "column of a table with the acceleration, from 1")
-
-
-class Arias(Model):
-    """Every record is scaled to the Arias intensity of one of them."""
-
-    arias: str = key(..., "record with the reference Arias intensity", "elcentro")
-    window: Annotated[float | str, TIME.but(name="window", example="10 s", words=("duration", "table1", "whole"))] = (
-        key("duration", "part of each record that is measured [s]; `duration`: the analysed part")
-    )
-
-
-class Pga(Model):
-    """Every record is scaled to one peak ground acceleration."""
-
-    pga: Acceleration = key(..., "peak ground acceleration [m/s2]", "0.35 g")
-
-
-class Pgv(Model):
-    """Every record is scaled to one peak ground velocity."""
-
-    pgv: Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True)] = key(
-        ..., "peak ground velocity [m/s], without baseline correction", "40 cm/s"
-    )
-
-
-class Sa(Model):
-    """Every record is scaled to one ordinate of its response spectrum."""
-
-    sa: Acceleration = key(..., "pseudo-acceleration [m/s2]", "0.8 g")
-    period: Period = key(..., "at this period [s]", "0.5 s")
-    damping: Annotated[float, RATIO] = key(0.05, "and this damping ratio [-]")
-
-
-def _once_each(points: Any) -> Any:
-    first: dict[float, str] = {}
-    for word in points if isinstance(points, dict) else ():
-        try:
-            period = PERIOD.read(word)
-        except PydanticCustomError:
-            continue  # said at its place
-        if period in first:
-            raise refuse(f"'{first[period]}' and '{word}' are one period", "remove one of the two")
-        first[period] = word
-    return points
-
-
-class Spectrum(Model):
-    """The suite is scaled to a target spectrum over a range of periods."""
-
-    spectrum: Literal["mean", "each"] = key(
-        ..., "`mean`: one factor for all, their mean spectrum meets the target; `each`: one for every record", "mean"
-    )
-    target: word_or(str, Annotated[dict[Period, Acceleration], BeforeValidator(_once_each)]) = key(  # type: ignore[valid-type]
-        ...,
-        "{period: pseudo-acceleration, ...}, or the record whose spectrum is taken",
-        {"0.1 s": "0.8 g", "2 s": "0.2 g"},
-    )
-    low: Period = key(..., "shortest period of the range [s]", "0.2 s", alias="from")
-    high: Period = key(..., "longest period of the range [s]", "1.2 s", alias="to")
-    damping: Annotated[float, RATIO] = key(0.05, "damping ratio of the spectra [-]")
-    at_least: Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)] | None = key(
-        None, "another factor for all, so that the mean spectrum is nowhere below this part of the target"
-    )
-
-    def wrong(self) -> Iterator[Wrong]:
-        ends = f"from {self.low:g} s to {self.high:g} s"
-        if not self.low < self.high:
-            hint = "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`"
-            yield ("to",), f"the range of periods runs {ends}", hint
-        elif isinstance(self.target, dict):
-            first, last = min(self.target, default=0.0), max(self.target, default=0.0)
-            if not first < last or not first <= self.low or not self.high <= last:
-                what = f"the target is given from {first:g} to {last:g} s, not over the whole range"
-                yield ("target",), what, f"give two points at least, {ends} and beyond"
-
-
-_SCALES: dict[str, Any] = {"arias": Arias, "pga": Pga, "pgv": Pgv, "sa": Sa, "spectrum": Spectrum}
-
-
-def _scale(value: Any) -> str:
-    if isinstance(value, dict):
-        return next((name for name in _SCALES if name in value), "arias")
-    return next((name for name, model in _SCALES.items() if isinstance(value, model)), "factor")
-
-
-FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("table1",))
-Scale: Any = tagged(_scale, factor=Annotated[float | str, FACTOR], **_SCALES)
-
-
-class Records(Model):
-    """The ground motions, the part of each that is used, and its scale."""
-
-    use: Annotated[tuple[word_or(str, RecordFile), ...], Field(min_length=1, max_length=5000)] = key(  # type: ignore[valid-type]
-        ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
-    )
-    duration: Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))] = (
-        key(
-            "auto",
-            "how much of each record is used [s]; `table1`: the paper's durations; `auto`: those, and `whole` for "
-            "motions that Table 1 does not hold",
-        )
-    )
-    scale: Scale = key(
-        1.0, "a factor, `table1`, {arias: RECORD}, {pga: 0.35 g}, {pgv: ...}, {sa: ...} or {spectrum: ...}"
-    )
-
+Ratio = Annotated[float, RATIO]
 
 # Buildings
+
+
+Zone = Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)]
+Soil = Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)]
+Importance = Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)]
+SystemRw = Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)]
+SystemK = Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)]
+Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
 
 
 class Code(Model):
     """Yield shears equal to the storey shears of the Uniform Building Code."""
 
     code: Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"] = key("UBC-1991", "edition")
-    zone: Annotated[float, Quantity("zone factor Z", "", "0.4", 0.0, 1.0, open_low=True)] = key(
-        0.4, "zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given"
-    )
-    soil: Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 2.0)] = key(1.2, "soil factor S [-]")
-    importance: Annotated[float, Quantity("importance factor I", "", "1", 0.5, 2.0)] = key(
-        1.0, "importance factor I [-]"
-    )
-    rw: Annotated[float, Quantity("system factor Rw", "", "12", 1.0, 20.0)] | None = key(
-        None, "system factor of UBC 1988 to 1994 [-]; default: 12", alias="Rw"
-    )
-    k: Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, open_low=True)] | None = key(
-        None, "system factor of UBC 1985 [-]; must be given there", alias="K"
-    )
-    overstrength: Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)] = key(
-        1.0, "factor on the yield shears [-]; the separation is unchanged"
-    )
+    zone: Zone = key(0.4, "zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given")
+    soil: Soil = key(1.2, "soil factor S [-]")
+    importance: Importance = key(1.0, "importance factor I [-]")
+    rw: SystemRw | None = key(None, "system factor of UBC 1988 to 1994 [-]; default: 12", alias="Rw")
+    k: SystemK | None = key(None, "system factor of UBC 1985 [-]; must be given there", alias="K")
+    overstrength: Overstrength = key(1.0, "factor on the yield shears [-]; the separation is unchanged")
 
     def wrong(self) -> Iterator[Wrong]:
         old = self.code == "UBC-1985"
@@ -216,38 +68,26 @@ _COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0, 
 
 
 def _base_shear(value: Any) -> float:
-    if isinstance(value, str):
-        value = value.strip().removesuffix("W").strip()
-        unit = written_unit(value)
-        if unit and unit != "%" and unit_factor(unit, "N") is not None:
-            raise refuse(
-                f"'{value}' is a force: the base shear is given as a part of the weight W",
-                "write e.g. `base_shear: 0.10 W`; storey by storey in N, `yield_shear: [...]` stands beside `yield`",
-            )
-    return _COEFFICIENT.read(value)
+    return _COEFFICIENT.read(value.strip().removesuffix("W") if isinstance(value, str) else value)
+
+
+Coefficient = Annotated[float, Text(_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
+Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
+ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
+Behaviour = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
 
 
 class BaseShear(Model):
     """Yield shears from a base-shear coefficient and a distribution of the forces over the height."""
 
-    base_shear: Annotated[float, Text(_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)] = key(
-        ..., "base shear over weight V/W [-]", "0.10 W"
-    )
+    base_shear: Coefficient = key(..., "base shear over weight V/W [-]", "0.10 W")
     distribution: Literal["triangular", "uniform", "parabolic", "asce7", "ubc"] = key(
         "triangular", "forces over the height: by w h, w, w h^2, w h^k of ASCE 7, or the UBC's with a force at the top"
     )
-    overstrength: Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)] = key(
-        1.0, "factor on the yield shears [-]"
-    )
-    cd: Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)] | None = key(
-        None, "deflection amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd"
-    )
-    ie: Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)] | None = key(
-        None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie"
-    )
-    qd: Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)] | None = key(
-        None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`"
-    )
+    overstrength: Overstrength = key(1.0, "factor on the yield shears [-]")
+    cd: Amplification | None = key(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
+    ie: ImportanceIe | None = key(None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie")
+    qd: Behaviour | None = key(None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`")
 
 
 BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
@@ -270,7 +110,8 @@ def _of(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
     """How a study writes a parameter that a law declares; `absent`: 0 stands for what is not there."""
     declared = law.parameters()[name].metadata["parameter"]
     ends = declared.low, declared.high, declared.open_low and not absent, declared.open_high
-    return Quantity(name.replace("_", " "), declared.unit.removesuffix("/rad"), example, *ends)
+    unit = "" if declared.unit == "-" else declared.unit.removesuffix("/rad")
+    return Quantity(name.replace("_", " "), unit, example, *ends)
 
 
 def _about(law: Any, name: str) -> str:
@@ -278,63 +119,42 @@ def _about(law: Any, name: str) -> str:
     return str(law.parameters()[name].metadata["parameter"].words)
 
 
-class Isolation(Model):
-    """Isolators under the base: those of a friction pendulum have `radius` and `friction`, lead-rubber and other
-    bearings `strength`, `stiffness` and `yield_displacement`, high-damping rubber by equivalent values `stiffness` and
-    `damping_ratio`."""
+class _Isolators(Model):
+    """Isolators under the base."""
 
-    radius: Annotated[float, _of(FrictionPendulum, "radius", "3.1 m")] | None = key(
-        None, _about(FrictionPendulum, "radius")
-    )
-    friction: Annotated[float, Quantity("friction coefficient", "", "6 %", 0.0, 1.0, open_low=True)] | None = key(
-        None, _about(FrictionPendulum, "friction")
-    )
-    strength: Annotated[float, _of(Bearings, "strength", "800 kN")] | None = key(None, _about(Bearings, "strength"))
-    stiffness: Annotated[float, _of(Bearings, "stiffness", "5 kN/mm")] | None = key(None, _about(Bearings, "stiffness"))
-    yield_displacement: Annotated[float, _of(Bearings, "yield_displacement", "1 cm")] | None = key(
-        None, "displacement at which they slide or yield [m]; default of a friction pendulum: 0.01 mm"
-    )
-
-    damping_ratio: Annotated[float, RATIO] | None = key(None, _about(Rubber, "damping_ratio"))
-    capacity: Annotated[float, LENGTH.but(name="capacity", example="35 cm")] | None = key(
-        None, "displacement that they can take [m]; scenes in which the base moves further are flagged"
-    )
+    kind: ClassVar[Any]
 
     @property
     def law(self) -> FrictionPendulum | Bearings | Rubber:
         """What they do."""
-        if self.damping_ratio is not None and self.stiffness is not None:
-            capacity = {} if self.capacity is None else {"capacity": self.capacity}
-            return Rubber(self.stiffness, self.damping_ratio, **capacity)
-        given = {"yield_displacement": self.yield_displacement, "capacity": self.capacity}
-        more = {name: value for name, value in given.items() if value is not None}
-        if self.radius is not None and self.friction is not None:
-            return FrictionPendulum(radius=self.radius, friction=self.friction, **more)
-        assert self.strength is not None  # `wrong` has refused what is not complete
-        assert self.stiffness is not None
-        return Bearings(strength=self.strength, stiffness=self.stiffness, **more)
-
-    def wrong(self) -> Iterator[Wrong]:
-        given = [name for name in self.model_fields_set if name != "capacity" and getattr(self, name) is not None]
-        fitting = [needs for needs, may in _ISOLATORS.values() if {*given} <= needs | may]
-        form = (
-            "write {radius: 3.1 m, friction: 6 %}, {strength: 800 kN, stiffness: 5 kN/mm, yield_displacement: 1 cm} or "
-            "{stiffness: 5 kN/mm, damping_ratio: 12 %}"
-        )
-        if not fitting:
-            kind = max(_ISOLATORS, key=lambda name: len(_ISOLATORS[name][0] & {*given}))
-            extra = next(name for name in given if name not in _ISOLATORS[kind][0] | _ISOLATORS[kind][1])
-            yield (extra,), f"'{extra}' is no key of {kind}", form, True
-        elif not any(needs <= {*given} for needs in fitting):
-            yield (), "these isolators are not complete", form
+        given: Any = {name: value for name, value in vars(self).items() if value is not None}
+        return type(self).kind(**given)
 
 
-_ISOLATORS: dict[str, tuple[set[str], set[str]]] = {
-    "a friction pendulum": ({"radius", "friction"}, {"yield_displacement"}),
-    "lead-rubber bearings": ({"strength", "stiffness", "yield_displacement"}, set()),
-    "high-damping rubber": ({"stiffness", "damping_ratio"}, set()),
-}
-"""Of each kind of isolators the keys that it needs, and that it may have."""
+def _isolators(law: Any, **examples: str) -> Any:
+    """The keys of isolators, from the parameters that their law declares."""
+    fields: dict[str, Any] = {}
+    for name, example in examples.items():
+        kind, is_needed = Annotated[float, _of(law, name, example)], law.parameters()[name].default is MISSING
+        fields[name] = kind if is_needed else kind | None, key(... if is_needed else None, _about(law, name), example)
+    model = create_model(law.__name__, __base__=_Isolators, __doc__=law.__doc__, **fields)
+    model.kind = law
+    return model
+
+
+_PENDULUM = _isolators(FrictionPendulum, radius="3.1 m", friction="6 %", yield_displacement="1 cm", capacity="35 cm")
+_BEARINGS = _isolators(Bearings, strength="800 kN", stiffness="5 kN/mm", yield_displacement="1 cm", capacity="35 cm")
+_RUBBER = _isolators(Rubber, stiffness="5 kN/mm", damping_ratio="12 %", capacity="35 cm")
+
+
+def _isolation_kind(value: Any) -> str:
+    given = value if isinstance(value, dict) else ()
+    if isinstance(value, _PENDULUM) or "radius" in given or "friction" in given:
+        return "pendulum"
+    return "rubber" if isinstance(value, _RUBBER) or "damping_ratio" in given else "bearings"
+
+
+Isolation: Any = tagged(_isolation_kind, pendulum=_PENDULUM, bearings=_BEARINGS, rubber=_RUBBER)
 
 
 class Foundation(Model):

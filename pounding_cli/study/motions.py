@@ -1,24 +1,171 @@
-"""From the records of the study file to motions: found, cut to their windows, scaled."""
+"""The section `records` of a study file, and its motions: found, cut to their windows, scaled."""
 
 from __future__ import annotations
 
+import functools
 import glob
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
-from typing import Any
+from pathlib import Path, PurePath
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import listed
 from pounding_cli.reading import LONGEST_PATH, shortened
 from pounding_cli.records import Motion
+from pounding_cli.records.units import UNITS, acceleration_unit
+from pounding_cli.study.base import Model, Name, Wrong, key, tagged, word_or
 from pounding_cli.study.file import Problems, Steps, nearest
-from pounding_cli.study.models import Arias, Pga, Pgv, RecordFile, Records, Sa, Spectrum
+from pounding_cli.study.laws import RATIO
+from pounding_cli.study.quantity import ACCELERATION, TIME, Quantity, Whole, refuse
+
+# Models of the section `records`
+
+
+def _unit(text: str) -> str:
+    if acceleration_unit(text) is None:
+        hint = f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g"
+        raise refuse(f"'{text}' is not a unit of acceleration", hint)
+    return text
+
+
+PERIOD = TIME.but(name="period", example="0.5 s", low=0.01, open_low=False, high=60)
+Period = Annotated[float, PERIOD]
+Acceleration = Annotated[float, ACCELERATION]
+Velocity = Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True)]
+Number = Annotated[int, Whole(1, 1000)]
+TimeStep = Annotated[float, TIME.but(name="time step", example="0.01 s")]
+Window = Annotated[float | str, TIME.but(name="window", example="10 s", words=("duration", "table1", "whole"))]
+Duration = Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))]
+Ratio = Annotated[float, RATIO]
+Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
+
+
+class RecordFile(Model):
+    """A motion in a file of one's own, or several in a folder."""
+
+    file: str = key(..., "a file, a folder, or a pattern motions/*.AT2, relative to the study file", "motions/x.AT2")
+    name: Name | None = key(None, "name of the motion in tables; default: the file's stem")
+    unit: Annotated[str, AfterValidator(_unit)] | None = key(
+        None, "unit of the acceleration, any spelling; only where the file states none (g in plain columns)"
+    )
+    dt: TimeStep | None = key(None, "time step [s]; needed for one column of values")
+    format: Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "column", "table"] | None = key(
+        None, "default: detected"
+    )
+    channel: Number | None = key(None, "channel of a file with several channels, from 1")
+    column: Number | None = key(None, "column of a table with the acceleration, from 1")
+
+
+class Arias(Model):
+    """Every record is scaled to the Arias intensity of one of them."""
+
+    arias: str = key(..., "record with the reference Arias intensity", "elcentro")
+    window: Window = key("duration", "part of each record that is measured [s]; `duration`: the analysed part")
+
+
+class Pga(Model):
+    """Every record is scaled to one peak ground acceleration."""
+
+    pga: Acceleration = key(..., "peak ground acceleration [m/s2]", "0.35 g")
+
+
+class Pgv(Model):
+    """Every record is scaled to one peak ground velocity."""
+
+    pgv: Velocity = key(..., "peak ground velocity [m/s], without baseline correction", "40 cm/s")
+
+
+class Sa(Model):
+    """Every record is scaled to one ordinate of its response spectrum."""
+
+    sa: Acceleration = key(..., "pseudo-acceleration [m/s2]", "0.8 g")
+    period: Period = key(..., "at this period [s]", "0.5 s")
+    damping: Ratio = key(0.05, "and this damping ratio [-]")
+
+
+def _once_each(points: Any) -> Any:
+    first: dict[float, str] = {}
+    for word in points if isinstance(points, dict) else ():
+        try:
+            period = PERIOD.read(word)
+        except PydanticCustomError:
+            continue  # said at its place
+        if period in first:
+            raise refuse(f"'{first[period]}' and '{word}' are one period", "remove one of the two")
+        first[period] = word
+    return points
+
+
+class Spectrum(Model):
+    """The suite is scaled to a target spectrum over a range of periods."""
+
+    spectrum: Literal["mean", "each"] = key(
+        ..., "`mean`: one factor for all, their mean spectrum meets the target; `each`: one for every record", "mean"
+    )
+    target: word_or(str, Annotated[dict[Period, Acceleration], BeforeValidator(_once_each)]) = key(  # type: ignore[valid-type]
+        ...,
+        "{period: pseudo-acceleration, ...}, or the record whose spectrum is taken",
+        {"0.1 s": "0.8 g", "2 s": "0.2 g"},
+    )
+    low: Period = key(..., "shortest period of the range [s]", "0.2 s", alias="from")
+    high: Period = key(..., "longest period of the range [s]", "1.2 s", alias="to")
+    damping: Ratio = key(0.05, "damping ratio of the spectra [-]")
+    at_least: Part | None = key(
+        None, "another factor for all, so that the mean spectrum is nowhere below this part of the target"
+    )
+
+    def wrong(self) -> Iterator[Wrong]:
+        ends = f"from {self.low:g} s to {self.high:g} s"
+        if not self.low < self.high:
+            hint = "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`"
+            yield ("to",), f"the range of periods runs {ends}", hint
+        elif isinstance(self.target, dict):
+            first, last = min(self.target, default=0.0), max(self.target, default=0.0)
+            if not first < last or not first <= self.low or not self.high <= last:
+                what = f"the target is given from {first:g} to {last:g} s, not over the whole range"
+                yield ("target",), what, f"give two points at least, {ends} and beyond"
+
+
+_SCALES: dict[str, Any] = {"arias": Arias, "pga": Pga, "pgv": Pgv, "sa": Sa, "spectrum": Spectrum}
+
+
+def _scale(value: Any) -> str:
+    if isinstance(value, dict):
+        return next((name for name in _SCALES if name in value), "arias")
+    return next((name for name, model in _SCALES.items() if isinstance(value, model)), "factor")
+
+
+FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("table1",))
+Scale: Any = tagged(_scale, factor=Annotated[float | str, FACTOR], **_SCALES)
+
+
+class Records(Model):
+    """The ground motions, the part of each that is used, and its scale."""
+
+    use: Annotated[tuple[word_or(str, RecordFile), ...], Field(min_length=1, max_length=5000)] = key(  # type: ignore[valid-type]
+        ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
+    )
+    duration: Duration = key(
+        "auto",
+        "how much of each record is used [s]; `table1`: the paper's durations; `auto`: those, and `whole` for motions "
+        "that Table 1 does not hold",
+    )
+    scale: Scale = key(
+        1.0, "a factor, `table1`, {arias: RECORD}, {pga: 0.35 g}, {pgv: ...}, {sa: ...} or {spectrum: ...}"
+    )
+
+
+# From the file to motions
+
 
 _VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
 # How the databases end the names of vertical components: -UP.AT2, DWN.AT2, .UD, .UD1.
@@ -29,7 +176,7 @@ _OTHER_FILES = re.compile(
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
 MOST_FILES = 50_000
-"""Files that one pattern may match."""
+"""Files and folders that are looked at for one pattern."""
 
 
 @dataclass(frozen=True)
@@ -53,35 +200,26 @@ class MotionReader:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._items: dict[str | RecordFile, tuple[Item, ...]] = {}
-        self._read: dict[Item, records.Reading | Motion] = {}
+        self.items: Callable[[str | RecordFile], tuple[Item, ...]] = functools.cache(self._items)
+        self.reading: Callable[[Item], records.Reading | Motion] = functools.cache(self._reading)
 
-    def items(self, record: str | RecordFile) -> tuple[Item, ...]:
-        """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
-        if record not in self._items:
-            self._items[record] = tuple(self._found(record))
-        return self._items[record]
-
-    def reading(self, item: Item) -> records.Reading | Motion:
+    def _reading(self, item: Item) -> records.Reading | Motion:
         """The whole motion, with how it was read where it is a file.  Raises `InputError`: it cannot be read."""
-        if item not in self._read:
-            how = item.how
-            if item.file is None or how is None:
-                self._read[item] = records.find(item.name)
-            else:
-                more: dict[str, Any] = how.model_dump(exclude={"file", "name"})
-                self._read[item] = records.read_file(item.file, name=item.name, **more)
-        return self._read[item]
+        if item.file is None or item.how is None:
+            return records.find(item.name)
+        more: dict[str, Any] = item.how.model_dump(exclude={"file", "name"})
+        return records.read_file(item.file, name=item.name, **more)
 
     def motion(self, item: Item) -> Motion:
         """The whole motion; raises as `reading`."""
         found = self.reading(item)
         return found.motion if isinstance(found, records.Reading) else found
 
-    def _found(self, record: str | RecordFile) -> list[Item]:
+    def _items(self, record: str | RecordFile) -> tuple[Item, ...]:
+        """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
         if isinstance(record, str):
             if record in records.names():
-                return [Item(record)]
+                return (Item(record),)
             is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
             if not is_path:
                 records.entry(record)  # refuses the name, with the nearest one
@@ -93,10 +231,18 @@ class MotionReader:
         if os.path.isdir(path):
             files = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
         elif os.path.exists(path):
-            return [Item(record.name or path.stem, path, record)]
+            return (Item(record.name or path.stem, path, record),)
         else:
-            found = glob.iglob(written, root_dir=self.folder, recursive=True) if "\0" not in written else iter(())
-            files = sorted(each for name in islice(found, MOST_FILES) if os.path.isfile(each := self.folder / name))
+            head, deep, tail = written.partition(
+                "**/"
+            )  # what lies below is visited file by file, so that it can be much
+            found = glob.iglob(f"{head}**" if deep else written, root_dir=self.folder, recursive=True)
+            seen = list(islice(found, MOST_FILES + 1)) if "\0" not in written else []
+            if len(seen) > MOST_FILES:
+                hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
+                raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files and folders", hint))
+            fits = (self.folder / name for name in seen if not deep or PurePath(name).match(tail))
+            files = sorted(each for each in fits if os.path.isfile(each))
         if not files:
             message = f"the record file {shortened(path)} does not exist"
             if glob.has_magic(record.file) or os.path.isdir(path):
@@ -108,7 +254,7 @@ class MotionReader:
         stems = Counter(each.stem for each in files)
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
-        return [Item(record.name or name, each, record) for each, name in zip(files, names, strict=True)]
+        return tuple(Item(record.name or name, each, record) for each, name in zip(files, names, strict=True))
 
 
 @dataclass(frozen=True)

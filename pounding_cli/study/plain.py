@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from pydantic import BaseModel
 
@@ -32,38 +32,27 @@ def shown(value: Any) -> Any:
     return value
 
 
-class Place(NamedTuple):
-    """Where a study writes a quantity: at or below these sections, under any of `keys` (none: anywhere there).
-
-    usual : its unit where the study does not write the quantity
-    """
-
-    sections: tuple[tuple[str, ...], ...]
-    keys: tuple[str, ...]
-    usual: Unit
-
-
-PLACES = {
-    "gap": Place((("cases",),), ("gap",), Unit("cm", 0.01, "m")),
-    "link stiffness": Place((("cases",), ("impact",)), ("stiffness",), Unit("MN/m", 1e6, "N/m")),
-    "acceleration": Place((("records", "scale"),), ("pga", "sa", "target"), Unit("g", GRAVITY, "m/s2")),
-    "time step": Place((("time_step",),), (), Unit("s", 1.0, "s")),
+PLACES: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...], Unit]] = {
+    "gap": ((("cases",),), ("gap",), Unit("cm", 0.01, "m")),
+    "link stiffness": ((("cases",), ("impact",)), ("stiffness",), Unit("MN/m", 1e6, "N/m")),
+    "acceleration": ((("records", "scale"),), ("pga", "sa", "target"), Unit("g", GRAVITY, "m/s2")),
+    "time step": ((("time_step",),), (), Unit("s", 1.0, "s")),
 }
-"""The quantities that screens and tables show in the unit of the study."""
+"""The quantities that screens and tables show in the unit of the study: the sections at or below which it writes them,
+the keys there (none: any), and the unit where it does not write them."""
 
 
 def unit_in(root: Any, quantity: str) -> Unit:
     """The unit a study writes a quantity of PLACES in: the first one found, SI where there are bare numbers only."""
-    place, bare = PLACES[quantity], False
-    kind = Quantity(quantity, place.usual.si, "")
-    for section in place.sections:
-        for value in _scalars(get(root, *section), place.keys, not place.keys):
-            if written_unit(value) and (found := unit_of([value], kind)).name != kind.si:
-                return found
-            if written_unit(value) == kind.si:
-                return Unit(kind.si, 1.0, kind.si)
+    sections, keys, usual = PLACES[quantity]
+    kind, bare = Quantity(quantity, usual.si, ""), False
+    for section in sections:
+        for value in _scalars(get(root, *section), keys, not keys):
+            unit = unit_of([value], kind)
+            if written_unit(value) == unit.name:
+                return unit
             bare = bare or isinstance(value, int | float)
-    return Unit(kind.si, 1.0, kind.si) if bare else place.usual
+    return Unit(usual.si, 1.0, usual.si) if bare else usual
 
 
 def _scalars(node: Any, keys: Sequence[str], inside: bool) -> Iterator[Any]:

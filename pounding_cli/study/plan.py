@@ -11,32 +11,10 @@ import numpy as np
 
 from pounding_cli.model.links import LinkPlace
 from pounding_cli.model.scene import Scene
-from pounding_cli.numbers import Unit
 
 if TYPE_CHECKING:
+    from pounding_cli.study.axes import Axis
     from pounding_cli.study.study import Study
-
-
-@dataclass(frozen=True)
-class Axis:
-    """One dimension of the sweep.
-
-    names : dotted keys as in the file, more than one when they move together
-    values : one tuple per point, as long as names: SI numbers, or the file's text for what is no number
-    units : the unit each key is written in; SI where none are given
-    """
-
-    names: tuple[str, ...]
-    values: tuple[tuple[float | str, ...], ...]
-    units: tuple[Unit, ...] = ()
-
-    def unit(self, column: int) -> Unit:
-        """The unit of a key, by its place in `names`."""
-        return self.units[column] if self.units else Unit()
-
-    def shown(self, place: int) -> tuple[str, ...]:
-        """The values at a point in the units of the study, e.g. ("0.7 g",)."""
-        return tuple(self.unit(column).text(value) for column, value in enumerate(self.values[place]))
 
 
 @dataclass(frozen=True, eq=False)

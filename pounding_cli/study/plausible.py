@@ -15,6 +15,7 @@ from pounding_cli.errors import Problem
 from pounding_cli.laws import link_laws
 from pounding_cli.numbers import counted, listed
 from pounding_cli.study import schema
+from pounding_cli.study.axes import sweep_maps
 from pounding_cli.study.build import Group, tell_left_out
 from pounding_cli.study.file import Items, Map, Mark, Problems, Steps, get, locate
 from pounding_cli.study.models import Case, StiffnessAt
@@ -56,7 +57,7 @@ def warnings(study: Study) -> tuple[Problem, ...]:
         key = name, study.key(point, subjects)
         return key not in seen and not seen.add(key)  # type: ignore[func-returns-value]
 
-    for point in _points([len(axis) for axis in study.swept]):
+    for point in _points([len(axis) for axis in study.axes]):
         root, group = study.at(point), study.group(point)
         assert group is not None  # the study was validated
         for name in study.model.buildings:
@@ -73,7 +74,6 @@ def warnings(study: Study) -> tuple[Problem, ...]:
         if is_new("motions", point, "records"):
             doubt_motions(study.motions(point), root, notes)
     doubt_accelerations(study.root, notes)
-    tell_held(study, notes)
     if study.model.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
@@ -144,7 +144,10 @@ def doubt_stiffnesses(case: Case, impact: Any, group: Group, root: Any, path: St
 
 def doubt_accelerations(root: Map, notes: Problems) -> None:
     """Note numbers without a unit that stand for an acceleration and would be plausible in g: 0.4 is 0.4 m/s2."""
-    at, swept = ("records", "scale"), swept_keys(root)
+    at, swept = (
+        ("records", "scale"),
+        {key: (node[key], node.marks[key][1]) for node in sweep_maps(root) for key in node},
+    )
     found = [
         each for key, (value, mark) in swept.items() for each in _accelerations(tuple(key.split(".")), value, mark)
     ]
@@ -158,13 +161,6 @@ def doubt_accelerations(root: Map, notes: Problems) -> None:
         si = ACCELERATION.read(value)
         message = f"{place[-1]}: {value} has no unit: it is {si:.4g} m/s2 = {si / GRAVITY:.3f} g"
         notes.add(mark, message, f"write `{value} g`, or `{value} m/s2` if that is meant")
-
-
-def swept_keys(root: Map) -> dict[str, tuple[Any, Mark]]:
-    """The swept keys, dotted, with what stands there and where."""
-    sweep = root.get("sweep")
-    holders = sweep if isinstance(sweep, Items) else [sweep]
-    return {key: (node[key], node.marks[key][1]) for node in holders if isinstance(node, Map) for key in node}
 
 
 def _accelerations(path: Steps, node: Any, mark: Mark) -> Iterator[tuple[Steps, Any, Mark]]:
@@ -189,7 +185,8 @@ def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
     asked, at = get(root, "records", "scale", "pga"), ("records", "scale", "pga")
     if asked is not None:
         # An axis may begin low, as incremental dynamic analyses do.
-        if "records.scale.pga" not in swept_keys(root()) and not any(_accelerations(at, asked, (0, 0))):
+        is_swept = any("records.scale.pga" in node for node in sweep_maps(root()))
+        if not is_swept and not any(_accelerations(at, asked, (0, 0))):
             fits = RANGES["peak ground acceleration asked for"]
             doubt(fits.name, fits, next(iter(used.values())).use.pga, root, at, notes)
         return
@@ -207,32 +204,6 @@ def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
         scaled = any(each.use.scale != 1 for each in used.values())
         message = f"unlikely peaks: {listed(names)}: {reason}"
         notes.at(root, ("records", "scale") if scaled else ("records", "use"), message, hint)
-
-
-def tell_held(study: Study, notes: Problems) -> None:
-    """Note every mass that varies in a building with a `period`: its stiffness follows the mass."""
-    from pounding_cli.study.study import touched_by
-
-    root, model = study.root, study.model
-    for section in (("sweep",), ("uncertain",), ("optimise", "over")):
-        node = get(root, *section)
-        for holder in node if isinstance(node, list) else [node]:
-            for key in holder if isinstance(holder, Map) else ():
-                path = key.split(".")
-                if path[0] != "buildings" or path[2:] != ["mass"]:
-                    continue
-                touched = touched_by([key], root)
-                names = [name for name in dict.fromkeys(model.group) if ("buildings", name) in touched]
-                held = [name for name in names if model.buildings[name].stiffness is None]
-                held = [name for name in held if f"buildings.{name}.period" not in holder]
-                if held:
-                    message = (
-                        f"where the mass varies, the period of {listed(held)} is held: the stiffness follows the mass"
-                    )
-                    if "inelastic" in model.analyses:
-                        message += ", and yield shears that a code sets follow the weight"
-                    hint = "to hold the stiffness, write e.g. `stiffness: {period: 0.42 s, mass: 300 t}`, not `period`"
-                    notes.add(holder.marks[key][0], message, hint)
 
 
 # Values and their ranges

@@ -35,51 +35,39 @@ class Plausible:
     high: float
     reason: str
     units: Mapping[str, float]
-    name: str = ""
+    name: str
 
     def holds(self, value: float) -> bool:
         """Whether a value is plausible; nothing at all (no gap, no damping) is."""
         return value == 0 or self.low <= value <= self.high
 
 
-_RANGES = {
-    "gap": Plausible(
-        1e-4, 1.0, "gaps between neighbours are millimetres to decimetres; the largest a code asks for is near 1 m",
-        LENGTHS,
+_STIFFEST = "stiffness over the stiffest storey's"
+_RANGES = (
+    (1e-4, 1.0, LENGTHS, "gap", "gaps are millimetres to decimetres; the largest a code asks for is near 1 m"),
+    (5e3, 1e7, MASSES, "floor mass", "floors weigh 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block"),
+    (2.0, 12.0, LENGTHS, "storey height", "people stand in a storey; halls and lobbies reach 12 m"),
+    (0.02, 10.0, TIMES, "period", "the tallest buildings there are have about 10 s"),
+    (0.02, 0.5, TIMES, "period of a storey", "frames and walls have 0.05 to 0.2 s a storey"),
+    (0.006, 0.3, {"%": 0.01}, "damping ratio", "structures have 1 to 10 % of critical; dampers reach 30 %"),
+    (0.005, 3.0, FORCES, "base yield shear over weight", "codes design for 2 to 30 %, 100 % with overstrength"),
+    (0.5, 1e4, STIFFNESSES, f"impact {_STIFFEST}", "floors that meet are stiffer: 5 to 1000 times in studies"),
+    (1e-5, 1e3, STIFFNESSES, f"link {_STIFFEST}", "below that the link does nothing, above it is an impact"),
+    (
+        0.04 * GRAVITY, 3 * GRAVITY, ACCELERATIONS, "peak ground acceleration asked for",
+        "damage begins near 0.05 g, recorded peaks reach 3 g",
     ),
-    "floor mass": Plausible(
-        5e3, 1e7, "a floor weighs about 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block", MASSES
+    (
+        0.0, 2 * GRAVITY, ACCELERATIONS, "peak of a motion as read and as used",
+        "few motions were ever recorded with more than 2 g; above, the unit is often wrong",
     ),
-    "storey height": Plausible(2.0, 12.0, "people stand in a storey; halls and lobbies reach 12 m", LENGTHS),
-    "period": Plausible(0.02, 10.0, "the tallest buildings there are have about 10 s", TIMES),
-    "period of a storey": Plausible(
-        0.02, 0.5, "frames and walls have 0.05 to 0.2 s a storey", TIMES
+    (
+        0.001 * GRAVITY, 5 * GRAVITY, ACCELERATIONS, "peak of a motion as used",
+        "below 0.001 g a motion is not felt; above 5 g the unit is wrong",
     ),
-    "damping ratio": Plausible(0.006, 0.3, "structures have 1 to 10 % of critical; dampers reach 30 %", {"%": 0.01}),
-    "base yield shear over weight": Plausible(
-        0.005, 3.0, "codes design for 2 to 30 % of the weight; overstrength brings that to 100 % at most", FORCES
-    ),
-    "impact stiffness over the stiffest storey's": Plausible(
-        0.5, 1e4, "floors that meet are stiffer than the columns below; studies take 5 to 1000 times", STIFFNESSES
-    ),
-    "link stiffness over the stiffest storey's": Plausible(
-        1e-5, 1e3, "below that the link does nothing, above it is an impact", STIFFNESSES
-    ),
-    "peak ground acceleration asked for": Plausible(
-        0.04 * GRAVITY, 3 * GRAVITY, "damage begins near 0.05 g, recorded peaks reach 3 g", ACCELERATIONS
-    ),
-    "peak of a motion as read and as used": Plausible(
-        0.0, 2 * GRAVITY, "few motions were ever recorded with more than 2 g; above, the unit is often wrong",
-        ACCELERATIONS,
-    ),
-    "peak of a motion as used": Plausible(
-        0.001 * GRAVITY, 5 * GRAVITY, "below 0.001 g a motion is not felt; above 5 g the unit is wrong", ACCELERATIONS
-    ),
-}  # fmt: skip
-
-RANGES = {name: replace(fits, name=name) for name, fits in _RANGES.items()}
+)  # fmt: skip
+RANGES = {name: Plausible(low, high, reason, units, name) for low, high, units, name, reason in _RANGES}
 """What is plausible, one row a quantity."""
-
 
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({NUMBER})(?:\s*/\s*({NUMBER}))?\s*([A-Za-zµ°%].*)?\Z")

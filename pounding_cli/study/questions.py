@@ -10,9 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from pounding_cli.model.separation import GB_SHARE, GB_STEP
-from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
+from pounding_cli.study.base import Model, Wrong, form, key, one_or_many, tagged
 from pounding_cli.study.expression import Limit, read_limit
-from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import TIME, Quantity, Text, Whole, refuse, written_unit
 
 ALL = "all"
@@ -127,19 +126,12 @@ class Measure:
 
 def read_measure(value: Any) -> Measure:
     """`pga`, `pgv`, `factor`, `sa` or `sa(0.5 s)`.  Raises PydanticCustomError saying what to write."""
-    hint = "write pga, pgv, factor or the pseudo-acceleration at a period, sa(0.5 s)"
     found = _MEASURE.match(value.strip()) if isinstance(value, str) and len(value) < 60 else None
-    if found is None:
+    name, period = found.groups() if found is not None else ("", None)
+    if name not in MEASURES or (period is not None and (name != "sa" or not written_unit(period))):
+        hint = "write pga, pgv, factor or the pseudo-acceleration at a period, sa(0.5 s)"
         raise refuse(f"'{str(value)[:60]}' is not an intensity measure", hint)
-    if found["name"] not in MEASURES:
-        raise refuse(f"no intensity measure '{found['name']}' is known", nearest(found["name"], MEASURES))
-    if found["period"] is None:
-        return Measure(found["name"])
-    if found["name"] != "sa":
-        raise refuse(f"'{value}': only sa has a period", f"write `{found['name']}`")
-    if not written_unit(found["period"]):
-        raise refuse(f"'{value}': the period has no unit", "write e.g. `sa(0.5 s)`")
-    return Measure("sa", _PERIOD.read(found["period"]))
+    return Measure(name, 0.0 if period is None else _PERIOD.read(period))
 
 
 _LIMIT = Annotated[Limit, Text(read_limit, "limit in words", ("mu > 4", "drift > 2 %", "contact"))]
@@ -229,24 +221,11 @@ class SensitivitySpec(Model):
 
 
 _END = {"type": ["number", "string"]}
+_SEARCHED = form("from", "to", **{"from": _END, "to": _END}, spacing={"enum": ["linear", "log"]})
+_CHOSEN = form("choice", choice={"type": "array", "minItems": 2})
 _OVER_FORM = {
     "type": "object",
-    "additionalProperties": {
-        "anyOf": [
-            {
-                "type": "object",
-                "properties": {"from": _END, "to": _END, "spacing": {"enum": ["linear", "log"]}},
-                "required": ["from", "to"],
-                "additionalProperties": False,
-            },
-            {
-                "type": "object",
-                "properties": {"choice": {"type": "array", "minItems": 2}},
-                "required": ["choice"],
-                "additionalProperties": False,
-            },
-        ]
-    },
+    "additionalProperties": {"anyOf": [_SEARCHED, _CHOSEN]},
     "title": "Over",
     "examples": [{"cases.near.gap": {"from": "1 cm", "to": "10 cm"}, "cases.near.floors": {"choice": [[5], [3, 5]]}}],
 }

@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, WithJsonSchema, create_model
 
 from pounding_cli.laws import link_laws
-from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP, setting_of
-from pounding_cli.study.base import Model, Name, Wrong, key, word_or
+from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
+from pounding_cli.study.base import Model, Name, Wrong, form, key, word_or
 from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
-from pounding_cli.study.models import Building, Case, OwnLaw, Records
+from pounding_cli.study.models import Building, Case, OwnLaw
+from pounding_cli.study.motions import Records
 from pounding_cli.study.quantity import TIME, Quantity
 from pounding_cli.study.questions import FragilitySpec, GapSpec, OptimiseSpec, SensitivitySpec
 
@@ -44,40 +45,18 @@ class Keep(Model):
     histories: word_or(Literal["all"], Histories) = key(..., "scenes kept over time, or `all`", {"cases": ["touching"]})  # type: ignore[valid-type]
 
 
-_RANGE = {
-    "type": "object",
-    "properties": {
-        "from": {"type": ["number", "string"]},
-        "to": {"type": ["number", "string"]},
-        "count": {"type": "integer", "minimum": 2},
-        "step": {"type": ["number", "string"]},
-        "spacing": {"enum": ["linear", "log"]},
-    },
-    "required": ["from", "to"],
-    "additionalProperties": False,
-}
-_BRACKET = {
-    "type": "object",
-    "properties": {"values": {"type": "array", "minItems": 3}, "middle": {"type": ["number", "string"]}},
-    "required": ["values", "middle"],
-    "additionalProperties": False,
-}
-_AXIS = {"anyOf": [{"type": "array", "minItems": 1}, _RANGE, _BRACKET]}
+_VALUE, _SPACING = {"type": ["number", "string"]}, {"enum": ["linear", "log"]}
+_STEPS = {"count": {"type": "integer", "minimum": 2}, "step": _VALUE, "spacing": _SPACING}
+_RANGE = form("from", "to", **{"from": _VALUE, "to": _VALUE}, **_STEPS)
+_BRACKET = form("values", "middle", values={"type": "array", "minItems": 3}, middle=_VALUE)
+_AXES = {"type": "object", "additionalProperties": {"anyOf": [{"type": "array", "minItems": 1}, _RANGE, _BRACKET]}}
 _SWEEP_FORM = {
-    "anyOf": [
-        {"type": "object", "additionalProperties": _AXIS},
-        {"type": "array", "items": {"type": "object", "additionalProperties": _AXIS}},
-    ],
+    "anyOf": [_AXES, {"type": "array", "items": _AXES}],
     "title": "Sweep",
     "examples": [{"impact.restitution": [0.4, 0.5, 0.65]}],
 }
-
-_UNCERTAIN_KEYS = {
-    "type": "object",
-    "additionalProperties": {
-        "anyOf": [{"enum": ["any", "bootstrap"]}, {"type": "object", "minProperties": 1, "maxProperties": 1}]
-    },
-}
+_DRAWN = {"anyOf": [{"enum": ["any", "bootstrap"]}, {"type": "object", "minProperties": 1, "maxProperties": 1}]}
+_UNCERTAIN_KEYS = {"type": "object", "additionalProperties": _DRAWN}
 _UNCERTAIN_FORM = {
     "anyOf": [_UNCERTAIN_KEYS, {"type": "array", "items": _UNCERTAIN_KEYS}],
     "title": "Uncertain",
@@ -104,9 +83,9 @@ class _Study(Model):
     analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = key(
         ("elastic", "inelastic"), "whether storeys may yield"
     )
-    accuracy: Annotated[
-        float, Quantity(ACCURACY.title, ACCURACY.unit, ACCURACY.example, ACCURACY.low, ACCURACY.high)
-    ] = key(ACCURACY.default, "relative error of the peaks [-]")
+    accuracy: Annotated[float, Quantity("accuracy", "", ACCURACY.example, 1e-14, 0.1)] = key(
+        1e-6, "relative error of the peaks [-]"
+    )
     method: Literal[tuple(METHODS)] = key("taylor", "how the equations of motion are solved")  # type: ignore[valid-type]
     time_step: Annotated[float, TIME.but(name=TIME_STEP.title, example=TIME_STEP.example)] | None = key(
         None, "time step of a fixed-step method [s]"
@@ -133,7 +112,7 @@ class _Study(Model):
     )
 
     def wrong(self) -> Iterator[Wrong]:
-        timed, method = setting_of(self.method) is TIME_STEP, self.method
+        timed, method = METHODS[self.method].takes_step, self.method
         if timed and self.time_step is None:
             yield ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"
         if not timed and self.time_step is not None:
@@ -162,9 +141,8 @@ def json_schema() -> dict[str, Any]:
     """The JSON Schema (2020-12) of a study file, for editors: cases as they are written, one link or several."""
     found = Study.model_json_schema(by_alias=True)
     defs = found["$defs"]
-    del defs["UnknownLink"]
     several = defs["Case"]
-    branches = [each for each in several["properties"]["links"]["items"]["oneOf"] if "Unknown" not in each["$ref"]]
+    branches = several["properties"]["links"]["items"]["oneOf"]
     for name, model in link_models().items():
         link = defs[model.__name__]
         link["required"] = ["link"]  # what else it lacks, its case may give

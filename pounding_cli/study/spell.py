@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from pounding_cli.laws import KELVIN_VOIGT, link_laws
-from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
-from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, Unknown, keys_of, kind_of
+from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest
+from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, keys_of, kind_of
 from pounding_cli.study.models import BASE_SHEAR
 
 CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
@@ -50,7 +50,10 @@ def inherited(buildings: Any, problems: Problems) -> Any:
     out."""
     if not isinstance(buildings, Map):
         return buildings
-    own = {name: _own(node, problems) for name, node in buildings.items()}
+    own = dict(buildings)
+    for node in own.values():
+        _refuse_alternatives(node, "building", problems)
+        _refuse_alternatives(get(node, "yield"), "yield", problems)
     done: dict[str, Any] = {}
     for name in own:
         for each in reversed(_chain(name, own, done, problems)):
@@ -66,20 +69,6 @@ def like_of(building: Any) -> str | None:
     """The building that one is like, which a number may name too; None where it stands on its own."""
     like = building.get("like") if isinstance(building, Map) else None
     return str(like) if isinstance(like, str | int | float) and not isinstance(like, bool) else None
-
-
-def _own(node: Any, problems: Problems) -> Any:
-    """A building as it is written, of keys that say the same in two ways the first."""
-    _refuse_alternatives(node, "building", problems)
-    below = get(node, "yield")
-    _refuse_alternatives(below, "yield", problems)
-    if not isinstance(below, Map):
-        return node
-    gone = CODE if "base_shear" in below else BASE_SHEAR if not CODE.isdisjoint(below) else frozenset()
-    if gone.isdisjoint(below):
-        return node
-    kept = Map({key: value for key, value in below.items() if key not in gone}, below.mark, below.marks)
-    return put(node, ["yield"], kept, node.marks["yield"][1])
 
 
 def _chain(name: str, own: dict[str, Any], done: dict[str, Any], problems: Problems) -> list[str]:
@@ -194,6 +183,6 @@ def _whole(entry: Any, case: Map | None, impact: Any, own: Iterable[str]) -> tup
     if word is not None:
         rule["link"] = full
         if isinstance(full, str) and kind_of(full) not in (*link_laws(), "none", *own):
-            rule["link"] = Unknown(full)
-            rule["link"].known = (*link_laws(), *own)
+            mark = entry.marks["link"]  # that nobody knows this law is told where links are built
+            rule = Map({"link": full, "gap": 0.0}, entry.mark, {"link": mark, "gap": mark})
     return rule, spoken

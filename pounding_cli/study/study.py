@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -16,10 +16,11 @@ from pounding_cli import records
 from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building, UnstableError
 from pounding_cli.model.links import Link
+from pounding_cli.model.separation import UBC
 from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
-from pounding_cli.study.axes import UNWRITTEN, SweepAxis, read_axes, with_middles
+from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, with_middles
 from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
 from pounding_cli.study.keep import check_keep
 from pounding_cli.study.links import OwnLaw, check_contact, content, own_laws
@@ -29,9 +30,7 @@ from pounding_cli.study.models import Case
 from pounding_cli.study.motions import MotionReader, Used, motions_of
 from pounding_cli.study.old_links import refuse_old
 from pounding_cli.study.plain import shown, unit_in
-from pounding_cli.study.plan import Axis
 from pounding_cli.study.spell import inherited, like_of, links_of
-from pounding_cli.study.words import value_at
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -112,7 +111,7 @@ class Study:
         path: Path,
         text: str,
         root: Map,
-        axes: Sequence[SweepAxis] | None = None,
+        axes: Sequence[Axis] | None = None,
         reader: MotionReader | None = None,
         written: Study | None = None,
     ) -> None:
@@ -126,17 +125,16 @@ class Study:
         self.problems.check()
         self.root, self.middles = with_middles(root, self.problems)
         self.reader = reader or MotionReader(path.resolve().parent)
-        self.swept = read_axes(self.root, self.problems) if axes is None else tuple(axes)
-        self.base: Point = (-1,) * len(self.swept)
-        self._touched = [touched_by(axis.names, self.root) for axis in self.swept]
+        self.axes = read_axes(self.root, self.problems) if axes is None else tuple(axes)
+        self.base: Point = (-1,) * len(self.axes)
+        self._touched = [touched_by(axis.names, self.root) for axis in self.axes]
         self._masks: dict[tuple[Subject, ...], tuple[bool, ...]] = {}
         self._kept: dict[Any, tuple[Any, dict[Problem, Point]]] = {}
         self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
         self.model: Any = self._checked()
         self.title = self.model.title or shortened(path.stem)
-        self.axes = tuple(Axis(axis.names, tuple(_values(axis)), axis.units) for axis in self.swept)
         if axes is None:
-            _refuse_twins(self.axes, self.swept, self.problems)
+            _refuse_twins(self.axes, self.problems)
             self.problems.check()
         self.warnings: tuple[Problem, ...] = written.warnings if written is not None else plausible.warnings(self)
 
@@ -164,7 +162,7 @@ class Study:
     def _patched(self, point: Point, *sections: str) -> Map:
         """The tree with the swept values of some sections, all unless given, at a point."""
         root = self.root
-        for place, axis in zip(point, self.swept, strict=True):
+        for place, axis in zip(point, self.axes, strict=True):
             if place < 0:
                 continue
             for path, value, mark in zip(axis.paths, axis.given[place], axis.marks[place], strict=True):
@@ -224,7 +222,7 @@ class Study:
         except UnstableError as error:
             hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
             self.problems.at(self.tree(point), (*path, "p_delta"), str(error), hint)
-        except (ValueError, FloatingPointError) as error:
+        except (ValueError, ArithmeticError) as error:
             hint = "check the building's masses, heights, period and stiffness"
             self.problems.at(self.tree(point), path, str(error), hint)
         return None
@@ -246,16 +244,18 @@ class Study:
         return group if build.check_meetings(group, self.root, self.problems) else None
 
     @answer(lambda: ("laws",))
-    def laws(self, point: Point) -> dict[str, OwnLaw]:
-        """The laws of the study's own by name."""
-        return own_laws(self.section(point, "laws") or {}, self.at(point), self.problems)
+    def laws(self, point: Point) -> dict[str, OwnLaw] | None:
+        """The laws of the study's own by name; None where they are faulty."""
+        specs = self.section(point, "laws")
+        return None if specs is None else own_laws(specs, self.at(point), self.problems)
 
     @answer(lambda: ("impact", "laws"))
     def impact(self, point: Point) -> Any:
         """The validated impact element; None where it is faulty."""
         impact, laws = self.section(point, "impact"), self.laws(point)
-        is_sound = impact is not None and check_contact(impact.law, laws, self.at(point), self.problems)
-        return impact if is_sound else None
+        if impact is None or laws is None:
+            return None
+        return impact if check_contact(impact.law, laws, self.at(point), self.problems) else None
 
     @answer(lambda name: ("impact", ("cases", name)))
     def case(self, point: Point, name: str) -> Case | None:
@@ -268,7 +268,7 @@ class Study:
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong with them."""
         case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
-        if case is None or impact is None:
+        if case is None or impact is None or laws is None:
             return None
         if group is None:  # so that what is wrong with the links is told beside what is wrong with the group
             group = build.Group((), self.types(point), (), (), list(get(self.root, "buildings") or ()))
@@ -305,7 +305,7 @@ class Study:
     def unit(self, quantity: str) -> Unit:
         """The unit the study writes a quantity in, to show it to people: one of `plain.PLACES`, e.g. gap."""
         source = self.written or self
-        return unit_in(source._patched((0,) * len(source.swept)), quantity)
+        return unit_in(source._patched((0,) * len(source.axes)), quantity)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
         """The motions against the target spectrum they are scaled to, at the first point of the sweep; None without."""
@@ -319,12 +319,6 @@ class Study:
         return records.SpectrumMatch.of(motions, target, scale.spectrum == "each", scale.at_least)
 
     @answer(lambda name: (("buildings", name),))
-    def design_displacements(self, point: Point, name: str) -> np.ndarray | None:
-        """Displacements a building type is designed for [m], shape (n,), from the ground up; None without a code."""
-        building: Any = self.type(point, name)
-        return build.design_displacements(self.building_spec(point, name), building)
-
-    @answer(lambda name: (("buildings", name),))
     def code_displacements(self, point: Point, name: str) -> Mapping[str, np.ndarray]:
         """Displacements of a building type that codes expect, by rule (`build.code_displacements`) [m]."""
         building: Any = self.type(point, name)
@@ -335,7 +329,7 @@ class Study:
 
         NaN for the last, and where the yield shears of a neighbour were not set by a code.
         """
-        allowed = [self.design_displacements(point, name) for name in self.model.group]
+        allowed = [self.code_displacements(point, name).get(UBC) for name in self.model.group]
         return np.array([*(build.separation(left, right) for left, right in pairwise(allowed)), None], dtype=float)
 
     def resolved(self) -> dict[str, Any]:
@@ -378,7 +372,7 @@ class Study:
 
             read_uncertain(self.root, problems)
         as_written = dict(problems.found)
-        for number, axis in enumerate(self.swept):
+        for number, axis in enumerate(self.axes):
             for place in range(len(axis)):
                 self.problems = Problems(self.file)
                 self._ask((*self.base[:number], place, *self.base[number + 1 :]))
@@ -463,7 +457,7 @@ def _refuse_unnamed(root: Map, problems: Problems) -> None:
     problems.check()
 
 
-def _at_value(problems: Sequence[Problem], axis: SweepAxis, index: int, faulty: bool) -> list[Problem]:
+def _at_value(problems: Sequence[Problem], axis: Axis, index: int, faulty: bool) -> list[Problem]:
     """Problems at one value of an axis; those that stand elsewhere in the file name that value."""
     lines, here = {mark[0] for mark in axis.marks[index]}, []
     for problem in problems:
@@ -474,18 +468,11 @@ def _at_value(problems: Sequence[Problem], axis: SweepAxis, index: int, faulty: 
     return here
 
 
-def _values(axis: SweepAxis) -> Iterator[tuple[float | str, ...]]:
-    """SI numbers where the values are quantities, the file's words where they are not."""
-    paths = [tuple(path) for path in axis.paths]
-    for row in axis.given:
-        yield tuple(value_at(schema.Study, path, value) for path, value in zip(paths, row, strict=True))
-
-
-def _refuse_twins(said: Sequence[Axis], axes: Sequence[SweepAxis], problems: Problems) -> None:
+def _refuse_twins(axes: Sequence[Axis], problems: Problems) -> None:
     """Note points of an axis that are one and the same: 0.5 and 1/2."""
-    for axis, written in zip(said, axes, strict=True):
+    for axis in axes:
         first: dict[tuple[float | str, ...], int] = {}
         for place, values in enumerate(axis.values):
             if (same := first.setdefault(values, place)) != place:
-                what = f"{written.told(same)} and {written.told(place)} are the same point of this axis"
-                problems.add(written.marks[place][0], what, "remove one of the two")
+                what = f"{axis.told(same)} and {axis.told(place)} are the same point of this axis"
+                problems.add(axis.marks[place][0], what, "remove one of the two")

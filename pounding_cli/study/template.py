@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import NamedTuple
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
@@ -15,34 +15,20 @@ SCHEMA_FILE = "pound.schema.json"
 """Name of the JSON Schema that a study's first line points its editor to."""
 
 
-@dataclass(frozen=True)
-class Template:
-    """A study to start from.
+class Template(NamedTuple):
+    """A study to start from: the `pound` command that runs it, what it is about."""
 
-    name : its key in TEMPLATES and the stem of its file in `templates/`
-    command : the `pound` command that runs it
-    text : what it is about
-    """
-
-    name: str
     command: str
     text: str
 
-    def written(self, title: str) -> str:
-        """The study file with this title."""
-        source = resources.files(__package__) / "templates" / f"{self.name}.yaml"
-        return source.read_text(encoding="utf-8").replace("TITLE", json.dumps(title, ensure_ascii=False), 1)
-
 
 TEMPLATES = {
-    template.name: template
-    for template in (
-        Template("pair", "run", "two buildings, touching and with a gap, every key explained"),
-        Template("measures", "run", "the paper's measures: gap, infill, connectors, under its five motions"),
-        Template("connector", "connector", "two connected oscillators in closed form"),
-        Template("wall", "wall", "a floor striking a bumper wall"),
-    )
+    "pair": Template("run", "two buildings, touching and with a gap, every key explained"),
+    "measures": Template("run", "the paper's measures: gap, infill, connectors, under its five motions"),
+    "connector": Template("connector", "two connected oscillators in closed form"),
+    "wall": Template("wall", "a floor striking a bumper wall"),
 }
+"""By name, the stem of its file in `templates/`."""
 
 
 def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
@@ -65,16 +51,17 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
     stem = path.stem.replace("-", " ").replace("_", " ").strip()
     if not stem.strip(". "):
         raise InputError(Problem(f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
-    chosen = TEMPLATES[template]
+    source = resources.files(__package__) / "templates" / f"{template}.yaml"
     schema = path.with_name(SCHEMA_FILE)
     if os.path.exists(path):  # False for a name that is too long: the next check refuses that
         raise InputError(Problem("is there already", "choose another name, or move it away", str(path)))
     check_output(path)
-    text = schema_text() if chosen.command == "run" else ""
+    text = schema_text() if TEMPLATES[template].command == "run" else ""
     if text:
         check_output(schema, mine=lambda _, head: head.startswith(text.encode()[:60]))
     try:
-        path.write_text(chosen.written(stem[0].upper() + stem[1:]), encoding="utf-8")
+        title = json.dumps(stem[0].upper() + stem[1:], ensure_ascii=False)
+        path.write_text(source.read_text(encoding="utf-8").replace("TITLE", title, 1), encoding="utf-8")
         if not text:
             return (path,)
         schema.write_text(text, encoding="utf-8")

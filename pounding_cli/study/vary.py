@@ -8,11 +8,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
-from pounding_cli.study.axes import can_vary, in_unit, same, sweep_maps, unit_of
+from pounding_cli.study.axes import can_vary, in_unit, read_number, same, sweep_maps, unit_of
 from pounding_cli.study.file import Items, Map, Mark, Problems, nearest
 from pounding_cli.study.quantity import LINK_STIFFNESS, Quantity, Storey, lacks_unit, said_place
 from pounding_cli.study.words import quantity_at
@@ -327,16 +326,7 @@ def _number(key: str, word: str, node: Map, quantity: Quantity, problems: Proble
         hint = f"write its unit too, e.g. {quantity.example}; without one it would be {given} {kind.si}"
         problems.add(mark, f"'{key}': {given} has no unit", hint)
         return None
-    try:
-        value = kind.read(given)
-    except PydanticCustomError as error:
-        context: dict[str, Any] = error.context or {}
-        problems.add(mark, context["message"], context["hint"])
-        return None
-    if isinstance(value, str):
-        problems.add(mark, f"'{value}' is not a number", quantity.wanted)
-        return None
-    return value
+    return read_number(kind, given, mark, problems)
 
 
 def _wrong(key: str, drawn: Distribution, quantity: Quantity) -> Iterator[tuple[str, str, str]]:

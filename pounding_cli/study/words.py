@@ -105,13 +105,28 @@ def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float
 Told = tuple[str, str, bool]
 """Message, hint, whether it stands at the key."""
 
+_SAID: dict[str, Told] = {
+    "literal_error": ("{owner}{shown} is not known", "write {expected}", False),
+    "tuple_type": ("{owner}{shown} is not a list", "write [first, second, ...]", False),
+    "too_long": ("{owner}{actual_length} entries", "write at most {max_length}", False),
+    "string_pattern_mismatch": ("{shown} cannot be a name", "use letters, digits, blanks, _, - and +", True),
+    "string_too_long": ("{shown} is too long a name", "use at most {max_length} characters", True),
+    "bool_parsing": ("{owner}{shown} is neither true nor false", "write true or false", False),
+    "string_type": ("{owner}{shown} is not a text", "write a word, in quotes if it looks like something else", False),
+}
+_SAID |= {"enum": _SAID["literal_error"], "list_type": _SAID["tuple_type"], "bool_type": _SAID["bool_parsing"]}
+
 
 def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: Any) -> Told:
     """An error of pydantic in words; "" for what is told elsewhere."""
-    kind, context, given = item["type"], item.get("ctx", {}), item.get("input")
+    kind, context, given, owner = item["type"], item.get("ctx", {}), item.get("input"), _owner(path, root)
     words = [step for step in path if isinstance(step, str) and not step.startswith("(")]
-    name, shown = (words[-1] if words else "the study")[:60], said(given)
-    owner = _owner(path, root)
+    name = (words[-1] if words else "the study")[:60]
+    if kind in _SAID:
+        message, hint, at_key = _SAID[kind]
+        told = {"actual_length": len(given or ()) if kind == "too_long" else 0, **context}
+        told = {key: each for key, each in told.items() if each is not None} | {"owner": owner, "shown": said(given)}
+        return message.format_map(told), hint.format_map(told), at_key
     match kind:
         case "refused":
             return f"{'' if context.get('whole') else owner}{context['message']}", context["hint"], context["key"]
@@ -119,27 +134,12 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
             return _unknown(str(path[-1])[:60], path, model, root)
         case "missing":
             return _missing(name, path, model, root)
-        case "literal_error" | "enum":
-            return f"{owner}{shown} is not known", f"write {context['expected']}", False
         case "model_type" | "model_attributes_type" | "dict_type":
             return _no_mapping(given, owner, path, model, root)
-        case "tuple_type" | "list_type":
-            return f"{owner}{shown} is not a list", "write [first, second, ...]", False
-        case "too_long":
-            many = context.get("actual_length") or len(given or ())
-            return f"{owner or f'{name}: '}{many} entries", f"write at most {context['max_length']}", False
         case "too_short":
             # Pydantic counts sound entries only: what is wrong with the others is told.
             is_so = context.get("actual_length") == len(given or ())
             return f"'{name}' is empty" * is_so, _example(model, path) or "write at least one value", False
-        case "string_pattern_mismatch":
-            return f"{shown} cannot be a name", "use letters, digits, blanks, _, - and +", True
-        case "string_too_long":
-            return f"{shown} is too long a name", f"use at most {context['max_length']} characters", True
-        case "bool_parsing" | "bool_type":
-            return f"{owner}{shown} is neither true nor false", "write true or false", False
-        case "string_type":
-            return f"{owner}{shown} is not a text", "write a word, in quotes if it looks like something else", False
     return f"{owner}{item['msg']}", _example(model, path), False
 
 
@@ -155,28 +155,20 @@ def _owner(path: Steps, root: Any) -> str:
 def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
     """A key that does not belong where it stands."""
     known, above = keys_at(model, path[:-1], root), get(root, *_real(root, path[:-1]))
-    owners = [law.name for law in link_laws().values() if name in keys_of(law)]
+    owners, link = [law.name for law in link_laws().values() if name in keys_of(law)], get(above, "link")
     if "link" in known and owners:
-        link = get(above, "link")
         if link is None:
             return "", "", True  # that it is missing is told
-        message = f"'{name}' does not apply to link: {link}"
-        if name in own(link_laws()[owners[0]]):
-            whose = " and ".join(f"{'an' if one[0] in 'aeio' else 'a'} {one}" for one in owners)
-            return message, f"remove it; it belongs to {whose}", True
         takes = ", ".join(key for key in known if key not in Link.model_fields)
-        return message, f"remove it; {link} takes {takes or 'none'}", True
-    if known == ["links"]:
-        words = [str(get(link, "link")) for link in get(above, "links") or ()]
-        if any(name in keys_of(link_laws()[word]) for word in words if word in link_laws()):
-            hint = f"write it in the list: `links: [..., {{link: {words[-1]}, {name}: ...}}]`"
-            return f"'{name}' beside several links does not say which it is of", hint, True
-        if owners:
-            return f"'{name}' does not apply to links {', '.join(words)}", "remove it", True
-        if name in Link.model_fields:
-            return f"'{name}' beside `links:` says nothing", "write it in an entry of `links:`", True
-        known = [*known, *dict.fromkeys(key for link in link_models().values() for key in fields_of(link))]
-    return f"unknown key '{name}'", instead().get(name) or nearest(name, known), True
+        hint = f"remove it: {link} takes {takes or 'none'}; it belongs to {', '.join(owners)}"
+        return f"'{name}' does not apply to link: {link}", hint, True
+    if known == ["links"] and (owners or name in Link.model_fields):
+        hint = f"write it in the entry that it is of: `links: [{{link: ..., {name}: ...}}]`"
+        return f"'{name}' beside `links:` does not apply to them, or does not say which it is of", hint, True
+    known += [key for link in link_models().values() for key in fields_of(link)] if known == ["links"] else []
+    if name in known:
+        return f"'{name}' does not go with the other keys here", "remove it, or them", True
+    return f"unknown key '{name}'", instead().get(name) or nearest(name, dict.fromkeys(known)), True
 
 
 def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:

@@ -1,4 +1,4 @@
-"""Fig. 8: what the paper says of an impact; stress on the deformed mesh, histories, peaks over a sweep."""
+"""Figures of an impact: stress on the deformed mesh, histories, peaks over a sweep."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from pounding_cli.points import Point
 from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
-from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.axes import Axis
 from pounding_cli.wall.study import Study
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
@@ -32,30 +31,6 @@ SHOWN = ("peak_force", "peak_time", "separation", "wall_stress", "averaged_stres
          "wall_shear", "wall_moment")  # fmt: skip
 
 
-def _strength(data: xr.Dataset) -> tuple[bool, str]:
-    averaged, worst = (float(data[name]) / 1e6 for name in ("averaged_stress", "wall_stress"))
-    return 0.8 * 33 <= averaged <= 1.2 * 33, f"{averaged:.1f} N/mm2 averaged, {worst:.1f} N/mm2 in the worst element"
-
-
-def _frame(data: xr.Dataset) -> tuple[bool, str]:
-    beam, column, wall = (float(data[name]) / 1e6 for name in ("beam_stress", "column_stress", "averaged_stress"))
-    then = " and ".join(f"{float(data[name]) / 1e6:.1f}" for name in ("beam_stress_then", "column_stress_then"))
-    words = f"at the instant of the wall's peak {then} N/mm2, later up to {beam:.1f} and {column:.1f} N/mm2"
-    return max(beam, column) < 0.5 * wall, words
-
-
-def _local(data: xr.Dataset) -> tuple[bool, str]:
-    reach = float(data["reach"])
-    return reach < 1.0, f"{reach:.2f} m from the contact half of the averaged stress is left"
-
-
-STATEMENTS = {
-    "Maximum stresses are about 33 N/mm2, of the order of the compressive strength.": _strength,
-    "The stresses in the beams and columns are quite low.": _frame,
-    "The phenomenon is a rather local one.": _local,
-}
-
-
 def cites(study: Study) -> dict[str, str]:
     """The references of a study."""
     return {
@@ -66,7 +41,7 @@ def cites(study: Study) -> dict[str, str]:
     }
 
 
-def pictures(title: str, points: Sequence[Point], axes: Sequence[SweepAxis]) -> list[Picture]:
+def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
     """The stresses at the last point first, then histories, the peaks against every swept key, the other points."""
 
     def picture(name: str, heading: str, draw: Callable[..., Figure], *about: Any) -> Picture:
@@ -140,7 +115,7 @@ def draw_histories(title: str, points: Sequence[Point]) -> Figure:
 
 
 @styled
-def draw_sweep(title: str, points: Sequence[Point], axis: SweepAxis) -> Figure:
+def draw_sweep(title: str, points: Sequence[Point], axis: Axis) -> Figure:
     """Peak force, peak and averaged stress, and how far the stress reaches, against one swept key."""
     key, unit = axis.names[0], axis.units[0]
     figure = new_figure(9.2, 6.2)

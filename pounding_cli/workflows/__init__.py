@@ -26,4 +26,5 @@ def workflow_of(name: str) -> Workflow:
     """A question by its name.  Raises InputError: there is none."""
     if name not in TITLES:
         raise InputError(Problem(f"there is no workflow {name}", f"write one of {', '.join(TITLES)}"))
-    return importlib.import_module(f"pounding_cli.workflows.{name}").ASKED
+    module = "workflow" if name == "run" else name
+    return importlib.import_module(f"pounding_cli.workflows.{module}").ASKED

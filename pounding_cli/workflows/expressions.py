@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 import xarray as xr
 
-from pounding_cli.study.axes import UNWRITTEN, SweepAxis
+from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.build import places
 from pounding_cli.study.expression import (
     FLOOR,
@@ -19,72 +19,65 @@ from pounding_cli.study.expression import (
     Statement,
 )
 from pounding_cli.study.file import Problems, get
-from pounding_cli.study.plan import Plan
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import Factor
 from pounding_cli.variables import RATIOS, VARIABLES
 
-Get = Callable[[str], np.ndarray]
-"""get(variable of `variables`) -> its values, shape (..., motions, building, storey) or (..., motions, links)."""
 
-
-def getter(plan: Plan, data: xr.Dataset) -> Get:
-    """The variables of a Dataset; where no case has a link, those of links are empty."""
-
-    def get(name: str) -> np.ndarray:
-        if name in LINK and name not in data:
-            return np.zeros((*plan.shape, 0))
-        return data[name].values
-
-    return get
-
-
-def values_of(expression: Expression, get: Get, over_motions: str) -> np.ndarray:
+def values_of(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
     """The values of an expression; NaN where a scene that they rest on failed, or has no such number.  Shape (...).
 
+    data : variables of a results file, shape (..., motions, building, storey) or (..., motions, links)
     over_motions : `mean` or `largest` of the motions, storey by storey before storeys are compared
     """
-    found = expression(lambda quantity: _value(quantity, get, over_motions))
+    found = expression(lambda quantity: _value(quantity, data, over_motions))
     return np.where(np.isfinite(found), found, np.nan)
 
 
-def error_of(expression: Expression, get: Get, over_motions: str) -> np.ndarray:
+def error_of(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
     """The numerical error of an expression, at most: what it changes where each of its quantities moves by its own
     error, all added up; NaN where no scene was solved more finely.  Shape (...), as `values_of`."""
 
     def moved(part: Quantity, sign: int) -> np.ndarray:
         def value(quantity: Quantity) -> np.ndarray:
-            error = sign * _error(part.name, get) if quantity is part else 0.0
-            return _value(quantity, get, over_motions, error)
+            error = sign * _error(part.name, data) if quantity is part else 0.0
+            return _value(quantity, data, over_motions, error)
 
         return expression(value)
 
     return sum((np.abs(moved(part, 1) - moved(part, -1)) / 2 for part in expression.quantities), np.zeros(()))
 
 
-def _error(name: str, get: Get) -> np.ndarray:
+def _numbers(name: str, data: xr.Dataset) -> np.ndarray:
+    """A variable; where no case has a link, those of links are empty."""
+    if name in LINK and name not in data:
+        return np.zeros((*data["status"].shape, 0))
+    return data[name].values
+
+
+def _error(name: str, data: xr.Dataset) -> np.ndarray:
     """The error of a variable, all motions alike where few were solved more finely; NaN where none was."""
-    values = get(name)
+    values = _numbers(name, data)
     alone = "mu0" if name == "drift0" else name  # a ductility is a drift over the yield drift
     for ratio in RATIOS:
         if name == ratio or alone == VARIABLES[ratio].ratio[-1]:  # it has the error of the ratio to the building alone
             with np.errstate(all="ignore"):
-                share = get(f"{ratio}_mean_error") / np.abs(get(f"{ratio}_mean"))
+                share = data[f"{ratio}_mean_error"].values / np.abs(data[f"{ratio}_mean"].values)
             return np.abs(values) * np.expand_dims(share, -3)
-    known = get("error_estimate")
+    known = data["error_estimate"].values
     is_known = np.isfinite(known)
     mean = _reduced("mean", known, is_known, (-1,))[..., None]
     share = np.where(is_known, known, np.where(is_known.any(axis=-1, keepdims=True), mean, np.nan))
     return np.abs(values) * share.reshape(*share.shape, *(1,) * (values.ndim - share.ndim))
 
 
-def _value(quantity: Quantity, get: Get, over_motions: str, error: np.ndarray | float = 0.0) -> np.ndarray:
+def _value(quantity: Quantity, data: xr.Dataset, over_motions: str, error: np.ndarray | float = 0.0) -> np.ndarray:
     """One quantity, moved by its error. A storey that a building does not have counts for nothing; one whose number is
     missing makes the result NaN: what failed must not drop out of a mean."""
     name = quantity.name
-    numbers = get(name) + error
+    numbers = _numbers(name, data) + error
     # which storeys, floors or links there are; none of a scene that failed
-    there = ~np.isnan(get("max_closing" if name in LINK else "acceleration" if name in FLOOR else "drift"))
+    there = ~np.isnan(_numbers("max_closing" if name in LINK else "acceleration" if name in FLOOR else "drift", data))
     axes: tuple[int, ...] = (-1,) if name in LINK else (-2, -1)
     if quantity.building is not None:
         numbers, there = (each[..., [quantity.building], :] for each in (numbers, there))
@@ -155,8 +148,8 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
         written = [get(study.root, *member.key.split(".")) for member in members]
         given.append(tuple(UNWRITTEN if value is None else value for value in written))
     marks = [tuple(member.mark for member in members)] * len(given)
-    axis = SweepAxis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
-    return Study(study.path, study.text, study.root, (*study.swept, axis), study.reader, written=study)
+    axis = Axis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
+    return Study(study.path, study.text, study.root, (*study.axes, axis), study.reader, written=study)
 
 
 def values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:

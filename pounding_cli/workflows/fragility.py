@@ -20,9 +20,9 @@ from pounding_cli.workflows.fragility_question import (
     question_of,
     takes_blow,
 )
-from pounding_cli.workflows.hazard import YEARS, Hazard, probability
+from pounding_cli.workflows.hazard import Hazard, probability
 from pounding_cli.workflows.hunt import UNDECIDED, next_levels
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, swept, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -37,38 +37,6 @@ LINKED, ALONE = "", "0"
 
 POINTS_OF_CURVE, STRIPS = 200, 40
 """Intensities at which a curve is told, and ranges of intensities whose contributions to a rate are."""
-
-_INTENSITY = "unit of the intensity"
-_COLUMNS: Columns = {
-    "limit": ("", "what is passed"),
-    "building": ("", "building that passes it, or the pair in contact"),
-    "outcome": ("", "outcome of the fit"),
-    "median": (_INTENSITY, "intensity at which half of the motions pass the limit"),
-    "spread": ("1", "logarithmic standard deviation of that intensity"),
-    "low": (_INTENSITY, "the median is not below"),
-    "high": (_INTENSITY, "the median is not above; inf where no end is known"),
-    "motions": ("1", "motions of the curve"),
-    "scenes": ("1", "scenes asked for"),
-    "failed": ("1", "scenes that failed; they widen brackets and are counted neither as holding nor as passing"),
-    "undecided": ("1", "scenes that a collapse ended before the limit was passed or, of a cloud, whose demand is not "
-                  "known or has no logarithm; counted neither as holding nor as passing"),
-    "undecided_motions": ("1", "motions not known to pass, nor to hold at the highest intensities, since a collapse "
-                          "ended their scenes; from half of the motions on there is no curve"),
-    "returns": ("1", "motions that hold at an intensity above their first pass"),
-    "unfitted": ("1", "draws of the bootstrap without a fit; they count with what a fit would tend to"),
-    "ratio": ("1", "median with pounding over median alone"),
-    "intensity": (_INTENSITY, "intensity of the motion, or of the point of the curve"),
-    "held": (_INTENSITY, "highest intensity below `passed` at which the motion holds; 0 where there is none"),
-    "passed": (_INTENSITY, "lowest intensity at which the motion passes the limit; inf where there is none"),
-    "demand": ("1", "demand over limit; inf where a collapse ended the scene after the limit was passed; empty where "
-               "one did before, and where the scene failed"),
-    "probability": ("1", f"probability that the limit is passed, at the intensity or within {YEARS:g} years"),
-    "rate": ("1/year", "mean annual rate at which the limit is passed; beside a range, at these intensities"),
-    "beyond": ("1", "part of the rate that comes from intensities above the last one of the hazard curve"),
-    "rate_ratio": ("1", "rate with pounding over rate alone"),
-    "from": (_INTENSITY, "lower end of a range of intensities"),
-    "to": (_INTENSITY, "its upper end"),
-}  # fmt: skip
 
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """What a limit looks at, as responses call it."""
@@ -430,7 +398,6 @@ def _tables(plan: Plan, question: Question, places: Sequence[Place], solved: Sol
             parts[RATES].append(pd.DataFrame([_rates(hazard, found, spec.confidence)]))
             parts[CONTRIBUTIONS].append(_contributions(hazard, found))
     where, unit, tables = _where(plan, question, places), intensity_unit(plan, question), []
-    meant = {name: (unit.si or "1" if si == _INTENSITY else si, text) for name, (si, text) in _COLUMNS.items()}
     for name, columns in _columns(spec.method).items():
         if not parts[name]:
             continue
@@ -440,8 +407,8 @@ def _tables(plan: Plan, question: Question, places: Sequence[Place], solved: Sol
         frame = frame.astype({column: float for column in columns if column not in texts}).fillna(
             dict.fromkeys(texts, "")
         )
-        shown = [column for column in columns if _COLUMNS.get(_bare(column), ("",))[0] == _INTENSITY]
-        tables.append(tabled(name, at.join(frame), meant, plan.axes, dict.fromkeys(shown, unit)))
+        shown = [column for column in columns if columns_of(CURVES).get(_bare(column), ("",))[0] == "*"]
+        tables.append(tabled(name, at.join(frame), plan.axes, dict.fromkeys(shown, unit), unit.si))
     return tables
 
 

@@ -15,13 +15,8 @@ from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.plan import Plan
 from pounding_cli.study.questions import FragilitySpec, Measure
 from pounding_cli.study.study import Point, Study
-from pounding_cli.workflows.hazard import Hazard, hazard_of
+from pounding_cli.workflows.hazard import INTENSITY_KEYS, Hazard, hazard_of
 from pounding_cli.workflows.workflow import refuse_histories
-
-INTENSITY_KEYS = {
-    "records.scale": "factor", "records.scale.pga": "pga", "records.scale.pgv": "pgv", "records.scale.sa": "sa",
-}  # fmt: skip
-"""Keys whose sweep varies the intensity, and the measure that each is."""
 
 _SWEEP = "write e.g. `sweep: {records.scale.pga: {from: 0.05 g, to: 2 g, step: 0.05 g}}`"
 
@@ -201,5 +196,5 @@ def intensity_unit(plan: Plan, question: Question) -> Unit:
     """The unit that people read intensities in."""
     name = question.measure.name
     if question.axis is not None and name == question.swept:
-        return plan.axes[question.axis].unit(0)
+        return plan.axes[question.axis].units[0]
     return {"factor": Unit(), "pgv": Unit("m/s", 1.0, "m/s")}.get(name) or plan.study.unit("acceleration")

@@ -4,7 +4,7 @@ means for the gaps of the cases; distances to a property line."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import APART, Link
 from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
 from pounding_cli.model.separation import (
     ASCE7,
     EN1998,
+    UBC,
     absolute_sum,
     cross_correlation,
     double_difference,
@@ -30,12 +30,11 @@ from pounding_cli.model.separation import (
 from pounding_cli.model.wall import Wall
 from pounding_cli.results.solved import most_storeys
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.axes import SweepAxis
+from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
-from pounding_cli.workflows.gap_rate import intensity_of, of_rate
-from pounding_cli.workflows.hazard import hazard_of
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, swept, tabled
+from pounding_cli.workflows.hazard import hazard_of, intensity_of, of_rate
+from pounding_cli.workflows.workflow import Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,7 +47,7 @@ EXACT = "exact"
 OF_MOTIONS = (EXACT, "ABS", "SRSS", "DDC")
 """Rules that depend on the motions."""
 
-UBC, GB50011 = "UBC", "GB 50011-2010"
+GB50011 = "GB 50011-2010"
 
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
@@ -66,32 +65,6 @@ _ASIDE = (*_BETWEEN, "sweep", "keep", "report", "claims", "uncertain")
 """Sections without a meaning where the buildings stand alone."""
 
 _FACING = ("left", "right", "floor", "right_floor", "columns")
-_COLUMNS: Columns = {
-    "left": ("", "building left of the gap"),
-    "right": ("", "building right of the gap"),
-    "floor": ("1", "floor, of the left building where two face each other"),
-    "right_floor": ("1", "floor of the right building"),
-    "columns": ("", "building whose columns, in the storey below its floor, a slab of the other faces: left or right; "
-                "empty where two slabs face each other"),
-    "side": ("", "of the building that faces the line"),
-    "height": ("m", "of the slabs, or the floor, above the ground"),
-    "rule": ("", "exact, or the rule"),
-    "motions": ("1", "number of motions behind the row; 0 where the rule depends on none"),
-    "mean": ("m", "mean over the motions"),
-    "std": ("m", "standard deviation over the motions (n - 1)"),
-    "mean_plus_std": ("m", "mean plus one standard deviation"),
-    "largest": ("m", "largest of the motions"),
-    "median": ("m", "median of the lognormal fit"),
-    "dispersion": ("1", "standard deviation of the logarithm (n - 1)"),
-    "error": ("m", "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it"),
-    "over_exact": ("1", "mean over the mean of the exact separations"),
-    "gap": ("m", "of the case at these floors"),
-    "required": ("m", "by the rule at these floors, which lack most or have least to spare; largest of the motions"),
-    "enough": ("", "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes "
-               "failed"),
-    "enough_for": ("1", "motions for which it is"),
-}  # fmt: skip
-
 Where = dict[str, Any]
 """Columns that say where something is required; `point` of the sweep by number."""
 
@@ -115,12 +88,7 @@ class Gap(Workflow):
         buildings; swept keys of links are left out, those of buildings and motions stay."""
         self.check(study)
         apart = _with_nothing_between(study)
-        plan = expand(apart, partial(_all_facing, apart))
-        if not plan.links.places:
-            raise InputError(
-                Problem("no floors face each other: no gap is required", "look at the heights", study.file)
-            )
-        return dataclasses.replace(plan, workflow="gap")
+        return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
 
     def run(self, study: Study, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
@@ -236,10 +204,8 @@ def _codes(plan: Plan, at: Point) -> dict[str, np.ndarray]:
     study, storeys = plan.study, most_storeys(plan)
     found = {rule: np.full((len(plan.buildings), 1 + storeys), np.nan) for rule in (UBC, ASCE7, EN1998)}
     for place, name in enumerate(study.model.group):
-        known = {UBC: study.design_displacements(at, name), **study.code_displacements(at, name)}
-        for rule, moved in known.items():
-            if moved is not None:
-                found[rule][place, : 1 + len(moved)] = 0.0, *moved
+        for rule, moved in study.code_displacements(at, name).items():
+            found[rule][place, : 1 + len(moved)] = 0.0, *moved
     return found
 
 
@@ -337,25 +303,27 @@ def _required(plan: Plan, name: str, separations: pd.DataFrame, where: list[str]
     exact = rows["mean"].where(rule == EXACT).groupby(level=keys[:3], observed=True).transform("first")
     rows["over_exact"] = rows["mean"] / exact
     rows["motions"] = rows["motions"].where(rule.isin(OF_MOTIONS), 0)
-    numbers, meant = list(rows.columns), dict(_COLUMNS)
+    numbers, more = list(rows.columns), dict[str, tuple[str, str]]()
     for share in wanted.percentiles:
-        meant[f"percentile_{100 * share:g}"] = "m", f"{100 * share:g} % of the motions need no more, interpolated"
+        more[f"percentile_{100 * share:g}"] = "m", f"{100 * share:g} % of the motions need no more, interpolated"
     for share in wanted.contact:
         said = "distance that the floor reaches" if name == LINE else "gap"
         said += f" with a probability{'' if name == LINE else ' of contact'} of {100 * share:g} % by the lognormal fit"
-        meant[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST} motions on"
+        more[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST} motions on"
     rows = rows.reset_index().merge(separations[["row", *where]].drop_duplicates("row"), on="row", how="left")
-    return _told(plan, name, rows, ["analysis", *where, "rule", *numbers], meant)
+    return _told(plan, name, rows, ["analysis", *where, "rule", *numbers], more)
 
 
-def _told(plan: Plan, name: str, rows: pd.DataFrame, columns: list[str], meant: Columns = _COLUMNS) -> Table:
+def _told(
+    plan: Plan, name: str, rows: pd.DataFrame, columns: list[str], more: Mapping[str, tuple[str, str]] | None = None
+) -> Table:
     """A table of rows whose points stand there by number; widths in the study's unit of gaps."""
     points, unit = _points(plan), plan.study.unit("gap")
     numbers = rows[columns].astype({"analysis": object, "rule": object})
     frame = pd.concat([swept(plan.axes, [points[number] for number in rows["point"]]), numbers], axis=1)
     widths = [each for each in columns if each != "height" and pd.api.types.is_float_dtype(frame[each])]
     shown = {each: unit for each in widths if each not in ("dispersion", "over_exact")}
-    return tabled(name, frame, meant, plan.axes, shown)
+    return tabled(name, frame, plan.axes, shown, more=more)
 
 
 # The gaps of the cases
@@ -366,26 +334,23 @@ def _of_cases(plan: Plan, separations: pd.DataFrame) -> Table:
 
     A gap is enough where it is no narrower than what is required and its numerical error, at all floors of the pair.
     """
-    pair, gaps = ["point", "given", "number", "analysis", "rule"], _gaps(plan)
+    pair, rows = ["point", "given", "number", "analysis", "rule"], list[dict[Any, Any]]()
+    gaps = _gaps(plan).astype({"point": int, "place": int})
+    for _, mine in separations.merge(gaps, on=["point", "place"]).groupby(pair, observed=True):
+        floors = mine.drop_duplicates("row")
+        value, error, gap = (mine[name].to_numpy().reshape(len(floors), -1) for name in ("value", "error", "gap"))
+        known = ~np.isnan(value).any(axis=0)
+        if not known.any():
+            continue
+        fits = (value + np.nan_to_num(error) <= gap)[:, known].all(axis=0)
+        required = value[:, known].max(axis=1)
+        worst = int(np.argmin(gap[:, 0] - required))
+        enough = "no" if not fits.all() else "yes" if known.all() else "unknown"
+        counts = (fits.sum(), known.sum()) if mine["rule"].iloc[0] in OF_MOTIONS else (0, 0)
+        told = {"required": required[worst], "enough": enough, "enough_for": counts[0], "motions": counts[1]}
+        rows.append(floors.iloc[worst].to_dict() | told)
     columns = ["case", "analysis", *_FACING, "gap", "rule", "required", "enough", "enough_for", "motions"]
-    if gaps.empty:
-        return _told(plan, CASES, pd.DataFrame(columns=["point", *columns]), columns)
-    rows = separations.merge(gaps, on=["point", "place"])
-    rows["fits"] = rows["value"] + rows["error"].fillna(0.0) <= rows["gap"]
-    rows["known"] = rows["value"].notna()
-    motions = rows.groupby([*pair, "motion"], observed=True)[["fits", "known"]].all()
-    all_known = motions["known"].groupby(pair, observed=True).all()
-    motions = motions.loc[motions["known"], "fits"]
-    found = motions.groupby(pair, observed=True).agg(enough_for="sum", motions="size", enough="all").join(all_known)
-    rows = rows.join(motions.rename("is_known").notna(), on=[*pair, "motion"], how="inner")
-    floors = rows.groupby([*pair, "row"], observed=True, as_index=False).agg(required=("value", "max"))
-    floors = floors.merge(rows.drop_duplicates([*pair, "row"])[[*pair, "row", "case", "gap", *_FACING]])
-    floors = floors.assign(spare=floors["gap"] - floors["required"]).sort_values("spare", kind="stable")
-    found = floors.drop_duplicates(pair).sort_values(pair).merge(found.reset_index(), on=pair, how="left")
-    counts = found["rule"].isin(OF_MOTIONS).to_numpy(int)
-    found = found.assign(enough_for=counts * found["enough_for"], motions=counts * found["motions"])
-    found["enough"] = np.where(~found["enough"].astype(bool), "no", np.where(found["known"], "yes", "unknown"))
-    return _told(plan, CASES, found, columns)
+    return _told(plan, CASES, pd.DataFrame(rows, columns=["point", *columns]), columns)
 
 
 def _gaps(plan: Plan) -> pd.DataFrame:
@@ -397,10 +362,10 @@ def _gaps(plan: Plan) -> pd.DataFrame:
     """
     study = plan.study.written
     assert study is not None
-    axes = [_kept(axis) for axis in study.swept]
+    axes = [_kept(axis) for axis in study.axes]
     number = {place: each for each, place in enumerate(plan.links.places)}
     found: dict[tuple[int, int, tuple[tuple[int, float], ...]], str] = {}
-    for whole in np.ndindex(*(len(axis) for axis in study.swept)):
+    for whole in np.ndindex(*(len(axis) for axis in study.axes)):
         at = [each[1].index(each[2][place]) for each, place in zip(axes, whole, strict=True) if each[0]]
         point = int(np.ravel_multi_index(at, plan.shape[:-3])) if at else 0
         for place, case in enumerate(study.model.cases):
@@ -423,7 +388,7 @@ def _gaps(plan: Plan) -> pd.DataFrame:
 # The study with nothing between its buildings
 
 
-def _kept(axis: SweepAxis) -> tuple[list[int], list[tuple[str, ...]], list[tuple[str, ...]]]:
+def _kept(axis: Axis) -> tuple[list[int], list[tuple[str, ...]], list[tuple[str, ...]]]:
     """Which keys of an axis change buildings or motions; their different values, and those at every point of it."""
     kept = [number for number, path in enumerate(axis.paths) if path[0] not in _BETWEEN]
     values = [tuple(str(given[number]) for number in kept) for given in axis.given]
@@ -436,13 +401,15 @@ def _with_nothing_between(study: Study) -> Study:
     tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, root.marks)
     tree["cases"] = Map({APART: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {APART: (mark, mark)})
     axes = []
-    for axis in study.swept:
+    for axis in study.axes:
         kept, different, values = _kept(axis)
         if kept:
-            first = axis.some([values.index(each) for each in different])
-            given, marks = ([tuple(row[n] for n in kept) for row in rows] for rows in (first.given, first.marks))
+            first = [values.index(each) for each in different]
+            given, marks = (
+                [tuple(rows[place][n] for n in kept) for place in first] for rows in (axis.given, axis.marks)
+            )
             units = tuple(axis.units[n] for n in kept)
-            axes.append(SweepAxis(tuple(axis.names[n] for n in kept), given, marks, units))
+            axes.append(Axis(tuple(axis.names[n] for n in kept), given, marks, units))
     return Study(study.path, study.text, tree, axes, study.reader, written=study)
 
 

@@ -25,9 +25,9 @@ from pounding_cli.study.file import Problems, get, nearest, parse
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
-from pounding_cli.workflows.expressions import at_points, error_of, getter, read_all, values_of
+from pounding_cli.workflows.expressions import at_points, error_of, read_all, values_of
 from pounding_cli.workflows.search import Point, Search
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, refuse_histories, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -42,44 +42,6 @@ FOUND = "found"
 UNSETTLED = "the last generation was reached before its points were nearly as good"
 NOTHING = "no point gave a number"
 """Outcomes."""
-
-_SOUGHT = "unit of the number sought"
-_FLAT = "of what stays within the tolerance"
-_COLUMNS: Columns = {
-    "sought": ("", "number that is optimised"),
-    "optimum": (_SOUGHT, "its best value"),
-    "error": (_SOUGHT, "numerical error of the number sought, at most"),
-    "tolerance": (_SOUGHT, "its error, or 1 % of it"),
-    "as_written": (_SOUGHT, "value of the file as written"),
-    "outcome": ("", "outcome, or why there is no answer"),
-    "points": ("1", "points that were tried"),
-    "failed": ("1", "points without a number"),
-    "meaningless": ("1", "points whose number has no meaning: a link left the range in which its law has one"),
-    "key": ("", "key that varies"),
-    "unit": ("", "its unit"),
-    "value": ("", "of the key at the optimum; NaN of a choice"),
-    "place": ("1", "of the optimum in what was searched, 0 to 1"),
-    "option": ("", "chosen at the optimum; empty of a number"),
-    "flat_from": ("", f"lower end {_FLAT}, of a key by itself, the others at the optimum"),
-    "flat_to": ("", f"upper end {_FLAT}, of a key by itself, the others at the optimum"),
-    "together_from": ("", f"lower end {_FLAT}, among all points that were tried"),
-    "together_to": ("", f"upper end {_FLAT}, among all points that were tried"),
-    "range_from": ("", "lower end of what was searched"),
-    "range_to": ("", "upper end of what was searched"),
-    "spacing": ("", "linear or log; empty of a choice"),
-    "written": ("", "of the key as written"),
-    "written_option": ("", "option as written"),
-    "mapped": ("1", "1 of a key of the map"),
-    "point": ("1", "number of the point"),
-    "stage": ("", "what it was tried for"),
-}
-_DESIGN: Columns = {
-    "quantity": ("", "what is compared; largest over the storeys"),
-    "unit": ("", "its unit"),
-    "optimum": ("", "at the optimum"),
-    "as_written": ("", "with the study as it is written"),
-    "of": ("1", "scenes, where scenes are counted; otherwise 0"),
-}
 
 
 # What is asked
@@ -238,12 +200,10 @@ class Optimise(Workflow):
         whole, tried = _Solved(question, solver, list(search.tried), is_rough=True), list(search.tried)
         best = None if search.best is None else tried.index(search.best)
         written = len(whole.sought) - 1 if search.written is None else tried.index(search.written)
-        unit = question.expression.unit or "1"
-        columns = {name: (unit if si == _SOUGHT else si, text) for name, (si, text) in _COLUMNS.items()}
         tables = [
-            tabled(OPTIMUM, _optimum(search, question, whole, written), columns),
-            tabled(DESIGN, _design(question, whole, {"optimum": best, "as_written": written}), _DESIGN),
-            _points(search, question, whole, columns),
+            tabled(OPTIMUM, _optimum(search, question, whole, written), star=question.expression.unit),
+            tabled(DESIGN, _design(question, whole, {"optimum": best, "as_written": written})),
+            _points(search, question, whole),
         ]
         return Found(whole.plan, whole.data, tables)
 
@@ -259,7 +219,6 @@ class _Solved:
         self.question, self.plan = question, question.plan(points)
         self.data = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
         self.one = self.data.sel(case=[question.case], analysis=[question.analysis])
-        self.get = getter(self.plan, self.one)
 
     def by_point(self, values: np.ndarray) -> np.ndarray:
         """Values over all axes, the one case and the one analysis; shape (other points of the sweep, points, ...)."""
@@ -275,7 +234,7 @@ class _Solved:
     @cached_property
     def _sought(self) -> np.ndarray:
         """The number sought at every point of the sweep and of the search."""
-        return self.by_point(values_of(self.question.expression, self.get, self.question.spec.over_motions))
+        return self.by_point(values_of(self.question.expression, self.one, self.question.spec.over_motions))
 
     @cached_property
     def sought(self) -> np.ndarray:
@@ -287,7 +246,7 @@ class _Solved:
     @property
     def errors(self) -> np.ndarray:
         """The numerical error of the number sought at every point."""
-        errors = self.by_point(error_of(self.question.expression, self.get, self.question.spec.over_motions))
+        errors = self.by_point(error_of(self.question.expression, self.one, self.question.spec.over_motions))
         if self.question.spec.over_sweep == "mean":
             return errors.mean(axis=0)
         worst = np.nan_to_num(self.question.sign * self._sought, nan=np.inf).argmax(axis=0)
@@ -296,7 +255,7 @@ class _Solved:
     def largest(self, quantity: Quantity) -> np.ndarray:
         """A quantity at every point: over the motions as the number sought is, over a sweep its mean or the largest."""
         expression = Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
-        values = self.by_point(values_of(expression, self.get, self.question.spec.over_motions))
+        values = self.by_point(values_of(expression, self.one, self.question.spec.over_motions))
         return values.mean(axis=0) if self.question.spec.over_sweep == "mean" else values.max(axis=0)
 
 
@@ -337,8 +296,7 @@ def _optimum(search: Search, question: Question, whole: _Solved, written: int) -
             if span is not None and not factor.options:
                 row[f"{name}_from"], row[f"{name}_to"] = factor.number(np.array(span)).tolist()
         rows.append(row)
-    names = list(_COLUMNS)
-    return pd.DataFrame(rows).reindex(columns=names[: names.index("point")])
+    return pd.DataFrame(rows).reindex(columns=list(columns_of(OPTIMUM)))
 
 
 def _value(factor: Factor, u: float, number: str, option: str) -> dict[str, Any]:
@@ -360,7 +318,7 @@ def _design(question: Question, whole: _Solved, at: dict[str, int | None]) -> pd
         for name in ("V_ratio", "mu", "drift", "acceleration"):
             quantities[f"largest {name} in {building}"] = Quantity(name, "largest", place)
     if whole.plan.links.places:
-        impacts = np.maximum(whole.by_point(one["impacts"].values), 0).sum(axis=-1)
+        impacts = np.nan_to_num(whole.by_point(one["impacts"].values)).sum(axis=-1)
         quantities |= {f"largest {name}": Quantity(name) for name in ("peak_force", "max_closing")}
     rows: list[tuple[str, str, int, np.ndarray]] = [
         (str(question.expression), question.expression.unit or "1", 0, whole.sought),
@@ -377,14 +335,14 @@ def _design(question: Question, whole: _Solved, at: dict[str, int | None]) -> pd
     frame = pd.DataFrame([row[:3] for row in rows], columns=["quantity", "unit", "of"])
     for name, number in at.items():
         frame[name] = [np.nan if number is None else float(values[number]) for *_, values in rows]
-    return frame[list(_DESIGN)]
+    return frame[list(columns_of(DESIGN))]
 
 
-def _points(search: Search, question: Question, whole: _Solved, columns: Columns) -> Table:
+def _points(search: Search, question: Question, whole: _Solved) -> Table:
     """Every point that was tried, in the order in which the search asked for it."""
     cube, tried = np.array(list(search.tried)), list(search.tried.values())
     frame: dict[str, Any] = {"point": np.arange(1, len(cube) + 1), "stage": [each.stage for each in tried]}
-    units, meant = {}, dict(columns)
+    units, meant = {}, dict[str, tuple[str, str]]()
     for factor, u in zip(question.factors, cube.T, strict=True):
         values = factor.number(u)
         frame[factor.key] = [factor.labels[int(value)] for value in values] if factor.options else values
@@ -394,5 +352,4 @@ def _points(search: Search, question: Question, whole: _Solved, columns: Columns
     frame["value"] = question.sign * np.array([each.value for each in tried])
     frame["error"] = [each.error for each in tried]
     frame["meaningless"] = whole.is_void[: len(tried)].astype(int)
-    meant["value"] = columns["optimum"][0], "of the number sought; NaN where it has none or no meaning"
-    return tabled(POINTS, pd.DataFrame(frame), meant, units=units)
+    return tabled(POINTS, pd.DataFrame(frame), units=units, star=question.expression.unit, more=meant)

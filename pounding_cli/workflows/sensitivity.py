@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from pounding_cli.numbers import counted
 from pounding_cli.study import Plan, Study, expand
@@ -19,12 +20,10 @@ from pounding_cli.study.expression import Expression, Statement, read_expression
 from pounding_cli.study.file import Problems
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
-from pounding_cli.workflows.expressions import Get, at_points, distinct, getter, read_all, values_of
-from pounding_cli.workflows.workflow import Columns, Found, Table, Workflow, refuse_histories, swept, tabled
+from pounding_cli.workflows.expressions import at_points, distinct, read_all, values_of
+from pounding_cli.workflows.workflow import Found, Table, Workflow, refuse_histories, swept, tabled
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pounding_cli.batch.solve import Solver
 
 INDICES, OUTPUTS, PROBABILITIES, SAMPLES = (
@@ -48,35 +47,6 @@ MOST_POINTS = 200_000
 
 _LEAST_LEVELS = 4
 
-_COLUMNS: Columns = {
-    "case": ("", "case of the study; empty: all of them"),
-    "analysis": ("", "elastic or inelastic storeys; empty: both"),
-    "output": ("", "number looked at"),
-    "statement": ("", "what holds"),
-    "unit": ("", "SI unit of the output"),
-    "key": ("", "key that varies, the first of those that move together"),
-    "outcome": ("", "outcome, or why there is no index"),
-    "failed": ("1", "samples without a number"),
-    "samples": ("1", "samples that the row rests on; of outputs and probabilities those that are independent"),
-    "first": ("1", "first-order index: part of the variance that this key explains by itself"),
-    "total": ("1", "total index: part of the variance that disappears if this key is known, including interactions"),
-    "mu_star": ("", "mean size of the elementary effects: change of the output over the whole range of the key"),
-    "mu": ("", "mean of the elementary effects, with their signs"),
-    "sigma": ("", "standard deviation of the elementary effects: large where the key acts with others or not in "
-              "proportion"),
-    "mean": ("", "mean of the output"),
-    "deviation": ("", "standard deviation of the output"),
-    **{f"percentile_{share}": ("", f"percentile {share} of the output") for share in PERCENTILES},
-    "at_low": ("", "mean of the output where the key is in the lowest fifth of its distribution; of a choice, at the "
-               "option where it is least"),
-    "at_high": ("", "mean of the output where the key is in the highest fifth of its distribution; of a choice, at the "
-                "option where it is most"),
-    "probability": ("1", "part of these samples in which it holds; its interval is that of Clopper and Pearson"),
-    "decided_by": ("", "key that decides most whether it holds; empty: none"),
-    "share": ("1", "its total index or mean elementary effect"),
-    "sample": ("1", "number of the sample"),
-    "independent": ("1", "1 where independent"),
-}  # fmt: skip
 _OF_METHOD = {
     "sobol": ["first", "first_low", "first_high", "total", "total_low", "total_high", "mean", "at_low", "at_low_error",
               "at_high", "at_high_error"],
@@ -270,9 +240,9 @@ class Sensitivity(Workflow):
         samples."""
         question, plan = question_of(study), self.plan(study)
         data = solver.dataset(plan)
-        get, method = getter(plan, data), question.spec.method
-        outputs = list(_series(plan, get, question, question.outputs))
-        holds = list(_series(plan, get, question, question.statements))
+        method = question.spec.method
+        outputs = list(_series(plan, data, question, question.outputs))
+        holds = list(_series(plan, data, question, question.statements))
         claims = list(self.judge(plan, data, question)) if self.judge and question.spec.claims else []
         every = [*outputs, *holds, *claims]
         each = [indices(question, one.values) for one in every]
@@ -280,17 +250,17 @@ class Sensitivity(Workflow):
         rows = where.loc[np.repeat(where.index, len(question.factors))].reset_index(drop=True)
         found = pd.concat(each, ignore_index=True)
         columns = ["key", "outcome", "failed", "samples", *_OF_METHOD[method]]
-        tables = [tabled(INDICES, rows.join(found.reindex(columns=columns)), _COLUMNS, plan.axes)]
+        tables = [tabled(INDICES, rows.join(found.reindex(columns=columns)), plan.axes)]
         if outputs and method == "sobol":
             numbers = pd.DataFrame([distribution(question, one.values) for one in outputs])
-            tables.append(tabled(OUTPUTS, _where(plan, outputs).join(numbers), _COLUMNS, plan.axes))
+            tables.append(tabled(OUTPUTS, _where(plan, outputs).join(numbers), plan.axes))
         if said := [*holds, *claims]:
             decided = [_decided(method, one) for one in each[len(outputs) :]]
             numbers = pd.DataFrame(
                 [probability(question, one.values) | d for one, d in zip(said, decided, strict=True)]
             )
             frame = _where(plan, said).drop(columns="unit").rename(columns={"output": "statement"})
-            tables.append(tabled(PROBABILITIES, frame.join(numbers), _COLUMNS, plan.axes))
+            tables.append(tabled(PROBABILITIES, frame.join(numbers), plan.axes))
         if outputs or holds:
             tables.append(_samples(plan, question, [*outputs, *holds]))
         return Found(plan, data, tables)
@@ -299,26 +269,28 @@ class Sensitivity(Workflow):
 ASKED = Sensitivity()
 
 
-def _series(plan: Plan, get: Get, question: Question, asked: Sequence[Expression | Statement]) -> Iterator[Series]:
+def _series(
+    plan: Plan, data: xr.Dataset, question: Question, asked: Sequence[Expression | Statement]
+) -> Iterator[Series]:
     """Expressions, or whether statements hold, at all samples: by point, case, analysis and what is asked."""
-    others = tuple(len(axis.values) for axis in plan.axes[:-1])
-    place = len(others)  # of the axis of samples
-    sample = question.keys[2]
-
-    def some(name: str) -> np.ndarray:
-        values = get(name).take(sample, axis=place)
-        if question.drawn is None:
-            return values
-        shape = [1] * values.ndim
-        shape[place], shape[place + 3] = question.drawn.shape  # samples and motions
-        return np.take_along_axis(values, question.drawn.reshape(shape), axis=place + 3)
-
+    *others, samples = (axis.names[0] for axis in plan.axes)
+    wanted = {part.name for one in asked for part in one.quantities} | {
+        "status",
+        "drift",
+        "acceleration",
+        "max_closing",
+    }
+    data = data[[name for name in data if name in wanted]].drop_vars([samples, "record"])
+    data = data.isel({samples: xr.DataArray(question.keys[2], dims=samples)})
+    if question.drawn is not None:
+        data = data.isel(record=xr.DataArray(question.drawn, dims=(samples, "record")))
+    data = data.transpose(*others, samples, "case", "analysis", "record", ...)
     found = []
     for one in asked:
         expression = one.expression if isinstance(one, Statement) else one
-        values = np.moveaxis(values_of(expression, some, question.spec.over_motions), place, -1)
+        values = np.moveaxis(values_of(expression, data, question.spec.over_motions), len(others), -1)
         found.append((one.holds(values), "") if isinstance(one, Statement) else (values, one.unit))
-    for *point, case, analysis in np.ndindex(*others, len(plan.cases), len(plan.analyses)):
+    for *point, case, analysis in np.ndindex(*plan.shape[: len(others)], len(plan.cases), len(plan.analyses)):
         for one, (values, unit) in zip(asked, found, strict=True):
             here = values[(*point, case, analysis)]
             yield Series(tuple(point), plan.cases[case], plan.analyses[analysis], str(one), unit, here)
@@ -450,7 +422,7 @@ def _where(plan: Plan, series: Sequence[Series]) -> pd.DataFrame:
 
 def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Table:
     """All samples in the order of the method with their outputs; a block for each point, case and analysis."""
-    count, meant, units = len(question.cube), dict(_COLUMNS), {}
+    count, meant, units = len(question.cube), dict[str, tuple[str, str]](), {}
     keys = pd.DataFrame({"sample": np.arange(1, count + 1), "independent": 0})
     keys.loc[question.independent, "independent"] = 1
     for factor, u in zip(question.factors, question.cube.T, strict=True):
@@ -470,4 +442,4 @@ def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Table:
         block = blocks.setdefault(each[:3], where.loc[[number] * count].reset_index(drop=True).join(keys))
         block[f"output {each.name}"] = each.values
         meant[f"output {each.name}"] = each.unit or "1", "output"
-    return tabled(SAMPLES, pd.concat(blocks.values(), ignore_index=True), meant, plan.axes[:-1], units)
+    return tabled(SAMPLES, pd.concat(blocks.values(), ignore_index=True), plan.axes[:-1], units, more=meant)

@@ -1,16 +1,19 @@
-"""What every question is made of, and how its tables are declared."""
+"""What every question is made of, how its tables are declared, and the first one: `pound run`."""
 
 from __future__ import annotations
 
+import csv
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from pounding_cli.numbers import Unit
-from pounding_cli.results.tables import Column, Table
+from pounding_cli.results.tables import ANSWERS, Column, Table
 from pounding_cli.variables import COORDINATES
 
 if TYPE_CHECKING:
@@ -19,11 +22,12 @@ if TYPE_CHECKING:
 
     from pounding_cli.batch.solve import Solver
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.axes import Axis
     from pounding_cli.study.file import Problems
-    from pounding_cli.study.plan import Axis
 
-Columns = Mapping[str, tuple[str, str]]
-"""Column -> SI unit ("1" for a pure number, "" for a text) and meaning."""
+COLUMNS = Path(__file__).with_name("columns.csv")
+"""Unit and meaning of the columns of answers; a table takes what it lacks there from the first table of its question.
+The unit is SI, "1" of a pure number, empty of a text; `*` is one that the study decides."""
 
 _ENDS = {
     "_low": "lower end of the confidence interval: ",
@@ -80,6 +84,26 @@ class Workflow(ABC):
         return False
 
 
+class Run(Workflow):
+    """`pound run`: every scene of a study, and no table beyond those that every file has."""
+
+    name = "run"
+
+    def plan(self, study: Study) -> Plan:
+        """All scenes."""
+        from pounding_cli.study import expand
+
+        return expand(study)
+
+    def run(self, study: Study, solver: Solver) -> Found:
+        """What all scenes did."""
+        plan = self.plan(study)
+        return Found(plan, solver.dataset(plan), [])
+
+
+ASKED = Run()
+
+
 def refuse_histories(study: Study, of: str, problems: Problems) -> None:
     """Note that histories are asked for of scenes that nobody knows beforehand."""
     if study.model.keep is not None:
@@ -102,31 +126,47 @@ def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame
     return pd.DataFrame(columns, index=range(len(points)))
 
 
+@cache
+def columns_of(table: str) -> dict[str, tuple[str, str]]:
+    """Unit and meaning of every column of a table that COLUMNS has, in its order."""
+    with COLUMNS.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {row["column"]: (row["unit"], row["meaning"]) for row in rows if row["table"] == table}
+
+
 def tabled(
-    name: str, frame: pd.DataFrame, columns: Columns, axes: Sequence[Axis] = (), units: Mapping[str, Unit] | None = None
+    name: str,
+    frame: pd.DataFrame,
+    axes: Sequence[Axis] = (),
+    units: Mapping[str, Unit] | None = None,
+    star: str = "",
+    more: Mapping[str, tuple[str, str]] | None = None,
 ) -> Table:
     """A table of an answer.
 
-    columns : unit and meaning of its columns but those of swept keys and COORDINATES; ends of names as in `_ENDS` need
-        not be told
     axes : of the sweep
     units : units that people read some columns in, with those of swept keys
+    star : SI unit of the columns that have `*` in COLUMNS, "" for a pure number
+    more : unit and meaning of columns that COLUMNS does not have
     """
-    shown = {key: axis.unit(number) for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
+    shown = {key: axis.units[number] for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
     swept_keys, found = {key for axis in axes for key in axis.names}, {}
+    first = next(tables[0] for tables in ANSWERS.values() if name in tables)
+    known = COORDINATES | columns_of(first) | columns_of(name) | dict(more or {})
     for key in map(str, frame.columns):
         if key in swept_keys:
             si, text = "" if frame[key].dtype == object else shown[key].si, f"swept: {key}"
         else:
-            si, text = _meant(key, columns)
+            si, text = _meant(key, known)
+            si = star or "1" if si == "*" else si
         unit = shown.get(key, Unit("" if si == "1" else si))
         found[key] = Column(text, replace(unit, si=si), key)
     return Table(name, frame, found, name.replace("_", " ").capitalize())
 
 
-def _meant(column: str, columns: Columns) -> tuple[str, str]:
-    if column in columns or column in COORDINATES:
-        return columns[column] if column in columns else COORDINATES[column]
+def _meant(column: str, known: Mapping[str, tuple[str, str]]) -> tuple[str, str]:
+    if column in known:
+        return known[column]
     end = next(end for end in _ENDS if column.endswith(end))
-    unit, text = _meant(column.removesuffix(end), columns)
+    unit, text = _meant(column.removesuffix(end), known)
     return unit, _ENDS[end] + text

@@ -83,6 +83,29 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     assert where == {"impact.restitution = 0.4", "impact.restitution = 0.5", "impact.restitution = 0.65"}
 
 
+def test_keys_that_move_together_are_fixed_together(folder, pound):
+    """Fails if the key that is not given keeps the value of the study's own point."""
+    Path("two.yaml").write_text(
+        TWO + "sweep:\n  - {cases.gap.gap: [5 mm, 6 mm]}\n"
+        "  - {impact.restitution: [0.4, 0.5], impact.stiffness: [1 MN/mm, 2 MN/mm]}\n"
+    )
+    pound("run", "two.yaml", "-q")
+    asked = (
+        "results/two.h5",
+        "-q",
+        "--format",
+        "svg",
+        "--no-page",
+        "--quantity",
+        "drift",
+        "--where",
+        "restitution=0.5",
+    )
+    assert pound("report", *asked)[0] == 0
+    drawn = re.sub("<[^>]+>", " ", Path("results/two/soft-drift-sweep.svg").read_text(encoding="utf-8"))
+    assert "impact.restitution = 0.5; impact.stiffness = 2 MN/mm" in " ".join(drawn.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -72,13 +72,13 @@ def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound,
     def fails(*_, **__):
         raise fault
 
-    monkeypatch.setattr("json.dumps", fails)
-    code, out, err = pound("show", "results/two.h5", "storey", "--format", "json", "--case", "gap")
+    monkeypatch.setattr("pounding_cli.texts.cells", fails)
+    code, out, err = pound("show", "results/two.h5", "storey", "--format", "csv", "--case", "gap")
     assert (code, out) == (70, "")
     assert err.lstrip().startswith(f"internal error: {type(fault).__name__}: ")
-    assert "pound --debug show results/two.h5 storey --format json --case gap\n" in err
+    assert "pound --debug show results/two.h5 storey --format csv --case gap\n" in err
     assert "Traceback" not in err
-    code, _, err = pound("--debug", "show", "results/two.h5", "storey", "--format", "json")
+    code, _, err = pound("--debug", "show", "results/two.h5", "storey", "--format", "csv")
     assert code == 70
     assert "Traceback" in err
 

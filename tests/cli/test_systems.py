@@ -53,7 +53,6 @@ def test_the_table_and_the_page_stand_beside_the_file(folder, pound):
     assert table["damping"].tolist() == [0.05, 0.10]
     assert table["peak1"].round(3).tolist() == [3.980, 2.241]
     page = Path("a/report.html").read_text(encoding="utf-8")
-    assert "does not hold" in page
     assert "Spiliopoulos" in page
     for command in ("run", "cite"):
         code, _, err = pound(command, "a.yaml")
@@ -89,7 +88,7 @@ def test_a_point_that_fails_leaves_the_others(folder, pound):
     )
     code, _, err = pound("wall", "w.yaml", "-o", "w.h5")
     assert code == 1
-    assert "failed: striker.mass = 1e-09 t: refused: an impact this short" in err
+    assert "failed: striker.mass = 1e-6 kg: refused: an impact this short" in err
     frame = pd.read_csv("w/tables/wall.csv")
     assert np.isnan(frame["peak_force"]).tolist() == [False, True]
     assert frame["status"].str.partition(":")[0].tolist() == ["done", "refused"]

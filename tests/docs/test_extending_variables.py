@@ -30,7 +30,7 @@ spec.loader.exec_module(changed)
 
 import pounding_cli as pound
 from pounding_cli.report.evidence import nominal
-from pounding_cli.report.explorer import explored
+from pounding_cli.report.widgets import explored
 from pounding_cli.report.sweep import over_sweep
 from pounding_cli.study.expression import read_expression
 

@@ -155,11 +155,14 @@ cases: {near: {link: pounding, gap: 1 cm}}
 @pytest.mark.parametrize(
     ("foundation", "word"),
     [
-        ("{mass: 100 t, isolation: {radius: 3 m}}", "complete"),
-        ("{mass: 100 t, isolation: {strength: 800 kN, stiffness: 5 kN/mm}}", "complete"),
-        ("{mass: 100 t, isolation: {radius: 3 m, friction: 6 %, strength: 800 kN}}", "friction pendulum"),
-        ("{mass: 100 t, isolation: {damping_ratio: 10 %}}", "complete"),
-        ("{mass: 100 t, isolation: {stiffness: 5 kN/mm, damping_ratio: 10 %, strength: 1 kN}}", "no key of"),
+        ("{mass: 100 t, isolation: {radius: 3 m}}", "'friction' is missing"),
+        ("{mass: 100 t, isolation: {strength: 800 kN, stiffness: 5 kN/mm}}", "'yield_displacement' is missing"),
+        ("{mass: 100 t, isolation: {radius: 3 m, friction: 6 %, strength: 800 kN}}", "'strength' does not go with"),
+        ("{mass: 100 t, isolation: {damping_ratio: 10 %}}", "'stiffness' is missing"),
+        (
+            "{mass: 100 t, isolation: {stiffness: 5 kN/mm, damping_ratio: 10 %, strength: 1 kN}}",
+            "'strength' does not go with",
+        ),
         ("{mass: 100 t, sway_stiffness: 5 kN/mm, isolation: {radius: 3 m, friction: 6 %}}", "both"),
         ("{isolation: {radius: 3 m, friction: 6 %}}", "mass"),
         ("{mass: 100 t, isolation: {radius: 3, friction: 600 %}}", "friction"),

@@ -2,25 +2,6 @@
 
 const TOP = 12, RIGHT = 16, BOTTOM = 46, HIGH = 400;
 
-/** Round steps between two numbers, about `count` of them. */
-function ticksBetween(low, high, count) {
-  const power = 10 ** Math.floor(Math.log10((high - low) / Math.max(count, 1)));
-  const step = [1, 2, 2.5, 5, 10].map((factor) => factor * power).find((one) => (high - low) / one <= count * 1.001) ?? 10 * power;
-  const first = Math.ceil(low / step - 1e-9), last = Math.floor(high / step + 1e-9);
-  return Array.from({ length: Math.max(last - first + 1, 0) }, (_, number) => Number(((first + number) * step).toPrecision(9)));
-}
-
-/** Where the values of an axis lie between two pixels, and its ticks as [value, text]; `named` : ticks that have names. */
-function scale(values, from, to, named) {
-  let low = Math.min(...values), high = Math.max(...values);
-  const log = !named && low > 0 && high / low > 20;
-  const room = log ? (high / low) ** 0.05 : named ? 0.5 : (high - low) * 0.05 || Math.abs(high) * 0.1 || 1;
-  [low, high] = log ? [low / room, high * room] : [low - room, high + room];
-  const share = log ? (value) => Math.log(value / low) / Math.log(high / low) : (value) => (value - low) / (high - low);
-  const round = log ? Array.from({ length: 120 }, (_, number) => [1, 2, 5][number % 3] * 10 ** (Math.floor(number / 3) - 20)).filter((tick) => tick > low && tick < high) : ticksBetween(low, high, Math.abs(to - from) / 75);
-  return { place: (value) => from + share(value) * (to - from), ticks: named ?? round.map((tick) => [tick, String(Number(tick.toPrecision(6))).replace('-', '−')]) };
-}
-
 function explorer(box, { axes, quantities, cases, analyses, motions, void: voids, heights, thinned, building, point }) {
   const controls = document.getElementById('explorer-controls'), legend = document.getElementById('explorer-legend');
   if (!quantities.length) return void box.append(h('p', { class: 'nothing' }, 'Nothing to draw: no run of this study ended.'));
