@@ -46,7 +46,7 @@ FROM_REST = 1e-3
 contact: only a series tells the sign of what begins by a high power of time."""
 
 
-@njit(**CALLED)
+@njit(**PART)
 def summarise(dofs, elements, terms, r):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
     h, count = r.h, r.order + 1
