@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 
@@ -15,12 +16,7 @@ def counted(number: int, one: str, many: str = "") -> str:
 def listed(words: Iterable[str], room: int = 1600) -> str:
     """All words in a row, `a, b, c`; of more than fill a screen (`room` characters), how many are left."""
     words = list(words)
-    used, shown = 0, len(words)
-    for place, word in enumerate(words):
-        used += len(word) + 2
-        if used > room:
-            shown = place
-            break
+    shown = sum(end <= room for end in accumulate(len(word) + 2 for word in words))
     left = len(words) - shown
     return ", ".join(words[:shown]) + (f" and {left} more" if left else "")
 

@@ -79,7 +79,7 @@ def motion(
         return found.scaled(quantity(_SCALE, scale, "scale")) if scale != 1.0 else found
     if scale != 1.0:
         raise InputError(Problem("both 'scale' and 'pga' are given", "leave one of them out"))
-    return found.scaled(records.pga_factor(found, quantity(ACCELERATION, pga, "pga")))
+    return found.scaled(records.scale_factor(found, found.pga, quantity(ACCELERATION, pga, "pga")))
 
 
 def scene(

@@ -83,7 +83,8 @@ class Scene:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the scene: two scenes with one digest have the same response (names are left out)."""
-        return Digests(self.buildings, self.links).of(self.motion, self.analysis, self.tail)
+        ending = Digests.ending(self.motion, self.analysis, self.tail)
+        return Digests(self.buildings, self.links).ended(ending).hex()
 
     def under(self, motion: Motion, analysis: Analysis) -> Scene:
         """The same buildings, links and tail under a motion. They were checked, which takes as long as all else."""
@@ -116,7 +117,3 @@ class Digests:
         sha = self._begun.copy()
         sha.update(ending)
         return sha.digest()
-
-    def of(self, motion: Motion, analysis: Analysis, tail: float) -> str:
-        """`Scene.digest` of the scene with this motion, analysis and tail [s]."""
-        return self.ended(self.ending(motion, analysis, tail)).hex()

@@ -48,13 +48,14 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
             raise text.refuse(f"the file has the curves of {len(others)} sites", hint, max(rows))
         values = zip_longest(levels, map(number, others[0]))
         points = np.array([(level, value) for level, value in values if level is not None], float)
-        years, is_poe = _YEARS.search(comment), any(cell.startswith("poe-") for cell in head)
+        said, is_poe = _YEARS.search(comment), any(cell.startswith("poe-") for cell in head)
+        years = number(said[1]) if said else None
         unit = unit or ("g" if si == "m/s2" and is_poe else None)
         if is_poe and not years:
             hint = "write `# investigation_time=50.0` above the heading"
             raise text.refuse("the probabilities are for an unknown number of years", hint, 1)
         if years:
-            points[:, 1] = -np.log1p(-np.minimum(points[:, 1], 1 - 1e-16)) / float(years[1])
+            points[:, 1] = -np.log1p(-np.minimum(points[:, 1], 1 - 1e-16)) / years
     else:
         pairs = {n: [*map(number, cells)] for n, cells in rows.items() if n > min(rows) or None not in levels}
         for n, pair in pairs.items():

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.motion import SPECTRUM_DAMPING, Motion, arias, pgv, spectrum
+from pounding_cli.records.motion import SPECTRUM_DAMPING, Motion, arias, spectrum
 
 POINTS = 50
 """Periods a target spectrum is met at: so many, evenly in ln T over the range."""
@@ -35,7 +35,7 @@ class TargetSpectrum:
         """The spectrum of a motion itself, exact at every period of `grid`.  Raises InputError for one at rest."""
         grid = np.geomspace(low, high, POINTS)
         values = spectrum(motion, grid, damping)
-        _measured(motion, float(values.min()))
+        scale_factor(motion, float(values.min()), 1.0)
         return cls(tuple(map(float, grid)), tuple(map(float, values)), low, high, damping)
 
     @cached_property
@@ -49,28 +49,24 @@ class TargetSpectrum:
         return np.exp(np.interp(np.log(self.grid), np.log(self.periods), np.log(self.values)))
 
 
+def scale_factor(motion: Motion, measured: float, wanted: float) -> float:
+    """Factor [-] after which a measure of `motion` that grows with it, e.g. its peak, is `wanted`.
+
+    Raises InputError for a motion at rest, whose measures are zero.
+    """
+    if measured <= 0:
+        message = f"motion '{motion.name}' is at rest: every sample in its window is zero"
+        raise InputError(Problem(message, "lengthen the window"))
+    return float(wanted / measured)
+
+
 def arias_factor(motion: Motion, target: Motion) -> float:
     """Factor [-] after which `motion` has the Arias intensity of `target`: the rule of the paper's Table 1.
 
     Both are taken as they are: cut them to their windows first.  I_A grows with the factor squared.
-    Raises InputError for a motion at rest, as all these factors do.
+    Raises InputError for a motion at rest.
     """
-    return math.sqrt(_measured(target, arias(target)) / _measured(motion, arias(motion)))
-
-
-def pga_factor(motion: Motion, pga: float) -> float:
-    """Factor [-] after which the peak ground acceleration is `pga` [m/s2]."""
-    return pga / _measured(motion, motion.pga)
-
-
-def pgv_factor(motion: Motion, velocity: float) -> float:
-    """Factor [-] after which the peak ground velocity is `velocity` [m/s]; no baseline correction."""
-    return velocity / _measured(motion, pgv(motion))
-
-
-def sa_factor(motion: Motion, sa: float, period: float, damping: float = SPECTRUM_DAMPING) -> float:
-    """Factor [-] after which the pseudo-acceleration at `period` [s] and `damping` [-] is `sa` [m/s2]."""
-    return sa / _measured(motion, float(spectrum(motion, (period,), damping)[0]))
+    return math.sqrt(scale_factor(motion, arias(motion), 1.0) / scale_factor(target, arias(target), 1.0))
 
 
 def spectrum_factors(
@@ -88,20 +84,13 @@ def spectrum_factors(
     """
     spectra = np.array([spectrum(motion, target.grid, target.damping) for motion in motions.values()])
     for motion, found in zip(motions.values(), spectra, strict=True):
-        _measured(motion, float(found.min()))
+        scale_factor(motion, float(found.min()), 1.0)
     fitted = spectra if each else np.broadcast_to(spectra.mean(axis=0), spectra.shape)
     factors = np.exp(np.log(target.ordinates / fitted).mean(axis=1))
     if at_least is not None:
         mean = (factors[:, None] * spectra).mean(axis=0)
         factors = factors * max(1.0, float((at_least * target.ordinates / mean).max()))
     return dict(zip(motions, map(float, factors), strict=True))
-
-
-def _measured(motion: Motion, value: float) -> float:
-    if value <= 0:
-        message = f"motion '{motion.name}' is at rest: every sample in its window is zero"
-        raise InputError(Problem(message, "lengthen the window"))
-    return value
 
 
 DRAWN = 80

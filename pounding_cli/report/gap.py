@@ -172,14 +172,8 @@ def _notes(results: Results, answer: Table, cases: pd.DataFrame) -> Iterator[str
     """What a reader should know of the widths and of the cases."""
     frame = answer.frame
     error, few = float(frame["error"].max()), frame.loc[frame["rule"] == EXACT, "motions"].min()
-    yield (
-        "Exact: largest closing of two floors over time, or largest displacement to that side; each building is alone. "
-        + (
-            f"No width has a numerical error above {_unit(answer).text(error, 2)}."
-            if error == error
-            else "The numerical error was not estimated (estimate: none)."
-        )
-    )
+    worth = "The numerical error was not estimated (estimate: none)."
+    yield f"No width has a numerical error above {_unit(answer).text(error, 2)}." if error == error else worth
     if few >= FEWEST:
         yield f"In brackets: {CONFIDENCE:.0%} confidence."
     elif few == few:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,11 +37,13 @@ _LINE, _BEST, _WRITTEN, _FLAT = "#0072B2", "#AA2211", "#E69F00", "0.9"
 
 Key = dict[Any, Any]
 """A row of the table of keys."""
+_OF_KEY = ("value", "written")
+"""Its columns, beside the ends of ranges, in the unit of the key."""
 
 
 @dataclass(frozen=True)
 class Optimum:
-    """The answer as it was read back.
+    """The answer as it was read back, keys in the units of the study.
 
     keys : a row of the table for each
     tried : every point; units : of its columns
@@ -52,6 +55,21 @@ class Optimum:
     units: Mapping[str, Unit]
     design: list[Key]
 
+    @classmethod
+    def of(cls, results: Results) -> Optimum:
+        """The answer in a results file."""
+        keys, points, design = (results.answer(name) for name in (OPTIMUM, POINTS, DESIGN))
+        units, tried = {name: column.unit for name, column in points.columns.items()}, points.frame.copy()
+        rows = keys.frame.to_dict("records")
+        for row in rows:
+            factor = units[row["key"]].factor
+            row |= {
+                name: row[name] / factor for name in map(str, row) if name in _OF_KEY or name.endswith(("_from", "_to"))
+            }
+            if not row["option"]:
+                tried[row["key"]] /= factor
+        return cls(rows, tried, units, design.frame.to_dict("records"))
+
     @property
     def first(self) -> Key:
         """What is the same for all keys."""
@@ -61,23 +79,6 @@ class Optimum:
     def sought(self) -> str:
         """What is sought least or most, with its unit."""
         return self.units["value"].label(str(self.first["sought"]).partition(" ")[2])
-
-    def text(self, key: Key, name: str) -> str:
-        """A value of a key in the unit of the study, without it; NOTHING where there is none."""
-        option = {"value": "option", "written": "written_option"}.get(name)
-        if option and key[option]:
-            return str(key[option])
-        factor = self.units[key["key"]].factor
-        return Unit("", factor).text(float(key[name]), digits=4) if key[name] == key[name] else NOTHING
-
-    def span(self, key: Key, name: str) -> str:
-        """A range of a key, without its unit."""
-        ends = [self.text(key, f"{name}_{end}") for end in ("from", "to")]
-        return NOTHING if NOTHING in ends else " to ".join(ends)
-
-    def scaled(self, key: Key, values: Any) -> np.ndarray:
-        """Values of a key in the unit of the study."""
-        return np.asarray(values, float) / self.units[key["key"]].factor
 
     def through(self, *free: Key) -> pd.DataFrame:
         """The points with a number that differ from the optimum in some keys alone."""
@@ -91,10 +92,8 @@ class Optimum:
 def optimise_report(results: Results) -> Report:
     """What the search for an optimum says."""
     whole, results = results, results.first_sample()
-    tried, keys, design = (results.answer(name) for name in (POINTS, OPTIMUM, DESIGN))
-    units = {name: column.unit for name, column in tried.columns.items()}
-    found = Optimum(keys.frame.to_dict("records"), tried.frame, units, design.frame.to_dict("records"))
-    shown, said, tables, pictures = nominal(results), sentences(found), list[Table](), list[Picture]()
+    found, shown = Optimum.of(results), nominal(results)
+    said, tables, pictures = sentences(found), list[Table](), list[Picture]()
     if found.first["outcome"] != NO_OPTIMUM:
         tables = [_optimum(found), _design(found)]
         text = f"{said[0]} Along each key through the optimum, and every point that was tried."
@@ -113,13 +112,17 @@ def optimise_report(results: Results) -> Report:
 
 def _optimum(found: Optimum) -> Table:
     """A row for each key."""
+
+    def text(*values: float) -> str:
+        return NOTHING if any(map(isnan, values)) else " to ".join(Unit().text(value, 4) for value in values)
+
     rows = []
     for key in found.keys:
-        options = ", ".join(dict.fromkeys(map(str, found.tried[key["key"]]))) if key["option"] else ""
-        values = [found.text(key, name) for name in ("value", "written")]
-        spans = [found.span(key, name) for name in ("flat", "together")]
-        searched = options or found.span(key, "range")
-        rows.append([found.units[key["key"]].label(key["key"]), *values, *spans, searched])
+        spans = [text(key[f"{name}_from"], key[f"{name}_to"]) for name in ("flat", "together", "range")]
+        if key["option"]:
+            spans[2] = ", ".join(dict.fromkeys(map(str, found.tried[key["key"]])))
+        values = [key["option"] or text(key["value"]), key["written_option"] or text(key["written"])]
+        rows.append([found.units[key["key"]].label(key["key"]), *values, *spans])
     heads = ("key", "best", "as written", "as good by itself", "as good with others", "searched")
     return from_rows("The optimum", heads, rows)
 
@@ -173,8 +176,7 @@ def notes(found: Optimum) -> Iterator[str]:
         ends = np.array([key["range_from"], key["range_to"]], float)
         near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
         if near.any():
-            end = f"{found.text(key, 'range_from' if near[0] else 'range_to')} {found.units[key['key']].name}"
-            yield f"{key['key']} is best at the end of its range, {end.rstrip()}: a better value may lie beyond."
+            yield f"{key['key']} is best at the end of its range: a better value may lie beyond."
     if first["outcome"] == UNSETTLED:
         yield ("The search ended before the points of a generation were nearly as good: write more `generations:`.")
     of = int(first["points"])
@@ -239,13 +241,12 @@ def _along(ax: Axes, found: Optimum, key: Key, shown: Evidence) -> None:
         at, written = float(number[key["option"]]), float(number.get(key["written_option"], np.nan))
     else:
         if key["flat_from"] == key["flat_from"]:
-            flat = found.scaled(key, [key["flat_from"], key["flat_to"]])
-            ax.axvspan(*flat, color=_FLAT, lw=0, label="as good by itself")
-        ax.plot(found.scaled(key, frame[name]), frame["value"], **dots)
+            ax.axvspan(key["flat_from"], key["flat_to"], color=_FLAT, lw=0, label="as good by itself")
+        ax.plot(frame[name], frame["value"], **dots)
         line = line.sort_values(name)
-        ax.plot(found.scaled(key, line[name]), line["value"], lw=1.6, **through)
+        ax.plot(line[name], line["value"], lw=1.6, **through)
         ax.set_xscale(key["spacing"])
-        at, written = (float(found.scaled(key, key[which])) for which in ("value", "written"))
+        at, written = key["value"], key["written"]
     if found.first["as_written"] == found.first["as_written"]:
         mark: dict[str, Any] = {"marker": "D", "ms": 6, "color": _WRITTEN, "mec": "k", "label": "as written"}
         ax.plot([written], [found.first["as_written"]], ls="", **mark)
@@ -257,7 +258,7 @@ def _map(figure: Figure, ax: Axes, found: Optimum, keys: list[Key], shown: Evide
     """Contours of the number over two keys, the others at the optimum; every point that lies there."""
     frame = found.through(*keys)
     frame = frame[frame["stage"].isin(["map", "slices"])]
-    x, y = (found.scaled(key, frame[key["key"]]) for key in keys)
+    x, y = (frame[key["key"]].to_numpy(float) for key in keys)
     on_paper = [np.log(v) if key["spacing"] == "log" else v for v, key in zip((x, y), keys, strict=True)]
     corners = Triangulation(x, y, Triangulation(*((v - v.min()) / np.ptp(v) for v in on_paper)).triangles)
     drawn = ax.tricontourf(corners, frame["value"].to_numpy(float), levels=14, cmap=COLOURS)
@@ -265,8 +266,7 @@ def _map(figure: Figure, ax: Axes, found: Optimum, keys: list[Key], shown: Evide
     bar.ax.tick_params(labelsize=7.5)
     bar.set_label(found.sought, fontsize=7.5)
     ax.plot(x, y, ls="", marker=".", ms=1.5, color="0.85")
-    at = [found.scaled(key, [key["value"]]) for key in keys]
-    ax.plot(*at, ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6)
+    ax.plot(keys[0]["value"], keys[1]["value"], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6)
     ax.set(xscale=keys[0]["spacing"], yscale=keys[1]["spacing"])
     ax.grid(False)
     for which, key in zip("xy", keys, strict=True):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from html import escape
@@ -146,17 +146,16 @@ class Results:
     def storey(self, *columns: str) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
         are named."""
-        return self._levels("storey", columns or _OVER[STOREY])
+        return self._scenes(("building", "storey"), columns or _OVER[STOREY], self._there)
 
     def floor(self, *columns: str) -> pd.DataFrame:
         """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]; all unless some are
         named."""
-        return self._levels("floor", columns or _OVER[FLOOR])
+        return self._scenes(("building", "floor"), columns or _OVER[FLOOR], self._there)
 
     def link(self, *columns: str) -> pd.DataFrame:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
         some are named."""
-        dims = (*self._dims, *PLACE, "link")
         names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK], "link_right_floor"]
         names = list(columns) or [*names, *(name for name in OF_COLUMNS if name in self.data)]
         if "link" not in self.data:
@@ -164,14 +163,14 @@ class Results:
 
             frame = pd.DataFrame(columns=[*self.axes, *PLACE, "link", *names])
         else:
-            frame = self._frame(names, dims, self._solved(dims) & (self._over("kind", dims) != ""))
+            frame = self._scenes(("link",), names, lambda dims: self._over("kind", dims) != "")
         return frame.rename(columns=lambda name: str(name).removeprefix("link_"))
 
     def base(self) -> pd.DataFrame:
         """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
         names = [name for name in ("sway", "rocking", "isolator_displacement") if name in self.data]
-        dims = (*self._dims, *PLACE, "building")
-        return self._frame(names, dims, self._solved(dims) & np.any([self._over(n, dims) > 0 for n in names], axis=0))
+        moves = lambda dims: np.any([self._over(name, dims) > 0 for name in names], axis=0)  # noqa: E731
+        return self._scenes(("building",), names, moves)
 
     def struck(self) -> pd.DataFrame:
         """Per row of columns that a slab strikes between floors: building, storey, height of the blow over that of the
@@ -199,8 +198,7 @@ class Results:
 
     @cached_property
     def _scene(self) -> pd.DataFrame:
-        dims = (*self._dims, *PLACE)
-        return self._frame(_SCENE, dims, self._solved(dims))
+        return self._scenes((), _SCENE)
 
     def flagged(self) -> pd.DataFrame:
         """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, meaningless; no row where
@@ -216,8 +214,7 @@ class Results:
         """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
         energy left open [-], steps, events, Taylor orders, seconds in the solver.
         """
-        dims = (*self._dims, *PLACE)
-        return self._frame(_ACCURACY, dims, self._solved(dims))
+        return self._scenes((), _ACCURACY)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
@@ -299,13 +296,10 @@ class Results:
         if len(meant) == 1:
             return History(opened(self.path, f"histories/{meant[0]['number']}").load())
         said = " of " + ", ".join(f"{key} {value}" for key, value in given.items()) if given else ""
-        what, hint = f"keeps {len(meant) or 'no'} histories{said}", "say which of those that Results.histories() lists"
+        hint = "say which of those that Results.histories() lists"
         if not places:
-            what, hint = (
-                "keeps no histories",
-                "add `keep: histories` to the study and run it again; what is solved stays",
-            )
-        raise InputError(Problem(what, hint, str(self.path)))
+            said, hint = "", "add `keep: histories` to the study and run it again; what is solved stays"
+        raise InputError(Problem(f"keeps {len(meant) or 'no'} histories{said}", hint, str(self.path)))
 
     def first_sample(self) -> Results:
         """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
@@ -354,9 +348,14 @@ class Results:
     def _dims(self) -> tuple[str, ...]:
         return tuple(names[0] for names in self.swept)
 
-    def _levels(self, level: str, names: Sequence[str]) -> pd.DataFrame:
-        dims = (*self._dims, *PLACE, "building", level)
-        return self._frame(names, dims, self._there(dims) & self._solved(dims))
+    def _scenes(
+        self, inner: tuple[str, ...], names: Sequence[str], wanted: Callable[[Sequence[str]], np.ndarray] | None = None
+    ) -> pd.DataFrame:
+        """Variables of scenes over `inner`, where there is a scene (a question need not ask for all) and as `wanted`
+        says of the dimensions."""
+        dims = (*self._dims, *PLACE, *inner)
+        rows = self._over("status", dims) != ""
+        return self._frame(names, dims, rows if wanted is None else rows & wanted(dims))
 
     def _over(self, name: str, dims: Sequence[str]) -> np.ndarray:
         """A variable at every row over `dims`."""
@@ -364,10 +363,6 @@ class Results:
 
     def _ravelled(self, v: xr.Variable, dims: Sequence[str]) -> np.ndarray:
         return v.set_dims({dim: self.data.sizes[dim] for dim in dims}).transpose(*dims).values.ravel()
-
-    def _solved(self, dims: Sequence[str]) -> np.ndarray:
-        """Which rows over `dims` have a scene: a question need not ask for all."""
-        return self._over("status", dims) != ""
 
     def _there(self, dims: Sequence[str]) -> np.ndarray:
         """Which rows over `dims` stand for a storey, or its floor, that exists."""

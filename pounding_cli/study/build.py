@@ -31,13 +31,6 @@ COLUMNS = (
 """What to write where slabs strike columns."""
 
 
-def facing(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
-    """Floors of `left` and `right`, from 1, that meet, and slabs that strike columns whose share of the storey is
-    known."""
-    floors, strikes = meetings(left, right)
-    return floors, tuple(strike for strike in strikes if (left, right)[strike.side].columns is not None)
-
-
 def tell_left_out(group: Sequence[Building], root: Any, path: Steps, notes: Problems) -> None:
     """Note the floors of every pair of neighbours whose slabs strike columns of which nothing is known."""
     for place, pair in enumerate(pairwise(group)):
@@ -210,8 +203,9 @@ class Group:
         cls, placed: tuple[Building, ...], types: Mapping[str, Building], defined: Sequence[str] = ()
     ) -> Group:
         """The group of buildings by place."""
-        found = [facing(one, other) for one, other in pairwise(placed)]
-        common, strikes = tuple(dict(floors) for floors, _ in found), tuple(strikes for _, strikes in found)
+        pairs = list(pairwise(placed))
+        common = tuple(dict(meetings(*pair)[0]) for pair in pairs)
+        strikes = tuple(tuple(s for s in meetings(*pair)[1] if pair[s.side].columns is not None) for pair in pairs)
         return cls(placed, types, common, strikes, defined)
 
     @property

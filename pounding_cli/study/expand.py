@@ -71,7 +71,8 @@ class _Expansion:
             links.append(table)
         self._refuse()
         for place in range(len(model.group)):
-            alone = self._grid(study.touching("buildings", place), partial(self._begin_alone, place))
+            one = lambda point, place=place: Digests((study.building(point, place),), ())  # noqa: E731
+            alone = self._grid(study.touching("buildings", place), one)
             numbers[..., 1 + place] = alone[..., None, :, :]
         if asks is not None:
             points = product(*map(range, self.sizes))
@@ -123,9 +124,6 @@ class _Expansion:
         assert links is not None
         table.append(_in_columns(links))
         return Digests(group.buildings, links)
-
-    def _begin_alone(self, place: int, point: Point) -> Digests:
-        return Digests((self.study.building(point, place),), ())
 
     def _grid(self, own: tuple[bool, ...], begin: Callable[[Point], Digests | None]) -> np.ndarray:
         """Numbers in `_content` of the scenes of what the axes `own` touch, on every motion, in every analysis; shape:

@@ -29,22 +29,13 @@ _TRIED = 0.01
 """Gap [m] at which a formula is tried when it is read."""
 
 
-@dataclass(frozen=True, eq=False)
-class OwnLaw:
-    """A law of the study's own: its class, and what all its links share."""
-
-    law: type[WrittenLaw]
-    shared: Mapping[str, Any]
-    sound: bool
-
-    def __call__(self, gap: float) -> LinkLaw:
-        """The law across a gap [m]."""
-        return self.law(gap, **self.shared)
+OwnLaw = functools.partial[WrittenLaw]
+"""law(gap) -> a law of the study's own across a gap [m]."""
 
 
-def own_laws(specs: Mapping[str, Any], root: Any, problems: Problems) -> dict[str, OwnLaw]:
-    """The laws of a study by name; what is wrong with them is noted."""
-    found = {}
+def own_laws(specs: Mapping[str, Any], root: Any, problems: Problems) -> dict[str, OwnLaw] | None:
+    """The laws of a study by name; None where something is wrong with one, which is noted."""
+    found, first = dict[str, OwnLaw](), len(problems.found)
     for name, spec in specs.items():
         path, before = ("laws", name), len(problems.found)
         if name in (*link_laws(), "none", "apart"):
@@ -55,30 +46,26 @@ def own_laws(specs: Mapping[str, Any], root: Any, problems: Problems) -> dict[st
                 at = (*path, "parameters", parameter)
                 problems.at(root, at, f"'{parameter}' cannot be a parameter", hint, key=True)
         constants = tuple((key, value.value, value.dimension) for key, value in spec.parameters.items())
-        shared = {
-            "called": name,
-            "formula": spec.force.strip(),
-            "constants": constants,
-            "tension_cut": spec.tension_cut,
-        }
-        law = OwnLaw(WRITTEN[spec.acts], shared, sound=False)
-        if len(problems.found) == before:
-            try:
-                law(_TRIED)
-            except FormulaError as error:
-                (line, column), text = locate(root, (*path, "force")), get(root, *path, "force")
-                if error.line == 0 and isinstance(column, int) and "\n" not in text:
-                    column += error.column + len(text) - len(text.lstrip()) + isinstance(text, Quoted)
-                problems.add((line, column), f"force: {error.message}", error.hint)
-            except ValueError as error:
-                problems.at(root, (*path, "force"), f"{error}", "write a shorter formula")
-        found[name] = replace(law, sound=len(problems.found) == before)
-    return found
+        formula, cut = spec.force.strip(), spec.tension_cut
+        law = functools.partial(WRITTEN[spec.acts], called=name, formula=formula, constants=constants, tension_cut=cut)
+        found[name] = law
+        if len(problems.found) > before:
+            continue
+        try:
+            law(_TRIED)
+        except FormulaError as error:
+            (line, column), text = locate(root, (*path, "force")), get(root, *path, "force")
+            if error.line == 0 and isinstance(column, int) and "\n" not in text:
+                column += error.column + len(text) - len(text.lstrip()) + isinstance(text, Quoted)
+            problems.add((line, column), f"force: {error.message}", error.hint)
+        except ValueError as error:
+            problems.at(root, (*path, "force"), f"{error}", "write a shorter formula")
+    return None if len(problems.found) > first else found
 
 
 def check_contact(word: str, laws: Mapping[str, OwnLaw], root: Any, problems: Problems) -> bool:
     """Whether what `impact.law` names is a law of contact; noted where it is none."""
-    written = [name for name, law in laws.items() if law.law.subtracts_gap]
+    written = [name for name, law in laws.items() if law(_TRIED).subtracts_gap]
     if word in (*contact_laws(), *written):
         return True
     hint = f"write {', '.join((*contact_laws(), *written))}"
@@ -216,7 +203,7 @@ class _Builder:
             return None
         if tag_of(link) == FORMULA:
             mine = self.laws.get(word)
-            return self._made(lambda: mine(link.gap), path) if mine is not None and mine.sound else None
+            return self._made(lambda: mine(link.gap), path) if mine is not None else None
         kind, impact = link_laws()[word], self.impact
         values: dict[str, Any] = {"gap": link.gap, "dashpot": DashpotLaw(impact.dashpot)}
         for name, given in (

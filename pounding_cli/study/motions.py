@@ -412,12 +412,13 @@ class _Motions:
                     raise _Wrong(("records", "scale"), f"table1 has no scale for '{name}'", hint)
                 return {name: float(records.entry(name).scale) for name in cut}
             case Pga():
-                return {name: records.pga_factor(motion, scale.pga) for name, motion in cut.items()}
+                return {name: records.scale_factor(motion, motion.pga, scale.pga) for name, motion in cut.items()}
             case Pgv():
-                return {name: records.pgv_factor(motion, scale.pgv) for name, motion in cut.items()}
+                peaks = {name: records.pgv(motion) for name, motion in cut.items()}
+                return {name: records.scale_factor(cut[name], peak, scale.pgv) for name, peak in peaks.items()}
             case Sa():
-                of = scale.sa, scale.period, scale.damping
-                return {name: records.sa_factor(motion, *of) for name, motion in cut.items()}
+                found = {n: records.spectrum(m, (scale.period,), scale.damping)[0] for n, m in cut.items()}
+                return {name: records.scale_factor(cut[name], sa, scale.sa) for name, sa in found.items()}
             case Spectrum() if target is not None:
                 return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
             case Arias():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, WithJsonSchema, create_model
+from pydantic import ConfigDict, Field, WithJsonSchema
 
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
@@ -64,7 +64,7 @@ _UNCERTAIN_FORM = {
 }
 
 
-class _Study(Model):
+class Study(Model):
     """A study of earthquake pounding between adjacent buildings."""
 
     model_config = ConfigDict(title="pound study")
@@ -111,6 +111,11 @@ class _Study(Model):
         "move together",
     )
 
+    gap: GapSpec = key(GapSpec(), "settings of `pound gap`")
+    fragility: FragilitySpec = key(FragilitySpec(), "settings of `pound fragility`")
+    sensitivity: SensitivitySpec = key(SensitivitySpec(), "settings of `pound sensitivity`")
+    optimise: OptimiseSpec = key(OptimiseSpec(), "settings of `pound optimise`")
+
     def wrong(self) -> Iterator[Wrong]:
         timed, method = METHODS[self.method].takes_step, self.method
         if timed and self.time_step is None:
@@ -123,16 +128,6 @@ class _Study(Model):
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"
 
 
-_SECTIONS: Any = {
-    name: (section, key(section(), f"settings of `pound {name}`"))
-    for name, section in (
-        ("gap", GapSpec),
-        ("fragility", FragilitySpec),
-        ("sensitivity", SensitivitySpec),
-        ("optimise", OptimiseSpec),
-    )
-}
-Study = create_model("Study", __base__=_Study, __doc__=_Study.__doc__, **_SECTIONS)
 ONCE = {*Study.model_fields} - {"records", "buildings", "impact", "laws", "cases", "tail"}
 """Sections that are one for the whole study."""
 

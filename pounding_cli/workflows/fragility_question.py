@@ -188,8 +188,8 @@ def _measured(motion: records.Motion, scale: float, measure: Measure) -> float:
     if measure.name == "pga":
         return motion.pga
     if measure.name == "pgv":
-        return 1.0 / records.pgv_factor(motion, 1.0)
-    return 1.0 / records.sa_factor(motion, 1.0, measure.period)
+        return records.pgv(motion)
+    return float(records.spectrum(motion, (measure.period,))[0])
 
 
 def intensity_unit(plan: Plan, question: Question) -> Unit:

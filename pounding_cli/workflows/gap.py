@@ -334,11 +334,13 @@ def _of_cases(plan: Plan, separations: pd.DataFrame) -> Table:
 
     A gap is enough where it is no narrower than what is required and its numerical error, at all floors of the pair.
     """
-    pair, rows = ["point", "given", "number", "analysis", "rule"], list[dict[Any, Any]]()
-    gaps = _gaps(plan).astype({"point": int, "place": int})
-    for _, mine in separations.merge(gaps, on=["point", "place"]).groupby(pair, observed=True):
-        floors = mine.drop_duplicates("row")
-        value, error, gap = (mine[name].to_numpy().reshape(len(floors), -1) for name in ("value", "error", "gap"))
+    pair, chosen, told = ["point", "given", "number", "analysis", "rule"], list[int](), list[tuple[Any, ...]]()
+    rows = separations.merge(_gaps(plan).astype({"point": int, "place": int}), on=["point", "place"])
+    columns = {name: rows[name].to_numpy() for name in ("motion", "value", "error", "gap")}
+    is_counted = rows["rule"].isin(OF_MOTIONS).to_numpy()
+    for at in rows.groupby(pair, observed=True).indices.values():
+        motions = int(columns["motion"][at[-1]]) + 1
+        value, error, gap = (columns[name][at].reshape(-1, motions) for name in ("value", "error", "gap"))
         known = ~np.isnan(value).any(axis=0)
         if not known.any():
             continue
@@ -346,11 +348,12 @@ def _of_cases(plan: Plan, separations: pd.DataFrame) -> Table:
         required = value[:, known].max(axis=1)
         worst = int(np.argmin(gap[:, 0] - required))
         enough = "no" if not fits.all() else "yes" if known.all() else "unknown"
-        counts = (fits.sum(), known.sum()) if mine["rule"].iloc[0] in OF_MOTIONS else (0, 0)
-        told = {"required": required[worst], "enough": enough, "enough_for": counts[0], "motions": counts[1]}
-        rows.append(floors.iloc[worst].to_dict() | told)
-    columns = ["case", "analysis", *_FACING, "gap", "rule", "required", "enough", "enough_for", "motions"]
-    return _told(plan, CASES, pd.DataFrame(rows, columns=["point", *columns]), columns)
+        counts = (fits.sum(), known.sum()) if is_counted[at[0]] else (0, 0)
+        chosen.append(at[worst * motions])
+        told.append((required[worst], enough, *counts))
+    found = pd.DataFrame(told, rows.index[chosen], columns=["required", "enough", "enough_for", "motions"])
+    wanted = ["case", "analysis", *_FACING, "gap", "rule", "required", "enough", "enough_for", "motions"]
+    return _told(plan, CASES, rows.iloc[chosen].join(found).sort_values(pair, ignore_index=True), wanted)
 
 
 def _gaps(plan: Plan) -> pd.DataFrame:

@@ -26,9 +26,6 @@ _LONGEST_STEP = 4.0
 _STEP_UNDECIDED = 2.0
 """The intensity grows by this factor from one level to the next while a collapse leaves all undecided."""
 
-_NARROW = 8
-"""A bracket of more levels is halved too, for the case that the demand misleads."""
-
 
 def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> set[int]:
     """The levels of one motion to look at next; none when its bracket is closed and filled below.
@@ -65,13 +62,7 @@ def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> 
             return set(above[:1])  # all that was looked at failed
         factor = _LONGEST_STEP if seen[held] * _LONGEST_STEP < _OVERSHOOT else _OVERSHOOT / seen[held]
         return _nearest(above, int(np.searchsorted(intensity, factor * intensity[max(seen)])))
-    inside = _unseen(seen, held, passed)
-    wanted = _middle(seen, held, passed) if len(inside) > _NARROW or held < 0 else set()
-    if held >= 0:  # beside where a straight line through both ends meets the limit
-        share = (1.0 - seen[held]) / (seen[passed] - seen[held])
-        right = int(np.searchsorted(intensity, intensity[held] + share * (intensity[passed] - intensity[held])))
-        wanted |= _nearest(inside, right - 1) | _nearest(inside, right)
-    return below | wanted
+    return below | _middle(seen, held, passed)
 
 
 def _unseen(seen: Collection[int], low: int, high: int) -> list[int]:

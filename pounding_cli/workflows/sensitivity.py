@@ -14,7 +14,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pounding_cli.numbers import counted
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.expression import Expression, Statement, read_expression, read_statement
 from pounding_cli.study.file import Problems
@@ -152,13 +151,8 @@ def question_of(study: Study) -> Question:
     factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
     motions, sets = tuple(study.motions(study.base)), None
     if len(factors) < 2 and not problems.found:
-        what = (
-            f"{counted(len(factors), 'key')} is uncertain: indices take two or more"
-            if factors
-            else "nothing is uncertain"
-        )
         hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
-        problems.at(root, ("uncertain",), what, hint, key=True)
+        problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
     for number, factor in enumerate(factors):
         if factor.key == MOTION:
             if len(motions) < 2:

@@ -90,7 +90,7 @@ def test_a_table_of_gaps_follows_its_rate() -> None:
     [
         ("fragility: {limits: [mu > 4], hazard: {0.1 g: 1e-4, 0.2 g: 1e-3}}", "not a hazard curve"),
         ("fragility: {limits: [mu > 4], hazard: {0.1 kg: 1e-2, 0.2 g: 1e-3}}", "no acceleration"),
-        ("fragility: {limits: [mu > 4], hazard: nowhere.csv}", "cannot be read"),
+        ("fragility: {limits: [mu > 4], hazard: nowhere.csv}", "no such file"),
         ("fragility: {limits: [mu > 4], hazard: {k0: 1e-4}}", "'k' is missing"),
         ("gap: {rate: 1/475}", "needs a hazard curve"),
         ("gap: {rate: 0, hazard: {k0: 1e-4, k: 2}}", "rate"),

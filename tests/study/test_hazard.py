@@ -83,6 +83,7 @@ def test_files_of_services(text: str, unit: str | None, tmp_path: Path) -> None:
         (TWO.replace("7e-3", "x"), ":3:1: '0.1, x' is no intensity and rate"),
         (TWO.replace("7e-3", "7e-2"), "not a hazard curve"),
         (OPENQUAKE.replace("investigation_time=50.0, ", ""), "unknown number of years"),
+        (OPENQUAKE.replace("=50.0", "=5..0"), "unknown number of years"),
         (OPENQUAKE + "12,45,0,0.5,0.2,0.1\n", "curves of 2 sites"),
         ("", "the file is empty"),
         ("0.1 0.02\n", "no two rows"),
