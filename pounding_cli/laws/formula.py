@@ -189,7 +189,7 @@ class _Reader:
         if not degree:
             number = Formula((*self.rows, row), 2 + len(self.rows)).at(0.0, 0.0)
             if not math.isfinite(number):
-                raise self.wrong(node, "is not a finite number", "write a finite one")
+                raise self.wrong(node, "does not give a finite number", "correct it")
             row = (float(NUMBER), 0.0, 0.0, number)
         if row not in self.rows:
             self.rows.append(row)
