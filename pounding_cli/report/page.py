@@ -29,8 +29,12 @@ def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
     kept = dict(drawn) | ({"group": report.sketch()} if report.sketch else {})
     style = _asset("style.css")
     scripts = "(() => {\n'use strict';\n" + "\n".join(map(_asset, SCRIPTS)) + "\n})();"
+    sections = [
+        each for each in report.sections[1:]
+        if each.sentences or each.tables or each.widget or any(picture.name in kept for picture in each.pictures)
+    ]  # fmt: skip
     text = _template("page.html.j2").render(
-        report=report, images={name: data_address(figure) for name, figure in kept.items()},
+        report=report, sections=sections, images={name: data_address(figure) for name, figure in kept.items()},
         sizes={name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()},
         most=PAGE_ROWS, version=__version__,
         data=as_json({each.widget: each.data for each in report.sections if each.data}),

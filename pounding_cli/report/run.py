@@ -47,15 +47,18 @@ def run_report(results: Results, asked: Asked | None = None) -> Report:
 
 def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Section]:
     swept, scenes = sweep_pictures(results, shown, asked), players(results)
-    keep = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.records['record'].iloc[0]}]}}}}"
-    said = f"This results file has no histories. To see moving buildings, add `{keep}` to the study and run it again."
-    if scenes:
-        kept = len(results.histories())
-        said = f"{len(scenes)} of the kept scenes are here." if len(scenes) < kept else ""
+    kept, said = len(results.histories()), list[str]()
+    if not kept:
+        keep = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.records['record'].iloc[0]}]}}}}"
+        said = [
+            f"This results file has no histories. To see moving buildings, add `{keep}` to the study and run it again."
+        ]
+    elif len(scenes) < kept:
+        said = [f"{len(scenes)} of {kept} kept scenes have room here: keep fewer, or longer steps, `every: 20 ms`."]
     return [
         *([Section("Over the sweep", pictures=swept)] if swept else []),
         Section("Look around", widget="explorer", data=explored(results, shown)),
-        Section("Moving buildings", [said], widget="player", data={"scenes": scenes}),
+        Section("Moving buildings", said, widget="player", data={"scenes": scenes}),
         *claim_sections(results, shown.label),
         Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(shown)]),
         *background(results, shown, results.scene(), TABLES),

@@ -29,8 +29,6 @@ MEAN = "mean"
 """What stands for all motions in the list of motions."""
 MOST_BYTES = 12_000_000
 """What all series together may take on the page, as text."""
-MOST_STEPS = 20_000
-"""Samples a series; finer ones are thinned."""
 
 
 def explored(results: Results, shown: Evidence) -> dict[str, Any]:
@@ -113,7 +111,7 @@ def players(results: Results) -> list[dict[str, Any]]:
         evidence = at_point(results, at)
         place = {"case": row["case"], "analysis": row["analysis"], "record": row["record"]}
         scene = _scene(results.history(**place, **evidence.point), evidence, place)
-        if len(scene["series"]) <= left or not scenes:  # of those that do not fit a shorter one may
+        if len(scene["series"]) <= left:  # of those that do not fit a shorter one may
             left -= len(scene["series"])
             scenes.append(scene)
     return sorted(scenes, key=lambda scene: (not scene["contact"], scene["analysis"] != "inelastic"))
@@ -122,14 +120,12 @@ def players(results: Results) -> list[dict[str, Any]]:
 def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
     """One scene: `series` has the ground, of every building its floors, and its sway and rocking where its foundation
     moves, and the force of every link."""
-    steps = history.time.size
-    stride = -(-steps // MOST_STEPS)
-    series, buildings, links = [history.ground_acceleration[::stride]], [], []
+    series, buildings, links = [history.ground_acceleration], [], []
     for number, (name, rows) in enumerate(evidence.buildings.groupby("building", sort=False)):
         foundation = [history.sway[:, number], history.rocking[:, number]]
         moves = any(np.any(each != 0) for each in foundation)
         floors = history.displacement[:, number, : len(rows)].T
-        series += [each[::stride] for each in (*floors, *(foundation if moves else ()))]
+        series += [*floors, *(foundation if moves else ())]
         buildings.append({
             "name": name, "period": rounded(float(rows["period"].iloc[0])), "slab": float(rows["slab"].iloc[0]),
             "wall": bool(evidence.of_study(str(name)).get("wall")),
@@ -140,7 +136,7 @@ def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> di
     known = dict(zip(rows["link"], rows.to_dict("records"), strict=True))
     for number, name in enumerate(history.links):
         if row := known.get(name):
-            series.append(_largest(history.link_force[:, number], stride))
+            series.append(history.link_force[:, number])
             links.append({
                 "left": history.buildings.index(row["left"]), "right": history.buildings.index(row["right"]),
                 "floor": int(row["floor"]), "right_floor": int(row["right_floor"]), "drawn": drawn(row["kind"]),
@@ -151,15 +147,9 @@ def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> di
     packed = np.ascontiguousarray(series, dtype="<f4")
     forces = packed[len(packed) - len(links) :]
     return {
-        **place, "label": ", ".join(filter(None, (evidence.label, *place.values()))), "stride": stride,
-        "dt": float(history.time[1] - history.time[0]) * stride if steps > 1 else 1.0, "count": packed.shape[1],
+        **place, "label": ", ".join(filter(None, (evidence.label, *place.values()))),
+        "dt": float(history.time[1] - history.time[0]) if history.time.size > 1 else 1.0, "count": packed.shape[1],
         "acceleration": {"unit": unit.name, "factor": 1 / unit.factor}, "buildings": buildings, "links": links,
         "contact": any(force.any() for link, force in zip(links, forces, strict=True) if link["drawn"] != "bar"),
         "series": base64.b64encode(packed.tobytes()).decode("ascii"),
     }  # fmt: skip
-
-
-def _largest(force: np.ndarray, stride: int) -> np.ndarray:
-    """The force of largest size in every `stride` samples, with its sign: no impact is lost by thinning."""
-    padded = np.concatenate([force, np.zeros(-force.size % stride, force.dtype)]).reshape(-1, stride)
-    return padded[np.arange(len(padded)), np.abs(padded).argmax(axis=1)]

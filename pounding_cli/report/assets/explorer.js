@@ -147,7 +147,6 @@ function explorer(box, { axes, quantities, cases, analyses, motions, void: voids
   });
   const cut = [...(heights ? [] : ['only the largest over the height']), ...(thinned > 1 ? [`every ${thinned}th point of its longest axes`] : [])];
   if (cut.length) box.after(h('p', { class: 'note' }, `This sweep is large: the page has ${cut.join(' and ')}; tables/ has all.`));
-  controls.addEventListener('submit', (event) => event.preventDefault());
   arrange();
   drawnToWidth(box, draw);
 }

@@ -55,7 +55,6 @@ function player(root, { scenes }) {
       scene.yields ? 'Columns are red and thick while the storey drift is at or beyond the yield drift.' : 'This scene is elastic: no storey yields.',
       ...(kinds.has('gap') || kinds.has('filling') ? [`Stars: contact forces; those of at least ${100 * HARD} % of the largest count as impacts.`] : []),
       ...(kinds.has('bar') ? ['Bars: connectors, orange in compression, blue in tension.'] : []),
-      ...(scene.stride > 1 ? [`The page holds every ${scene.stride}th sample, and the largest force in between.`] : []),
     ];
     key.textContent = said.join(' ');
     canvas.setAttribute('aria-label', `${scene.buildings.map(({ name }) => name).join(', ')} moving: ${scene.label}`);
