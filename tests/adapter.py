@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 import pounding_cli as pound
 from pounding_cli import points
 from pounding_cli.cli.main import cli
-from pounding_cli.laws.isolation import Bearings as Bearings
-from pounding_cli.laws.isolation import FrictionPendulum as FrictionPendulum
-from pounding_cli.laws.isolation import Rubber as Rubber
+from pounding_cli.laws.foundation import Bearings as Bearings
+from pounding_cli.laws.foundation import FrictionPendulum as FrictionPendulum
+from pounding_cli.laws.foundation import Rubber as Rubber
 from pounding_cli.laws.joints import Connector as Connector
 from pounding_cli.records.hazard import read_hazard as read_hazard
 from pounding_cli.report import report as report

@@ -189,7 +189,7 @@ class _Reader:
         if not degree:
             number = Formula((*self.rows, row), 2 + len(self.rows)).at(0.0, 0.0)
             if not math.isfinite(number):
-                raise self.wrong(node, "is not a finite number", "write a finite one")
+                raise self.wrong(node, "does not give a finite number", "correct it")
             row = (float(NUMBER), 0.0, 0.0, number)
         if row not in self.rows:
             self.rows.append(row)
@@ -300,11 +300,6 @@ class WrittenLaw(LinkLaw):
     def cut(self) -> bool:
         """As it says."""
         return self.tension_cut
-
-    @property
-    def is_linear(self) -> bool:
-        """Of a joint, where the formula is straight."""
-        return super().is_linear or (self.joins and self.force(1.0).is_straight)
 
     @property
     def steepest(self) -> tuple[float, float]:

@@ -1,10 +1,17 @@
-"""Springs and dashpots under a base that sways or rocks (paper, Fig. 1)."""
+"""What stands under a base: springs and dashpots where it sways or rocks (paper, Fig. 1), or isolators.
+
+Friction pendulums and lead-rubber bearings are bilinear in the displacement of the base (`laws.bilinear`), high-damping
+rubber is a spring and a dashpot of equivalent values."""
 
 from __future__ import annotations
 
+import math
+from abc import abstractmethod
 from dataclasses import dataclass, fields
 
+from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.law import Law, parameter
+from pounding_cli.units import GRAVITY
 
 
 @dataclass(frozen=True)
@@ -47,3 +54,93 @@ class Rocking(FoundationSpring):
     inertia: float = parameter("rotary inertia of the base", "kg m2", open_low=True)
     rocking_stiffness: float = parameter("rotational spring", "N m/rad", open_low=True)
     rocking_damping: float = parameter("rotational dashpot", "N m s/rad", default=0.0)
+
+
+@dataclass(frozen=True)
+class Isolation(Law):
+    """All isolators of a building together.
+
+    Raises
+    ------
+    ValueError : a parameter is outside its range
+    """
+
+    acts_on = "isolation"
+
+    @abstractmethod
+    def bilinear(self, weight: float) -> Bilinear | None:
+        """What they do under a weight [N], which stays the same; None where they are linear."""
+
+    def effective(self, weight: float, displacement: float) -> tuple[float, float]:
+        """Period [s] and damping ratio [-] that a linear oscillator has with the secant stiffness, and the energy lost
+        in a cycle, of an amplitude D [m] under a weight [N]; of a friction pendulum 2 pi / sqrt(g (1 / R + mu / D)) and
+        2 / pi mu / (mu + D / R), less the share yield displacement / D of the damping."""
+        law = self.bilinear(weight)
+        assert law is not None
+        beyond = max(displacement - law.yield_drift, 0.0)
+        force = law.stiffness * (min(displacement, law.yield_drift) + law.hardening * beyond)
+        lost = 4 * (1 - law.hardening) * law.yield_shear * beyond
+        period = 2 * math.pi * math.sqrt(weight / GRAVITY * displacement / force)
+        return period, lost / (2 * math.pi * force * displacement)
+
+
+@dataclass(frozen=True)
+class FrictionPendulum(Isolation):
+    """F = W u / R + mu W sgn(u'), with a spring up to the yield displacement in place of a stuck slider: the energy of
+    a cycle of amplitude D is less by the share yield displacement / D (Zayas, V. A., Low, S. S. and Mahin, S. A.
+    (1990). A simple pendulum technique for achieving seismic isolation. Earthquake Spectra 6(2), 317-333)."""
+
+    name = "friction-pendulum"
+    citation = (("zayas1990", "friction pendulums"),)
+
+    radius: float = parameter("radius R of the sliding surface of a friction pendulum", "m", open_low=True)
+    friction: float = parameter("its friction coefficient mu", "-", high=1.0, open_low=True)
+    yield_displacement: float = parameter("displacement at which it slides", "m", default=1e-5, open_low=True)
+    capacity: float = parameter("displacement that it can take", "m", default=math.inf, open_low=True, endless=True)
+
+    def bilinear(self, weight: float) -> Bilinear:
+        """Strength mu W, stiffness W / R."""
+        return _bilinear(self.friction * weight, weight / self.radius, self.yield_displacement)
+
+
+@dataclass(frozen=True)
+class Bearings(Isolation):
+    """Lead-rubber and high-damping rubber bearings: strength at no displacement, stiffness beyond the yield."""
+
+    name = "bearings"
+
+    strength: float = parameter("strength Qd of bearings at no displacement, all together", "N", open_low=True)
+    stiffness: float = parameter("their stiffness k2 beyond the yield", "N/m", open_low=True)
+    yield_displacement: float = parameter("displacement at which they yield", "m", open_low=True)
+    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
+
+    def bilinear(self, weight: float) -> Bilinear:
+        """Whatever the weight."""
+        return _bilinear(self.strength, self.stiffness, self.yield_displacement)
+
+
+@dataclass(frozen=True)
+class Rubber(Isolation):
+    """High-damping rubber bearings by equivalent values: F = k u + c u', c = 2 xi sqrt(k W / g)."""
+
+    name = "rubber"
+
+    stiffness: float = parameter("equivalent stiffness of rubber bearings, all together", "N/m", open_low=True)
+    damping_ratio: float = parameter("their equivalent damping ratio xi", "-", high=1.0)
+    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
+
+    def bilinear(self, weight: float) -> None:
+        """They are linear."""
+
+    def dashpot(self, weight: float) -> float:
+        """c [N s/m] under a weight [N]."""
+        return 2 * self.damping_ratio * math.sqrt(self.stiffness * weight / GRAVITY)
+
+    def effective(self, weight: float, displacement: float) -> tuple[float, float]:
+        """Of any amplitude."""
+        return 2 * math.pi * math.sqrt(weight / GRAVITY / self.stiffness), self.damping_ratio
+
+
+def _bilinear(strength: float, stiffness: float, yield_displacement: float) -> Bilinear:
+    initial = stiffness + strength / yield_displacement
+    return Bilinear(initial, initial * yield_displacement, stiffness / initial)

@@ -107,11 +107,6 @@ class Viscous(Joint):
         return self.force_at_1_m_s, self.exponent, self.straight_below**4
 
     @property
-    def is_linear(self) -> bool:
-        """Where the power is 1."""
-        return self.exponent == 1.0 or super().is_linear
-
-    @property
     def steepest(self) -> tuple[float, float]:
         """The slope at rest."""
         return 0.0, self.force_at_1_m_s * self.straight_below ** (self.exponent - 1.0)

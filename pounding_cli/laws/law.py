@@ -211,11 +211,6 @@ class LinkLaw(Law):
         return bool(getattr(self, "tension_cut", False)) and self.damped
 
     @property
-    def is_linear(self) -> bool:
-        """Whether its force is linear in closing and rate at all times, as far as it can act at all."""
-        return self.behaviour is JOINED or not self.can_close
-
-    @property
     def steepest(self) -> tuple[float, float]:
         """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each: the first two of its
         numbers. A force that stiffens without end is taken where floors press each other by `PRESSED`."""

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from pounding_cli.laws.bilinear import Bilinear
-from pounding_cli.laws.isolation import Rubber
+from pounding_cli.laws.foundation import Rubber
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.model.foundation import Foundation
 from pounding_cli.numbers import counted

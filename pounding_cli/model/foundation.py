@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from pounding_cli.laws.foundation import Rocking, Sway
-from pounding_cli.laws.isolation import Bearings, FrictionPendulum, Rubber
+from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ _ONLY_ACCELERATION = re.compile(r"(?:(?:ground|base|input)\s+)?(?:acc[a-z]*|ag?)
 _PEAK = re.compile(
     r"\b(?:peaks?|max[a-z]*|pga)\b|\bacc[a-z]*\.?\s*(?:[(\[][^()\[\]]*[)\]]\s*)?[:=]\s*[-+.\d]", re.IGNORECASE
 )
-_SECONDS = re.compile(r"\s*(?:(ms)|s(?:ec)?)\Z", re.IGNORECASE)
+_SECONDS = re.compile(r"(?<=[\d.\s])s(?:ec)?\Z", re.IGNORECASE)
 _STEPS = ("dt", "time step", "delta t", "sampling interval")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _ROW_BY_ROW = "for values printed row by row say format 'column' and dt"
@@ -71,10 +71,7 @@ def _column(text: Text, asked: Asked, start: int, above: _Above) -> Samples:
         hint = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
         raise text.refuse("one column of values, and no time step", hint, 1)
     written, line = stated[0] if stated else (f"{asked.dt}", 0)
-    value, unit = number(_SECONDS.sub("", written)), _SECONDS.search(written)
-    if value is not None and unit and unit[1]:
-        value /= 1000.0
-    step = text.step(written if value is None else value, line, asked.dt)
+    step = text.step(_SECONDS.sub("", written).strip(), line, asked.dt)
     values, begin = text.values(start)
     if "samples" in text.header:
         said, line = text.header["samples"]

@@ -5,13 +5,11 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
@@ -28,6 +26,10 @@ from pounding_cli.report.style import (
     styled,
 )
 from pounding_cli.report.table import column_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
 """The paper's panels: analysis and column."""
@@ -251,6 +253,8 @@ def draw_group(ax: Axes, evidence: Evidence, black: Sequence[str], named: bool =
 
     black : buildings filled; named, periods : whether their names and periods stand below
     """
+    from matplotlib.patches import Rectangle
+
     group, many = evidence.group, len(evidence.group) >= MANY
     levels: dict[str, list[float]] = {}
     scale = STOREY / float(evidence.buildings["height"].mean())

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import GRAVITY, Motion, displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
 from pounding_cli.report.style import FORMATS, caption, entitle, is_for_paper, new_figure, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PERIODS = np.geomspace(0.05, 4.0, 200)
 """Periods of the spectrum of one motion [s]."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from pounding_cli import __version__
 from pounding_cli.laws import link_laws, storey_laws
-from pounding_cli.laws.isolation import FrictionPendulum
+from pounding_cli.laws.foundation import FrictionPendulum
 from pounding_cli.methods import METHODS
 from pounding_cli.records import catalogue
 

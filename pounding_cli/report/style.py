@@ -11,15 +11,13 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Any, ParamSpec
-
-import matplotlib as mpl
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 from pounding_cli.texts import file_name, write_markdown
+
+if TYPE_CHECKING:  # matplotlib is loaded when something is drawn
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg", "pdf")
 """What a figure can be saved as."""
@@ -86,7 +84,10 @@ def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
 
     @wraps(draw)
     def drawn(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
-        with mpl.rc_context(_SETTINGS):
+        from matplotlib import rc_context
+        from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+        with rc_context(_SETTINGS):
             figure = draw(*args, **named)
             for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if axis.get_scale() == "log"):
                 low, high = axis.get_view_interval()
@@ -100,6 +101,8 @@ def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure [in] that lays itself out; drawn without any window system."""
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width, height), layout="constrained")
 
 
@@ -111,6 +114,8 @@ def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **s
 
 def legend(ax: Axes, cases: Mapping[str, str], **keywords: Any) -> None:
     """A legend of cases alone, with their line and marker; `cases`: what each is called."""
+    from matplotlib.lines import Line2D
+
     handles = [
         Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=5, lw=1.6, label=cases[case])
         for case, look in looks(list(cases)).items()
@@ -180,15 +185,19 @@ def data_address(figure: Figure) -> str:
 
 def _settle(figure: Figure) -> None:
     """Lay a figure out once for all formats."""
-    with mpl.rc_context(_SETTINGS):
+    from matplotlib import rc_context
+
+    with rc_context(_SETTINGS):
         figure.draw_without_rendering()
     figure.set_layout_engine("none")
 
 
 def _write(figure: Figure, target: Path | io.BytesIO, suffix: str) -> None:
     """Without a date in it, a figure that did not change is the same file."""
+    from matplotlib import rc_context
+
     dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-    with mpl.rc_context(_SETTINGS):
+    with rc_context(_SETTINGS):
         figure.savefig(target, format=suffix, metadata=dated)
 
 

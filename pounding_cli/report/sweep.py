@@ -8,13 +8,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, Normalize
-from matplotlib.figure import Figure
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
@@ -28,6 +23,10 @@ from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.variables import RESPONSES
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
     from pounding_cli.results.results import Results
 
 OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
@@ -327,6 +326,8 @@ def draw_maps(
 
     building : filled in the drawing of the group; words : what is drawn, for the caption
     """
+    from matplotlib.cm import ScalarMappable
+
     columns = min(max(len(by_case) for *_, by_case in panels), 4)
     lines = [
         (quantity, analysis, by_case, list(by_case)[start : start + columns])
@@ -353,6 +354,8 @@ def draw_maps(
 
 def _norm(values: np.ndarray) -> Normalize:
     """The colour scale of all panels of a quantity."""
+    from matplotlib.colors import LogNorm, Normalize
+
     low, high = np.nanmin(values), np.nanmax(values)
     if low > 0 and high > LARGE_RANGE * low:
         return LogNorm(low, high)
@@ -361,6 +364,8 @@ def _norm(values: np.ndarray) -> Normalize:
 
 def _map(ax: Axes, axes: Sequence[SweptAxis], over: xr.Dataset, norm: Normalize, few: bool) -> None:
     """The map of one case: colours, hatched where they mean nothing; numbers in their cells where all have room."""
+    from matplotlib import colormaps
+
     mean, void = over["mean"].values, over["void"].values
     y, x = (np.arange(1, len(axis) + 1) for axis in axes)
     ax.grid(False)
@@ -370,7 +375,7 @@ def _map(ax: Axes, axes: Sequence[SweptAxis], over: xr.Dataset, norm: Normalize,
     ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=norm, cmap=COLOURS, shading="nearest", rasterized=True)
     ax.pcolor(x, y, np.ma.masked_equal(void, False), shading="nearest", hatch="//", alpha=0)
     for row, column in np.argwhere(np.isfinite(mean)) if few else ():
-        colour = mpl.colormaps[COLOURS](norm(mean[row, column]))
+        colour = colormaps[COLOURS](norm(mean[row, column]))
         ink = "white" if float(np.dot(colour[:3], (0.299, 0.587, 0.114))) < 0.5 else "black"
         box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
         place, text = (x[column], y[row]), digits(float(mean[row, column]), 3)

@@ -146,18 +146,18 @@ def kept(path: Path) -> list[dict[str, Any]]:
 
 
 def _of_table(table: Table) -> xr.Dataset:
-    """A table as a Dataset over `row`, its columns by number; `columns` names them in their order."""
+    """A table as a Dataset over `row`; its attribute `columns` has their order."""
     import xarray as xr
 
     found = {}
-    for number, name in enumerate(table.frame.columns):
+    for name in table.frame.columns:
         values, column = table.frame[name].to_numpy(), table.columns[name]
         if values.dtype.kind in "OU":
             values = np.array(list(map(str, values)), object)
         elif values.dtype.kind == "b":
             values = values.astype(np.int8)
         attrs = {"long_name": column.text} | unit_attributes(column.unit)
-        found[f"column_{number}"] = xr.Variable("row", values, attrs)
+        found[name] = xr.Variable("row", values, attrs)
     return xr.Dataset(found, attrs={"columns": json.dumps(list(table.frame.columns))})
 
 
@@ -166,7 +166,7 @@ def read_table(path: Path, name: str) -> Table:
     import pandas as pd
 
     found = opened(path, f"answer/{name}")
-    data = {column: found[f"column_{number}"] for number, column in enumerate(json.loads(found.attrs["columns"]))}
+    data = {column: found[column] for column in json.loads(found.attrs["columns"])}
     columns = {name: Column(str(v.attrs["long_name"]), written(v.attrs), name) for name, v in data.items()}
     frame = pd.DataFrame({column: v.values for column, v in data.items()})
     return Table(name, frame, columns, name.replace("_", " ").capitalize())

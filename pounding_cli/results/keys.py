@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 FORMAT = "pounding study results"
 """Attribute `format` of every results file."""
 
-FORMAT_VERSION = 4
+FORMAT_VERSION = 5
 """Raised whenever a reader of the former version would misread the file."""
 
 _SOLVER_PACKAGES = ("laws", "model", "solver")

@@ -42,7 +42,7 @@ LEAST_STATE = 1e-6
 LEAST_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
 
-POINTS = ((1e-5, 4), (1e-7, 5), (1e-8, 6), (0.0, 8))
+POINTS = ((1e-5, 5), (1e-7, 6), (1e-8, 7), (0.0, 9))
 """(accuracy from which on, places of the quadrature of energies inside a step)."""
 
 MOST_STEPS, MOST_EVENTS = 20_000_000, 5_000_000
@@ -327,12 +327,6 @@ def _at_line(rows: np.ndarray) -> np.ndarray:
     return made
 
 
-def watch_of(layout: Layout, times: np.ndarray) -> Watch:
-    """Room for what a run keeps at `times` [s]."""
-    t, n, m = times.size, layout.number, layout.elements.size
-    return Watch(times, np.zeros((t, n, 3)), np.zeros((t, m, 2)), np.zeros((t, 3)), np.zeros((t, n)))
-
-
 def records_of(
     scene: Scene,
     layout: Layout,
@@ -362,7 +356,9 @@ def records_of(
         room = Room(np.zeros(2 * layout.number + changing, STATE), layout.formulas.copy())
         room.states["scale"] = LEAST_STATE
     rows = max(elements.size - layout.number + layout.number * layout.has_smooth, 1)
-    watch = watch_of(layout, np.zeros(0) if times is None else times)
+    kept, n, m = np.zeros(0) if times is None else times, layout.number, elements.size
+    t = kept.size
+    watch = Watch(kept, np.zeros((t, n, 3)), np.zeros((t, m, 2)), np.zeros((t, 3)), np.zeros((t, n)))
     return Data(dofs, elements, layout.terms, run, np.zeros(rows, SERIES), layout.columns.copy(), room, watch)
 
 

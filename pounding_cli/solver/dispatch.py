@@ -18,35 +18,31 @@ WRITTEN = BEHAVIOURS.index(WRITTEN_BEHAVIOUR)
 """Kind of the elements whose force is a formula of the study."""
 
 
-HOW = {"part": PART, "called": CALLED}
-"""Options of numba for a function of a law."""
-
-
 @functools.cache
-def _compiled(function: Callable, how: str) -> Any:
+def _compiled(function: Callable, is_part: bool) -> Any:
     """A function of a law, and those of the laws that it calls, compiled as a part of its callers or to be called."""
     known = dict(function.__globals__)
     for name in function.__code__.co_names:
         called = known.get(name)
         if isinstance(called, types.FunctionType) and called.__module__.startswith("pounding_cli.laws"):
-            known[name] = _compiled(called, how)
+            known[name] = _compiled(called, is_part)
     copy = types.FunctionType(function.__code__, known, function.__name__, function.__defaults__)
-    return njit(**HOW[how])(copy)
+    return njit(**(PART if is_part else CALLED))(copy)
 
 
-def _by_kind(name: str, arguments: str, how: str) -> Any:
+def _by_kind(name: str, arguments: str, is_part: bool) -> Any:
     """One function that calls the one of the element's kind, of those that the behaviours name so. Its text is written
     here, because a function that is compiled cannot choose from a list of others."""
     own = {kind: getattr(each, name) for kind, each in enumerate(BEHAVIOURS)}
-    known = {f"of_{kind}": _compiled(each, how) for kind, each in own.items() if each is not None}
+    known = {f"of_{kind}": _compiled(each, is_part) for kind, each in own.items() if each is not None}
     calls = "".join(f"    if e.kind == {key[3:]}:\n        return {key}({arguments})\n" for key in known)
     exec(f"def choose({arguments}):\n{calls}    return {list(known)[-1]}({arguments})", known)
     return njit(**PART)(known["choose"])
 
 
-_next_branch = _by_kind("next_branch", "e, guard", "called")
-_force = _by_kind("force", "e, v, r", "part")
-_history_rate = _by_kind("history_rate", "e, r, h", "part")
+_next_branch = _by_kind("next_branch", "e, guard", is_part=False)
+_force = _by_kind("force", "e, v, r", is_part=True)
+history_rate = _by_kind("history_rate", "e, r, h", is_part=True)
 _written_force = njit(**PART)(carried_out)
 
 
@@ -55,12 +51,6 @@ def next_branch(e, guard):
     """Element e meets a guard; what its storey carries of P-Delta goes with the stiffness of the branch."""
     _next_branch(e, guard)
     e.stiffness = e.k - e.load
-
-
-@njit(**PART)
-def history_rate(e, r, h):
-    """Rate of the history variable h of a smooth storey [1/s] at the rate r [m/s] of its drift."""
-    return _history_rate(e, r, h)
 
 
 @njit(**PART)

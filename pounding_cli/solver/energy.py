@@ -9,20 +9,16 @@ from pounding_cli.solver.options import CALLED, PART
 from pounding_cli.solver.records import MOST_POINTS
 
 
-def _lobatto_rules() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Gauss-Lobatto places inside [0, 1] and their weights of all rules, that of q places in row q and zeros behind it,
-    and the weight of both ends."""
-    (places, weights), ends = np.zeros((2, MOST_POINTS + 1, MOST_POINTS)), np.zeros(MOST_POINTS + 1)
+def _gauss_rules() -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre places in [0, 1] and their weights of all rules, that of q places in row q and zeros behind it."""
+    places, weights = np.zeros((2, MOST_POINTS + 1, MOST_POINTS))
     for q in range(1, MOST_POINTS + 1):
-        p = np.polynomial.legendre.Legendre.basis(q + 1)
-        x = np.sort(p.deriv().roots().real)
-        places[q, :q] = 0.5 + 0.5 * x
-        weights[q, :q] = 1.0 / ((q + 1) * (q + 2) * p(x) ** 2)
-        ends[q] = 1.0 / ((q + 1) * (q + 2))
-    return places, weights, ends
+        x, weight = np.polynomial.legendre.leggauss(q)
+        places[q, :q], weights[q, :q] = 0.5 + 0.5 * x, 0.5 * weight
+    return places, weights
 
 
-PLACES, WEIGHTS, ENDS = _lobatto_rules()
+PLACES, WEIGHTS = _gauss_rules()
 
 
 @njit(**CALLED)
@@ -62,14 +58,11 @@ def _look_inside(dofs, r):
 def _powers_of_storeys(dofs, elements, r):
     """Energy that the ground puts in, and what dashpots of storeys and mass-proportional damping take [J]."""
     q, duration, g1 = r.points, r.h * r.end, r.g1 * r.end
-    at_ends = ENDS[q]
     drag = dashpots = pushed = 0.0
     for i in range(r.n):
         el, d = elements[i], dofs[i]
         below, foot = dofs[el.right].inside, dofs[d.foot].inside
-        push = at_ends * (r.g0 * d.w[0] + (r.g0 + g1) * d.v1)
-        square = at_ends * (d.w[0] * d.w[0] + d.v1 * d.v1)
-        rates = at_ends * (el.r0 * el.r0 + el.r1 * el.r1)
+        push = square = rates = 0.0
         for g in range(q):
             v = d.inside[g]
             rate = v - el.hold * below[g] + d.lean * foot[g]
@@ -89,11 +82,7 @@ def _work_on(el, r, s):
     """Work done on an element in the step [J]."""
     if not el.acts:
         return
-    q = r.points
-    f = rate = 0.0
-    for k in range(r.order - 1, -1, -1):
-        f, rate = f * r.end + s.f[k], rate * r.end + s.rate[k]
-    power = ENDS[q] * (s.f[0] * s.rate[0] + f * rate)
+    q, power = r.points, 0.0
     for g in range(q):
         f = rate = 0.0
         for k in range(r.order):

@@ -154,8 +154,7 @@ def _told_apart(
     scene: Scene, response: Response, accuracy: float, run: Callable[..., Response], fixed: bool
 ) -> Response:
     """`assess` by a finer run for the error and a nudged one for the sensitivity."""
-    method = "taylor" if fixed else response.method
-    tight = BESIDE_FIXED_STEPS if fixed else finer(accuracy)
+    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, finer(accuracy))
     nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion))
     second = run(scene, accuracy=tight, method=method)
     sensitivity = change(second, run(nudged, accuracy=tight, method=method)) / NUDGE
@@ -170,29 +169,16 @@ def _told_apart(
     if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
         others = (run(scene, accuracy=tight * times, method=method) for times in SCATTER)
         error = np.nanmax([error, *(difference(response, other) for other in others)])
-    return dataclasses.replace(
-        response,
-        accuracy=response.accuracy if fixed else accuracy,
-        seconds=seconds,
-        error_estimate=float(error),
-        sensitivity=sensitivity,
-        flags=(*response.flags, *_said(error, sensitivity, accuracy, tight, second.status, fixed)),
-    )
-
-
-def _said(error: float, sensitivity: float, accuracy: float, tight: float, status: str, fixed: bool) -> tuple[str, ...]:
-    """Flags of a response by its error and sensitivity [-]."""
-    flags = []
+    flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:
-        moved = f"changes a peak by {sensitivity * NUDGE:.1e}"
-        if sensitivity == np.inf:
-            moved = "decides which storey collapses, or whether one does"
+        moved = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"
         flags.append(f"ill-conditioned: a motion that grows gradually by 1e-6 {moved}")
     if np.isnan(error):
-        flags.append(f"no error estimate: the run at {tight:.0e} for the estimate ended with: {status}")
+        flags.append(f"no error estimate: the run at {tight:.0e} for the estimate ended with: {second.status}")
     if not fixed and error > accuracy:
-        left = f"an error of about {error:.1e} is left"
-        if error == np.inf:
-            left = "which storey collapses, or whether one does, is open"
+        left = f"an error of about {error:.1e} is left" if error < np.inf else "what collapses is open"
         flags.append(f"less accurate than asked: {left}, {accuracy:.0e} was asked")
-    return tuple(flags)
+    return dataclasses.replace(
+        response, accuracy=response.accuracy if fixed else accuracy, seconds=seconds, error_estimate=float(error),
+        sensitivity=sensitivity, flags=tuple(flags),
+    )  # fmt: skip

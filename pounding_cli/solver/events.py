@@ -37,12 +37,16 @@ INSTANT = 1e-12
 """Part of a step [-] within which an event counts as one at its start."""
 
 
+TOUCH = 1e-11
+"""Of floors in touch at rest, the parting [m] before which they are in contact since the motion began where they press,
+and the closing before which they are not in contact where they part: what is less hangs on rounding."""
+
 FROM_REST = 1e-3
 """Part of the first step of a run from rest at which floors in touch close at the earliest, where DOP853 steps their
 contact: only a series tells the sign of what begins by a high power of time."""
 
 
-@njit(**CALLED)
+@njit(**PART)
 def summarise(dofs, elements, terms, r):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
     h, count = r.h, r.order + 1
@@ -248,11 +252,13 @@ def commit(dofs, elements, terms, r, series):
             next_branch(el, el.guard)
             if was_open and el.closed:
                 el.hits += 1
-                if el.hits == 1 and (el.r1 == 0.0 or (el.eased and r.end == FROM_REST)):
-                    el.time += r.time - r.begun  # in touch since the motion began
                 if el.smooth:
                     r.next = max(r.onset, 0.0)
                     r.onset = -1.0
+            if el.least > -TOUCH and was_open and el.closed:
+                el.time = r.time - r.begun
+            elif el.least > -TOUCH and el.peak_v < TOUCH:
+                el.time = 0.0
             el.stuck += 1
             r.events += 1
     list_active(elements, r, series)

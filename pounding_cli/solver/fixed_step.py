@@ -40,11 +40,6 @@ NEAR = 1e-7
 """Part of a rate and of a deformation by which slopes of a force are taken."""
 
 
-def steps_a_sample(dt: float, time_step: float) -> int:
-    """The fewest equal parts of a sample of the motion, dt [s], that are not longer than `time_step` [s]."""
-    return max(1, math.ceil(dt / time_step - 1e-9))
-
-
 @njit(**CALLED)
 def _settle(el, formula):
     """Let an element pass the guards that lie between its branch and its state at the end of the step."""
@@ -250,9 +245,13 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, mem
     return r.status
 
 
-def modes_at_stiffest(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """(circular frequencies [rad/s], damping ratios [-]) of the undamped modes of a scene with every link closed, each
-    where its law is stiffest; modal coupling by damping is left out."""
+def central_difference_limit(layout: Layout) -> float:
+    """Largest stable time step [s] of central difference with extrapolated damping forces, with every link closed where
+    its law is stiffest; modal coupling by damping is left out.
+
+    2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
+    alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
+    """
     rows, mass, n = term_matrix(layout), layout.dofs["mass"], layout.number
     k, c = np.zeros(len(rows)), np.zeros(len(rows))
     k[:n], c[:n] = layout.elements["p"][:n, 0], layout.elements["c"][:n]
@@ -270,14 +269,4 @@ def modes_at_stiffest(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     omega = np.sqrt(np.maximum(squares, 0.0))
     moving = omega > 1e-9
     ratio = np.einsum("ij,ik,kj->j", shapes, damping, shapes)[moving] / (2 * omega[moving])
-    return omega[moving], ratio
-
-
-def central_difference_limit(layout: Layout) -> float:
-    """Largest stable time step [s] of central difference with extrapolated damping forces.
-
-    2 (sqrt(1 + 4 xi^2) - 2 xi) / omega in every mode; 2 / omega without damping. With u_n and the half-step velocity
-    alternating in sign (amplification -1) the scheme gives (h omega)^2 + 8 xi h omega = 4.
-    """
-    omega, ratio = modes_at_stiffest(layout)
-    return float(np.min(2 * (np.sqrt(1 + 4 * ratio**2) - 2 * ratio) / omega))
+    return float(np.min(2 * (np.sqrt(1 + 4 * ratio**2) - 2 * ratio) / omega[moving]))

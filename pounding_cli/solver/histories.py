@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,17 +148,3 @@ def _evaluated(run: Prepared) -> History:
         links=tuple(link_label(names, place) for place in link_places(scene.links)),
         closing=of_links[..., 0] + layout.elements["offset"][layout.of_links],
     )
-
-
-def link_ends(buildings: Sequence[str], links: Sequence[str]) -> list[tuple[int, int, int]]:
-    """Of links in words as `History.links` has them: the place of the left building from 0, its floor from 1, and the
-    floor of the building to its right."""
-    ends = []
-    for label in links:
-        for left in range(len(buildings) - 1):
-            start = f"{buildings[left]}|{buildings[left + 1]} floor "
-            if label.startswith(start):
-                floors = label.removeprefix(start).split(",")[0].split("|")
-                ends.append((left, int(floors[0]), int(floors[-1])))
-                break
-    return ends

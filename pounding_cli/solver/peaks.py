@@ -46,7 +46,7 @@ def _ends_rise(el, storey):
     of the step; whether it may rise above them inside."""
     first, last = (abs(el.v0), abs(el.v1)) if storey else (el.v0, el.v1)
     rises = max(first, last) + el.dv > el.peak_v
-    el.peak_v = max(el.peak_v, first, last)
+    el.peak_v, el.least = max(el.peak_v, first, last), min(el.least, el.v1)
     if storey and el.yields and not el.smooth:
         first, last = abs(el.k * el.v0 + el.f0), abs(el.k * el.v1 + el.f0)
         rises = rises or max(first, last) + abs(el.k) * el.dv > el.peak_f

@@ -57,8 +57,9 @@ ELEMENT = _dtype(
     # load: P / h of P-Delta [N/m]; collapse: drift at which the storey counts as collapsed [m]
     # peak_v: largest |v| of a storey, v of a link; peak_f likewise
     # impulse, time: of a link's force; work: done on it; f1: a smooth force at the step's end
+    # least: smallest v so far
     f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
-    " load collapse peak_v peak_f impulse time work f1 at",
+    " load collapse peak_v peak_f impulse time work f1 least at",
     f8_history=f"p:{PARAMETERS} h:{HISTORY}",
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0

@@ -106,7 +106,7 @@ def begin(dofs, elements, terms, r, series):
     for e in range(r.m):
         el = elements[e]
         el.v0, el.r0 = el.v1, el.r1
-        el.peak_v = abs(el.v0) if e < r.n else el.v0
+        el.peak_v, el.least = abs(el.v0) if e < r.n else el.v0, el.v0
 
 
 @njit(**CALLED)

@@ -67,7 +67,7 @@ def push_by_storey(dofs, el, i, f, has_lean):
         dofs[i - 1].push -= f
 
 
-@njit(**CALLED)
+@njit(**PART)
 def start(dofs, elements, terms, r, series):
     """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
     for i in range(r.n):
@@ -181,7 +181,7 @@ def _walk_up_leaning(dofs, elements, n, k, part, after):
     return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
 
 
-@njit(**CALLED)
+@njit(**PART)
 def expand(dofs, elements, terms, r, series):
     """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
     the highest one. Returns whether they are; the order goes to run.order."""

@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import inf, isfinite, nan
+from math import ceil, inf, isfinite, nan
 from typing import Any
 
 import numba
@@ -88,7 +88,7 @@ class Prepared:
             from pounding_cli.solver.fixed_step import march as kernel
 
             dt = self.scene.motion.dt
-            parts = fixed_step.steps_a_sample(dt, self.time_step)
+            parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
             if self.method.name == "central-difference":
                 self.limit = fixed_step.central_difference_limit(self.layout)
             if dt / parts > self.limit:
@@ -96,11 +96,12 @@ class Prepared:
                 return
             memory, shape = self.data.elements.view(np.float64), term_matrix(self.layout)
             method = fixed_step.FIXED.index(self.method.name)
-            part, arguments = "fixed", (*self.data[:-1], *segments(self.scene), memory, shape, parts, method)
+            part = "the methods of fixed time steps"
+            arguments = (*self.data[:-1], *segments(self.scene), memory, shape, parts, method)
         else:
             from pounding_cli.solver.run import integrate as kernel
 
-            part = "taylor" if self.data.room is None else "dop853"
+            part = "the solver" if self.data.room is None else "the solver for smooth laws"
         ready(part, kernel, arguments)
         begin = time.perf_counter()
         try:
@@ -217,21 +218,13 @@ def refusal_of(method: Method, scene: Scene) -> str:
     return ""
 
 
-KERNELS = {
-    "taylor": "the solver",
-    "dop853": "the solver for smooth laws",
-    "fixed": "the methods of fixed time steps",
-}
-"""What is compiled, in words."""
-
-
 def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
     """Load the kernel of a run, or compile it where it is not kept on disk, and say so: its time is not the scene's.
     What is kept and cannot be read is deleted."""
     if part in _loaded:
         return
     mark, signature = FOLDER / f"{part}.compiled", tuple(map(numba.typeof, arguments))
-    compiling = f"compiling {KERNELS[part]}, once on this machine (half a minute)"
+    compiling = f"compiling {part}, once on this machine (half a minute)"
     if not mark.exists():
         say(compiling)
     try:

@@ -141,11 +141,10 @@ def measure(
             together = sum(other.record == subject.record for other in order[place:])
             share = ((budget - spent) / together - taken) / len(methods)
             for name in methods:
-                for setting, row in _tried(subject, name, reference, share, at_least_one=place == 0):
-                    if row is None:
-                        skipped[name, setting] += 1
-                    else:
-                        runs.append(row)
+                if not refusal_of(METHODS[name], subject.scene):
+                    rows = list(_tried(subject, name, reference, share, at_least_one=place == 0))
+                    runs += rows
+                    skipped.update((name, setting) for setting in METHODS[name].setting.tried[len(rows) :])
         else:
             left_out.append(f"{where}: the reference did not end ({reference.status}, {second.status})")
         spent += time.perf_counter() - compiled
@@ -164,17 +163,14 @@ def _warm_up(scene: Scene, methods: set[str]) -> None:
 
 def _tried(
     subject: Subject, name: str, reference: Response, allowed: float, at_least_one: bool
-) -> Iterator[tuple[float, dict[str, Any] | None]]:
-    """Runs of one method from coarse to fine; None for settings that the time allowed [s] does not reach."""
+) -> Iterator[dict[str, Any]]:
+    """Runs of one method from coarse to fine, as far as the time allowed [s] reaches."""
     spent = last = before = 0.0
-    if refusal_of(METHODS[name], subject.scene):
-        return
     settings = METHODS[name].setting.tried
-    for number, setting in enumerate(settings):
+    for setting in settings:
         longer = before / setting if METHODS[name].takes_step else 1.0
-        if spent + last * longer > allowed and not (number == 0 and at_least_one):
-            yield setting, None
-            continue
+        if spent + last * longer > allowed and (last or not at_least_one):
+            return
         begin, before = time.perf_counter(), setting
         found = _solved(subject.scene, name, setting)
         seconds, done = [found.seconds], found.status == DONE
@@ -183,7 +179,7 @@ def _tried(
             seconds.append(_solved(subject.scene, name, setting).seconds)
         spent, last = spent + time.perf_counter() - begin, found.seconds
         errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
-        yield setting, {
+        yield {
             **subject.place, "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
             "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
             "impacts": int(found.links.impacts.sum()), "impacts_reference": int(reference.links.impacts.sum()),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +110,7 @@ def links_between(
     element = _valid(Impact, root, ("impact",), problems)
     spec = _valid(Case, root, path, problems)
     check_contact(element.law, {}, root, problems)
-    links = scene_links(spec, group, element, {}, path, partial(problems.at, root))
+    links = scene_links(spec, group, element, {}, path, root, problems)
     problems.check()
     return tuple(links or ())
 

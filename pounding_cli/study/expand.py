@@ -19,7 +19,7 @@ from pounding_cli.study.axes import Axis
 from pounding_cli.study.build import places
 from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.plan import Links, Plan
-from pounding_cli.study.study import AROUND, BETWEEN, Point, Study, keep
+from pounding_cli.study.study import AROUND, BETWEEN, MOST_KEPT, Point, Study
 
 MOST_PROBLEMS = 20
 """After so many problems in combinations of sweep values the rest is not looked at."""
@@ -56,8 +56,8 @@ class _Expansion:
         self._around = study.touches(*AROUND)
         self._content = bytearray()  # digests as they are found, one behind the other
         self._problems: dict[Problem, None] = {}
-        self._endings: dict[Point, list[bytes]] = {}
-        self._begun: dict[int, tuple[Scene, list[Motion]]] = {}
+        self._first = functools.lru_cache(MOST_KEPT)(self._first_of)
+        self._endings = functools.lru_cache(MOST_KEPT)(self._endings_of)
 
     def plan(self, asks: Asks | None) -> Plan:
         """The plan.  Raises `InputError`."""
@@ -71,8 +71,7 @@ class _Expansion:
             links.append(table)
         self._refuse()
         for place in range(len(model.group)):
-            one = lambda point, place=place: Digests((study.building(point, place),), ())  # noqa: E731
-            alone = self._grid(study.touching("buildings", place), one)
+            alone = self._grid(study.touching("buildings", place), partial(self._begin_alone, place))
             numbers[..., 1 + place] = alone[..., None, :, :]
         if asks is not None:
             points = product(*map(range, self.sizes))
@@ -102,17 +101,18 @@ class _Expansion:
         """The scene of a row by its flat number; scenes of one point and case share buildings, links and motions."""
         number, rest = divmod(row, len(self.analyses) * len(self.records))
         analysis, record = divmod(rest, len(self.records))
-        if number not in self._begun:
-            *point, case = map(int, np.unravel_index(number, (*self.sizes, len(self.cases))))
-            at, study = tuple(point), self.study
-            group, used, links = study.group(at), study.motions(at), self.links_of(at, self.cases[case])
-            assert group is not None  # the study was validated at every point
-            assert links is not None
-            motions = [used[name].motion for name in self.records]
-            first = Scene(tuple(group.buildings), links, motions[0], self.analyses[0], study.section(at, "tail"))
-            keep(self._begun, number, (first, motions))
-        first, motions = self._begun[number]
+        first, motions = self._first(number)
         return first.under(motions[record], self.analyses[analysis])
+
+    def _first_of(self, number: int) -> tuple[Scene, list[Motion]]:
+        """The first scene of a point and case by their flat number, and all motions there."""
+        *point, case = map(int, np.unravel_index(number, (*self.sizes, len(self.cases))))
+        at, study = tuple(point), self.study
+        group, used, links = study.group(at), study.motions(at), self.links_of(at, self.cases[case])
+        assert group is not None  # the study was validated at every point
+        assert links is not None
+        motions = [used[name].motion for name in self.records]
+        return Scene(tuple(group.buildings), links, motions[0], self.analyses[0], study.section(at, "tail")), motions
 
     def _begin(self, case: str, table: list[Any], point: Point) -> Digests | None:
         """What the digests of a case at a point begin with, None where something is wrong there; what tables say of its
@@ -125,6 +125,9 @@ class _Expansion:
         table.append(_in_columns(links))
         return Digests(group.buildings, links)
 
+    def _begin_alone(self, place: int, point: Point) -> Digests:
+        return Digests((self.study.building(point, place),), ())
+
     def _grid(self, own: tuple[bool, ...], begin: Callable[[Point], Digests | None]) -> np.ndarray:
         """Numbers in `_content` of the scenes of what the axes `own` touch, on every motion, in every analysis; shape:
         values of every axis (1 where it touches neither that nor the motions), analyses, motions."""
@@ -134,7 +137,7 @@ class _Expansion:
             place = tuple([at if mine else 0 for at, mine in zip(point, own, strict=True)])
             if place not in begun:
                 begun[place] = begin(place)
-            digests, endings = begun[place], self._endings_at(point)
+            digests, endings = begun[place], self._endings(self.study.key(point, AROUND))
             if digests is None or not endings:
                 self._note()
             else:
@@ -145,14 +148,11 @@ class _Expansion:
         numbers = np.arange(first, len(self._content) // DIGEST, dtype=np.int32)
         return numbers.reshape(*shape, len(self.analyses), len(self.records))
 
-    def _endings_at(self, point: Point) -> list[bytes]:
+    def _endings_of(self, point: Point) -> list[bytes]:
         """How the digests of all analyses and motions at a point end; empty where something is wrong."""
-        key = self.study.key(point, AROUND)
-        if key not in self._endings:
-            motions, tail = self.study.motions(point), self.study.section(point, "tail")
-            asked = product(self.analyses, self.records if motions else ())
-            keep(self._endings, key, [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked])
-        return self._endings[key]
+        motions, tail = self.study.motions(point), self.study.section(point, "tail")
+        asked = product(self.analyses, self.records if motions else ())
+        return [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
 
     def _note(self) -> None:
         """Take over what is wrong at the points asked so far.  Raises `InputError` where that is much."""

@@ -23,38 +23,31 @@ _WORDS = {str: "text", int: "whole number", bool: "`true`, `false`", float: "num
 def key_tables() -> str:
     """All tables under their headings, as Markdown."""
     parts = []
-    for path, model in sections():
+    for path, model in sections("", Study, set()):
         heading = f"`{path}`" if path else "The file"
         parts += [f"## {heading}", inspect.getdoc(model) or "", "\n".join(table(model))]
     return "\n\n".join(parts)
 
 
-def sections() -> Iterator[tuple[str, type[BaseModel]]]:
-    """Every mapping a study can hold, once, with the dotted path it is first met at; "" for the file."""
-    seen: set[Any] = set()
-    stack: list[tuple[str, type[BaseModel]]] = [("", Study)]
-    while stack:
-        path, model = stack.pop(0)
-        if model in seen or model.__name__.endswith("Link") or model.__name__.startswith("Link_"):
-            continue
-        seen.add(model)
-        yield path, model
-        below = [
-            (f"{path}.{name}".lstrip("."), leaf)
-            for name, (hint, _) in fields_of(model).items()
-            for leaf in leaves(hint)
-        ]
-        stack = [*_models(below), *stack]
+def sections(path: str, model: type[BaseModel], seen: set[Any]) -> Iterator[tuple[str, type[BaseModel]]]:
+    """A mapping and those below it, each once, with the dotted path it is first met at; "" for the file."""
+    seen.add(model)
+    yield path, model
+    for name, (hint, _) in fields_of(model).items():
+        for where, below in _models(f"{path}.{name}".lstrip("."), hint):
+            if below not in seen and not issubclass(below, Link):
+                yield from sections(where, below, seen)
 
 
-def _models(below: list[tuple[str, Any]]) -> Iterator[tuple[str, type[BaseModel]]]:
-    """The mappings among some types; names that are free are written NAME."""
-    for path, kind in below:
+def _models(path: str, hint: Any) -> Iterator[tuple[str, type[BaseModel]]]:
+    """The mappings that may stand at a path; names that are free are written NAME."""
+    for kind in leaves(hint):
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             yield path, kind
-        elif get_origin(kind) in (tuple, dict):
-            inner, free = (get_args(kind)[0], "") if get_origin(kind) is tuple else (get_args(kind)[1], ".NAME")
-            yield from _models([(path + free, leaf) for leaf in leaves(inner)])
+        elif get_origin(kind) is tuple:
+            yield from _models(path, get_args(kind)[0])
+        elif get_origin(kind) is dict:
+            yield from _models(f"{path}.NAME", get_args(kind)[1])
 
 
 def table(model: type[BaseModel]) -> list[str]:

@@ -73,17 +73,13 @@ def check_contact(word: str, laws: Mapping[str, OwnLaw], root: Any, problems: Pr
     return False
 
 
-Note = Callable[[Steps, str, str], None]
-"""note(path, what is wrong, what to write)"""
-
-
 def links_of(
-    case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, note: Note
+    case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, root: Any, problems: Problems
 ) -> tuple[Link, ...] | None:
     """All links of a case, by pair and then from the ground up; None where something is wrong, which is noted."""
-    builder = _Builder(group, impact, laws, note)
-    links = builder.links(case, path)
-    return None if builder.faults else links
+    before = len(problems.found)
+    links = _Builder(group, impact, laws, root, problems).links(case, path)
+    return links if len(problems.found) == before else None
 
 
 def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
@@ -109,17 +105,16 @@ def _multiples(case: Case) -> tuple[Any, ...]:
 
 @dataclass(eq=False)
 class _Builder:
-    """Builds the links of one case; faults : how many were noted."""
+    """Builds the links of one case; what is wrong is noted in `problems`."""
 
     group: Group
     impact: Any
     laws: Mapping[str, OwnLaw]
-    _note: Note
-    faults: int = 0
+    root: Any
+    problems: Problems
 
     def note(self, path: Steps, message: str, hint: str) -> None:
-        self.faults += 1
-        self._note(path, message, hint)
+        self.problems.at(self.root, path, message, hint)
 
     def links(self, case: Any, path: Steps) -> tuple[Link, ...]:
         """The links of all pairs of neighbours."""

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field, create_model
 
 from pounding_cli.laws import storey_laws
-from pounding_cli.laws.foundation import Rocking, Sway
-from pounding_cli.laws.isolation import Bearings, FrictionPendulum, Rubber
+from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.numbers import counted
 from pounding_cli.study.base import Model, Name, Wrong, key, list_or, one_or_many, tagged, word_or
 from pounding_cli.study.laws import RATIO, AnyLink, law_keys, own

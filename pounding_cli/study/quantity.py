@@ -187,12 +187,8 @@ class Quantity(Read):
         number = self._number(value)
         if not math.isfinite(number):
             raise refuse(f"{value} is not a finite number", self.wanted)
-        if (
-            number < self.low
-            or number > self.high
-            or (self.open_low and number == self.low)
-            or (self.open_high and number == self.high)
-        ):
+        at_end = (self.open_low and number == self.low) or (self.open_high and number == self.high)
+        if at_end or not self.low <= number <= self.high:
             shown = f"{100 * number:g} %" if self.percent else f"{number:g}{f' {self.si}' if self.si else ''}"
             raise refuse(f"the {self.name} is {shown}; it must be {self.range}", self.wanted)
         return number
@@ -277,14 +273,10 @@ class Stiffness(Quantity):
             return value
         if not isinstance(value, str) or "stor" not in value:
             return super().read(value)
-        found, hint = (
-            _RULE.match(value) if len(value) <= LONGEST else None,
-            ("write an SI or unit value such as 200 kN/mm, or `20 x stiffest storey`, or `1/5 mean storey of NAME`"),
-        )
-        if not found:
+        hint = "write an SI or unit value such as 200 kN/mm, or `20 x stiffest storey`, or `1/5 mean storey of NAME`"
+        found = _RULE.match(value) if len(value) <= LONGEST else None
+        if not found or float(found["bottom"] or 1) == 0:
             raise refuse(f"'{value[:LONGEST]}' is not a stiffness", hint)
-        if float(found["bottom"] or 1) == 0:
-            raise refuse(f"'{value}' divides by zero", hint)
         multiple = float(found["top"] or 1) / float(found["bottom"] or 1) / (100 if found["percent"] else 1)
         if not 0 < multiple < 1e12:
             raise refuse(f"the factor in '{value}' is {multiple:g}; it must be above 0", hint)
@@ -311,17 +303,14 @@ class Whole(Read):
     def read(self, value: Any) -> int:
         if self.zero and value == self.zero:
             return 0
-        if (isinstance(value, str) and re.fullmatch(r"[0-9]{1,9}", value)) or (
-            isinstance(value, float) and value.is_integer() and abs(value) < 1e15
-        ):
+        hint = f"write a whole number, at least {self.low} and at most {self.high}"
+        is_digits = isinstance(value, str) and re.fullmatch(r"[0-9]{1,9}", value)
+        if is_digits or (isinstance(value, float) and value.is_integer() and abs(value) < 1e15):
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int):
-            raise refuse(
-                f"{said(value)} is not a whole number", f"write a whole number from {self.low} to {self.high}, e.g. 5"
-            )
+            raise refuse(f"{said(value)} is not a whole number", hint)
         if not self.low <= value <= self.high:
-            bound = f"at least {self.low}" if value < self.low else f"at most {self.high}"
-            raise refuse(f"'{value}' is not allowed; it must be {bound}", f"write a number {bound}")
+            raise refuse(f"'{value}' is not allowed", hint)
         return value
 
     def schema(self) -> dict[str, Any]:

@@ -275,7 +275,7 @@ class Study:
         root, key = self.at(point), content(case, group, impact, laws)
         if key is not None and key in self._alike:
             return self._alike[key]
-        found = scene_links(case, group, impact, laws, ("cases", name), functools.partial(self.problems.at, root))
+        found = scene_links(case, group, impact, laws, ("cases", name), root, self.problems)
         if key is not None and found is not None:
             keep(self._alike, key, found)
         return found

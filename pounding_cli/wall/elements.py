@@ -171,10 +171,11 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
     def member(motions: list[sp.csr_matrix], section: Section, along: np.ndarray) -> None:
         nonlocal stiffness
         turn, local = _beam(young, section, along)
+        area, modulus = section.width * section.depth, section.width * section.depth**2 / 6
         motion = sp.vstack(motions, format="csr")
         stiffness = stiffness + motion.T @ sp.csr_matrix(turn.T @ local @ turn) @ motion
         # Edge stresses N/A +- M/W at both ends: the moment of a member loaded at its ends alone is linear.
-        axial, moments = local[3] / section.area, local[[2, 5]] / section.modulus
+        axial, moments = local[3] / area, local[[2, 5]] / modulus
         stresses.append(sp.csr_matrix(np.array([axial + s * m for m in moments for s in (1, -1)]) @ turn) @ motion)
 
     for floor, y in enumerate(frame.floors, 1):
@@ -193,14 +194,15 @@ def _beam(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray
     """Rotation of the end displacements (u, v, theta) into member axes and the stiffness there [N/m, N, N m], shapes
     (6, 6), of an Euler-Bernoulli member that reaches `along` [m]."""
     length = float(np.hypot(*along))
+    area, inertia = section.width * section.depth, section.width * section.depth**3 / 12
     c, s = along / length
     turn = np.kron(np.eye(2), np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
-    axial = young * section.area / length * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    axial = young * area / length * np.array([[1.0, -1.0], [-1.0, 1.0]])
     a, b, d = 12 / length**2, 6 / length, 2.0
     bending = np.array([[a, b, -a, b], [b, 2 * d, -b, d], [-a, -b, a, -b], [b, d, -b, 2 * d]])
     local = np.zeros((6, 6))
     local[np.ix_([0, 3], [0, 3])] = axial
-    local[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = young * section.inertia / length * bending
+    local[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = young * inertia / length * bending
     return turn, local
 
 

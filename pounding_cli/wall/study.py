@@ -47,21 +47,6 @@ class Section(Model):
     width: Length = key(..., "width, out of the frame's plane", "25 cm")
     depth: Length = key(..., "depth, in the frame's plane", "60 cm")
 
-    @property
-    def area(self) -> float:
-        """[m2]"""
-        return self.width * self.depth
-
-    @property
-    def inertia(self) -> float:
-        """Second moment of area about the axis across the frame's plane [m4]."""
-        return self.width * self.depth**3 / 12
-
-    @property
-    def modulus(self) -> float:
-        """Elastic section modulus [m3]."""
-        return self.width * self.depth**2 / 6
-
 
 class Frame(Model):
     """The building behind the wall; the mass of a floor is shared over its length, the wall's part over its width."""

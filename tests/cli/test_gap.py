@@ -200,7 +200,7 @@ def test_results_of_a_run_are_not_overwritten(pound):
         ("contact: []", "10:12", "'contact' is empty"),
         ("contact: often", "10:12", "'often' is not a probability of contact"),
         ("asce7: {Cd: 5.5}", "10:3", "unknown key 'asce7'"),
-        ("gb50011: {intensity: 5}", "10:24", "it must be at least 6"),
+        ("gb50011: {intensity: 5}", "10:24", "at least 6"),
         ("gb50011: {intensity: 8, structure: tower}", "10:38", "'tower' is not known"),
         ("probability: 5 %", "10:3", "unknown key 'probability'"),
     ],
