@@ -258,7 +258,7 @@ class Results:
         """
         names = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear_ratio", "slab", "separation"]
         dims = [dim for dim in (*self._dims, "building", "storey") if dim in self.data["mass"].dims]
-        frame = self._frame(names, dims, self._there(dims))
+        frame = self._frame(names, dims, ~np.isnan(self._over("height", dims)))  # walls have no mass
         places = {name: place for place, name in enumerate(self.data["building"].values.tolist(), start=1)}
         frame.insert(list(frame.columns).index("storey"), "place", frame["building"].map(places))
         return frame
