@@ -21,6 +21,13 @@ def listed(words: Iterable[str], room: int = 1600) -> str:
     return ", ".join(words[:shown]) + (f" and {left} more" if left else "")
 
 
+def time_text(seconds: float) -> str:
+    """A time [s] for people: "12 ms", "3.4 s", "5.0 min"."""
+    if seconds < 1:
+        return f"{1000 * seconds:.0f} ms"
+    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"
+
+
 @dataclass(frozen=True)
 class Unit:
     """The unit a quantity is written in.

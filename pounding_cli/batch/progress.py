@@ -9,7 +9,7 @@ import sys
 import time
 from typing import Any, TextIO
 
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import counted, time_text
 
 
 class Progress:
@@ -58,15 +58,7 @@ class Progress:
         """The counts in a line."""
         found = f"{self.done} done, {self.failed} failed, {self.reused} reused, {self.left} left"
         seconds = self.seconds_left
-        return found + (f", about {span(seconds)} to go" if seconds is not None and self.left else "")
-
-
-def span(seconds: float) -> str:
-    """A time in words."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"
+        return found + (f", about {time_text(seconds)} to go" if seconds is not None and self.left else "")
 
 
 class Lines(Progress):

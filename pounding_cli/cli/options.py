@@ -48,10 +48,3 @@ class Time(click.ParamType):
         except PydanticCustomError as refused:
             said = refused.context or {}
             self.fail(f"{said.get('message', refused)}; {said.get('hint', '')}", param, ctx)
-
-
-def time_text(seconds: float) -> str:
-    """A time [s] for people: "12 ms", "3.4 s", "5.0 min"."""
-    if seconds < 1:
-        return f"{1000 * seconds:.0f} ms"
-    return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"

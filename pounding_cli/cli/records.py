@@ -69,7 +69,7 @@ def list_() -> None:
 
 @records.command()
 @click.argument("motion")
-@click.option("--window", type=float, metavar="S", help="Use only the first S seconds. Default for a name: Table 1.")
+@click.option("--window", type=Time(), metavar="TIME", help="Use only the first part. Default for a name: Table 1.")
 @click.option("--whole", is_flag=True, help="Use the whole motion, also for a catalogue name.")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw to FILE.png, .svg or .pdf.",
@@ -96,8 +96,6 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
         found, title, place = reading.motion, Path(motion).name, motion
         read_as = f"{reading.format}, {reading.words}"
     if window is not None:
-        if not window > 0:
-            raise InputError(Problem(f"the window is {window:g} s", "give a window above 0 s"))
         found = found.windowed(window)
         if found.pga == 0.0:
             raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window, or --whole"))

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.cli.options import FILE, Time, output_option, quiet_option, study_argument, time_text, together
+from pounding_cli.cli.options import FILE, Time, output_option, quiet_option, study_argument, together
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import counted, time_text
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import Outcome

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli.options import FILE, study_argument, time_text
+from pounding_cli.cli.options import FILE, study_argument
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import counted, time_text
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast

@@ -22,7 +22,7 @@ PERIODS = np.geomspace(0.05, 4.0, 200)
 
 
 def draw(motion: Motion, title: str, path: Path) -> None:
-    """Draw `motion` into `path` (png, svg or pdf by its ending), whole or not at all.
+    """Draw `motion` into `path` (png, svg or pdf by its ending).
 
     Raises `InputError` for another ending.
     """

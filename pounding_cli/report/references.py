@@ -23,12 +23,10 @@ _FIELD = re.compile(r"^  (\w+) = \{(.*)\},?$", re.MULTILINE)
 class Reference:
     """One entry.
 
-    key : its BibTeX key, the first author's family name and the year
     fields : BibTeX field -> value, without the escapes of BibTeX
     bibtex : the entry for a .bib file (UTF-8)
     """
 
-    key: str
     fields: dict[str, str]
     bibtex: str
 
@@ -55,21 +53,11 @@ class Reference:
 
 
 def read(text: str) -> dict[str, Reference]:
-    """The entries of a .bib file that has one field a line, by key in the order of the file.
-
-    Raises
-    ------
-    ValueError : an entry has a line that is no field, or a key is there twice
-    """
-    found: dict[str, Reference] = {}
+    """The entries of a .bib file that has one field a line, by key (family name of the first author and year)."""
+    found = {}
     for entry in _ENTRY.finditer(text):
-        key, body = entry[2], entry[3]
-        fields = {name: re.sub(r"\\([&%#_])", r"\1", value) for name, value in _FIELD.findall(body)}
-        if len(fields) != len(body.splitlines()):
-            raise ValueError(f"{key}: a line is no `  field = {{value}},`")
-        found[key] = Reference(key, fields, entry[0])
-    if len(found) != text.count("\n@"):
-        raise ValueError("a key is there twice, or an entry does not end with `}` on a line of its own")
+        fields = {name: re.sub(r"\\([&%#_])", r"\1", value) for name, value in _FIELD.findall(entry[3])}
+        found[entry[2]] = Reference(fields, entry[0])
     return found
 
 

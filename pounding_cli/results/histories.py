@@ -144,7 +144,6 @@ class History:
         *quantities: str,
         level: int | None = None,
         between: tuple[float, float] | None = None,
-        axes: Axes | Sequence[Axes] | None = None,
     ) -> list[Axes]:
         """Curves over time, one panel a quantity: displacements, closings and link forces unless others are named.
 
@@ -153,28 +152,21 @@ class History:
         quantities : as in `frame`
         level : floor or storey that is drawn of every building and link; the highest one unless given
         between : the part that is drawn [s]; all unless given
-        axes : as many as there are quantities; new ones, one above the other, unless given
 
-        Returns the axes.
+        Returns the axes of the panels.
 
         Raises
         ------
-        InputError : no such quantity; a number of axes other than that of the quantities
+        InputError : no such quantity or level
         """
         import matplotlib.pyplot as plt
 
         has_links = not self.frame("link_force").empty
         chosen = quantities or ("displacement", *(("closing", "link_force") if has_links else ()))
-        frames = [self._curves(name, level) for name in chosen]
-        given: Any = axes
-        if given is None:
-            shape = (7.0, 1.0 + 1.8 * len(chosen))
-            given = plt.subplots(len(chosen), 1, sharex=True, figsize=shape, layout="constrained")[1]
-        panels = list(np.atleast_1d(np.asarray(given, dtype=object)).ravel())
-        if len(panels) != len(chosen):
-            hint = f"give {counted(len(chosen), 'axis', 'axes')}, one a quantity: {', '.join(chosen)}"
-            raise InputError(Problem(f"{counted(len(panels), 'axis', 'axes')} for {len(chosen)} quantities", hint))
-        for ax, name, frame in zip(panels, chosen, frames, strict=True):
+        frames = {name: self._curves(name, level) for name in chosen}
+        size = 7.0, 1.0 + 1.8 * len(frames)
+        panels = plt.subplots(len(frames), sharex=True, squeeze=False, figsize=size, layout="constrained")[1][:, 0]
+        for ax, (name, frame) in zip(panels, frames.items(), strict=True):
             part = frame if between is None else frame.loc[between[0] : between[1]]
             for column in part.columns:
                 ax.plot(part.index, part[column], label=_label(column, part.columns.names), lw=1.2)
@@ -182,7 +174,7 @@ class History:
             ax.grid(alpha=0.3)
             ax.legend(fontsize="small")
         panels[-1].set_xlabel("time [s]")
-        return panels
+        return list(panels)
 
     def _curves(self, quantity: str, level: int | None) -> pd.DataFrame:
         """What is drawn of a quantity: one floor or storey a building, one link a pair."""

@@ -134,13 +134,11 @@ def test_curves_of_a_history(results, plt):
     assert (time[0], time[-1]) == pytest.approx((1.0, 2.0))
     assert closing == pytest.approx(history.frame("closing").loc[1.0:2.0].iloc[:, -1])
     assert below.get_ylabel() == "link force [N]"
-    (drift,) = history.plot("drift", level=2, axes=plt.subplots()[1])
+    (drift,) = history.plot("drift", level=2)
     assert [line.get_label() for line in drift.get_lines()] == ["stiff, storey 2", "soft, storey 2"]
     assert len(results.history(case="none", analysis="elastic").plot()) == 1  # no links to draw
     with pytest.raises(pound.InputError, match="there is nothing at level 9"):
         history.plot("drift", level=9)
-    with pytest.raises(pound.InputError, match="1 axis for 2 quantities"):
-        history.plot("drift", "shear", axes=drift)
 
 
 def test_the_main_figure(results, plt):
