@@ -198,27 +198,24 @@ def with_middles(root: Map, problems: Problems) -> tuple[Map, tuple[str, ...]]:
     keys = list[str]()
     for holder in sweep_maps(root):
         for name, node in holder.items():
-            if isinstance(node, Map) and "middle" in node and _is_middle(name, node, root, problems):
-                keys.append(name)
-                if can_vary(name, holder.marks[name][0], root, Problems("")):  # else the axis says what is wrong
-                    root = put(root, name.split("."), node["middle"], node.marks["middle"][1])
+            if not isinstance(node, Map) or "middle" not in node:
+                continue
+            steps, middle, mark = name.split("."), node["middle"], node.marks["middle"][1]
+            values: Any = node.get("values")
+            quantity, own = quantity_at(schema.Study, tuple(steps)), get(root, *steps)
+            is_odd = isinstance(values, Items) and len(values) >= 3 and len(values) % 2 == 1
+            others = [values[len(values) // 2], middle if own is None else own] if is_odd else []
+            if not others or any(same(other, quantity) != same(middle, quantity) for other in others):
+                what = (
+                    f"'{name}': {middle} is not the middle of an odd number of values, or not what the study has there"
+                )
+                hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"
+                problems.add(mark, what, hint)
+                continue
+            keys.append(name)
+            if can_vary(name, holder.marks[name][0], root, Problems("")):  # else the axis says what is wrong
+                root = put(root, steps, middle, mark)
     return root, tuple(keys)
-
-
-def _is_middle(name: str, node: Map, root: Map, problems: Problems) -> bool:
-    values, middle, own = node.get("values"), node["middle"], get(root, *name.split("."))
-    quantity = quantity_at(schema.Study, tuple(name.split(".")))
-    if not isinstance(values, Items) or len(values) < 3 or len(values) % 2 == 0:
-        message = f"'{name}' with a middle takes an odd number of values, three at least"
-    elif same(values[len(values) // 2], quantity) != same(middle, quantity):
-        message = f"the middle of the values of '{name}' is {values[len(values) // 2]}, not {middle}"
-    elif own is not None and same(own, quantity) != same(middle, quantity):
-        message = f"'{name}' is {own} in this study and {middle} in the middle of its values"
-    else:
-        return True
-    hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"
-    problems.add(node.marks["middle"][1], message, hint)
-    return False
 
 
 def same(value: Any, quantity: Quantity | None) -> Any:

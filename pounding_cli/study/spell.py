@@ -164,22 +164,19 @@ def _whole(entry: Any, case: Map | None, impact: Any, own: Iterable[str]) -> tup
     full = f"{word} of {contact}" if word == POUNDING and contact != KELVIN_VOIGT else word
     law = link_laws().get(str(contact if full != word else word))
     takes = keys_of(law) if law else set() if word == "none" else {"gap"}
-    rule, spoken = Map((), entry.mark), set[str]()
+    rule = Map((), entry.mark)
     for key in entry:
         if word != "none" or key not in SHARED:  # what else a link says means nothing where there is none
             rule.take(key, entry)
-    for key in case or ():
-        # A stiffness beside several links does not say which it is of.
-        if case is not None and key in takes and key != "stiffness" and key not in PLACES:
-            spoken.add(key)
-            if key not in rule and not (key in LOSSES and any(one in entry for one in LOSSES)):
-                rule.take(key, case)
-    if isinstance(impact, Map):
-        for key in impact.keys() & takes - {"stiffness"} - rule.keys():
-            if key in LOSSES and any(one in rule for one in LOSSES):
-                continue
-            if (law is not None and law.subtracts_gap) or key in (*LOSSES, "tension_cut"):
-                rule.take(key, impact)
+    of_case = takes - {"stiffness", *PLACES}  # a stiffness beside several links does not say which it is of
+    of_impact = takes - {"stiffness"} if law is not None and law.subtracts_gap else takes & {*LOSSES, "tension_cut"}
+    layers: list[tuple[Any, set[str]]] = [(case, of_case), (impact, of_impact)]
+    for layer, keys in layers:
+        aside = LOSSES if any(one in rule for one in LOSSES) else ()
+        for key in layer if isinstance(layer, Map) else ():
+            if key in keys and key not in rule and key not in aside:
+                rule.take(key, layer)
+    spoken = {key for key in case or () if key in of_case}
     if word is not None:
         rule["link"] = full
         if isinstance(full, str) and kind_of(full) not in (*link_laws(), "none", *own):
