@@ -66,7 +66,7 @@ class Optimum:
             row |= {
                 name: row[name] / factor for name in map(str, row) if name in _OF_KEY or name.endswith(("_from", "_to"))
             }
-            if not row["option"]:
+            if pd.api.types.is_numeric_dtype(tried[row["key"]]):
                 tried[row["key"]] /= factor
         return cls(rows, tried, units, design.frame.to_dict("records"))
 
