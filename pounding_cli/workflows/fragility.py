@@ -404,9 +404,8 @@ def _tables(plan: Plan, question: Question, places: Sequence[Place], solved: Sol
         at = where.loc[np.repeat(where.index, [len(each) for each in parts[name]])].reset_index(drop=True)
         frame = pd.concat(parts[name], ignore_index=True).reindex(columns=columns)
         texts = [column for column in columns if column == "record" or column.startswith("outcome")]
-        frame = frame.astype({column: float for column in columns if column not in texts}).fillna(
-            dict.fromkeys(texts, "")
-        )
+        frame = frame.astype({column: object if column in texts else float for column in columns})
+        frame = frame.fillna(dict.fromkeys(texts, ""))
         shown = [column for column in columns if columns_of(CURVES).get(_bare(column), ("",))[0] == "*"]
         tables.append(tabled(name, at.join(frame), plan.axes, dict.fromkeys(shown, unit), unit.si))
     return tables

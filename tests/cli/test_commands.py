@@ -169,7 +169,7 @@ def test_a_disk_that_is_full_is_one_sentence_and_leaves_nothing_half_written(res
     """The limit on a file's size stands for the disk."""
     main = "import sys; from pounding_cli.cli.main import main; main()"
     table = "storey" if output.endswith(".csv") else ""
-    shell = f"ulimit -f 2; '{sys.executable}' -c '{main}' export r.h5 {table} -o {output}"
+    shell = f"ulimit -f 2; '{sys.executable}' -B -c '{main}' export r.h5 {table} -o {output}"
     found = subprocess.run(["bash", "-c", shell], capture_output=True, text=True)
     assert found.returncode == 2
     assert "cannot be written" in found.stderr

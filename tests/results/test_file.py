@@ -129,7 +129,7 @@ def test_a_full_disk_is_one_sentence_and_nothing_is_lost(tmp_path):
         "buildings: {a: {storeys: 2, period: 0.3 s}, b: {storeys: 1, period: 0.5 s}}\n"
         "cases: {near: {link: pounding, gap: 2 mm}}\nsweep: {cases.near.gap: {from: 1 mm, to: 9 mm, count: 200}}\n"
     )
-    command = f"'{sys.executable}' -c 'from pounding_cli.cli.main import main; main()' run {study} -o {output} -q"
+    command = f"'{sys.executable}' -B -c 'from pounding_cli.cli.main import main; main()' run {study} -o {output} -q"
     full = subprocess.run(["bash", "-c", f"ulimit -f 120; {command}"], capture_output=True, text=True)
     assert full.returncode == 2
     assert "cannot be written" in full.stderr
