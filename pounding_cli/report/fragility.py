@@ -22,7 +22,7 @@ from pounding_cli.report.references import Use
 from pounding_cli.report.style import Look, caption, entitle, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_rows, interval
 from pounding_cli.results.tables import Table
-from pounding_cli.workflows.curves import Outcome
+from pounding_cli.workflows.curves import FEWEST_TOLD, Outcome
 from pounding_cli.workflows.fragility import ALONE, CURVES, LINKED, MOTIONS, POINTS
 from pounding_cli.workflows.hazard import INTENSITY_KEYS
 
@@ -118,6 +118,8 @@ def draw_curves(
         "stripes": "Markers: the share of the decided motions that pass at each intensity.",
     }.get(asked.spec["method"], "Curves from a line through the cloud of demands.")
     bands = f"Bands: {100 * asked.spec['confidence']:.4g} % of {asked.spec['draws']} bootstrap draws of the motions."
+    if rows["motions"].max() < FEWEST_TOLD:
+        bands = f"No bands for fewer than {FEWEST_TOLD} motions."
     caption(figure, f"{where}{dots} {bands}{left_out} {motion_sentence(shown.records)}")
     return figure
 
@@ -197,7 +199,8 @@ def _sentence(asked: Asked, row: Mapping[Any, Any]) -> str:
         if row[f"outcome{end}"]
     ]
     said = f"{subject(row['building'], row['limit'])}, {row['case']}, {row['analysis']}, median: {', '.join(medians)}"
-    if row["ratio"] == row["ratio"] and row["ratio_low"] <= 1 <= row["ratio_high"]:
+    is_told = row["ratio_low"] == row["ratio_low"]
+    if row["ratio"] == row["ratio"] and (not is_told or row["ratio_low"] <= 1 <= row["ratio_high"]):
         said += f"; a difference that may be chance in {counted(int(row['motions']), 'motion')}"
     elif row["ratio"] == row["ratio"]:
         motion = "a weaker motion is enough" if row["ratio"] < 1 else "it takes a stronger motion"
@@ -226,11 +229,13 @@ def median_text(asked: Asked, row: Mapping[Any, Any], end: str = "", unit: str =
 
 def _notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
     """What a reader should know of the rows."""
-    spec = asked.spec
+    spec, few = asked.spec, int(rows["motions"].min(skipna=True))
     said = [
         f"In brackets: {100 * spec['confidence']:.4g} % interval of {spec['draws']} bootstrap draws of the motions, "
         "the same draws alone and with pounding."
     ]
+    if few < FEWEST_TOLD:
+        said = [f"No interval for fewer than {FEWEST_TOLD} motions: {counted(few, 'motion')} cannot tell it."]
 
     def count(name: str) -> int:
         return sum(int(rows[f"{name}{end}"].fillna(0).sum()) for end in _BOTH)

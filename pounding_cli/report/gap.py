@@ -24,7 +24,8 @@ from pounding_cli.report.style import caption, entitle, name_axis, panels, share
 from pounding_cli.report.table import NOTHING, interval
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.study.file import parse
-from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, FEWEST, GB50011, LINE, REQUIRED
+from pounding_cli.workflows.curves import FEWEST_TOLD
+from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, GB50011, LINE, REQUIRED
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -174,11 +175,11 @@ def _notes(results: Results, answer: Table, cases: pd.DataFrame) -> Iterator[str
     error, few = float(frame["error"].max()), frame.loc[frame["rule"] == EXACT, "motions"].min()
     worth = "The numerical error was not estimated (estimate: none)."
     yield f"No width has a numerical error above {_unit(answer).text(error, 2)}." if error == error else worth
-    if few >= FEWEST:
+    if few >= FEWEST_TOLD:
         yield f"In brackets: {CONFIDENCE:.0%} confidence."
     elif few == few:
         yield (
-            f"No confidence interval for fewer than {FEWEST} motions: {counted(int(few), 'motion')} "
+            f"No confidence interval for fewer than {FEWEST_TOLD} motions: {counted(int(few), 'motion')} "
             f"{'is' if few == 1 else 'are'} too few to tell how much the gap varies from motion to motion."
         )
     if len(cases) and len(results.resolved["places"]) > 2:

@@ -30,6 +30,9 @@ from scipy.special import log_ndtr, ndtr
 MOST_SPREAD = 10.0
 """A curve with a larger logarithmic spread is told from no trend by chance alone [-]; buildings have 0.2 to 1."""
 
+FEWEST_TOLD = 5
+"""Motions from which an interval is told: fewer do not tell how much numbers vary from motion to motion."""
+
 FEWEST = 3
 """Motions that a line through a cloud and the scatter around it take."""
 
@@ -81,8 +84,11 @@ def draws_of(motions: int, draws: int) -> np.ndarray:
     return np.vstack([np.ones(motions), drawn])
 
 
-def interval(values: np.ndarray, confidence: float) -> tuple:
-    """Both ends of the middle part of the draws; infinite values are values like any other."""
+def interval(values: np.ndarray, confidence: float, motions: float) -> tuple:
+    """Both ends of the middle part of the draws; infinite values are values like any other. NaN for fewer motions than
+    `FEWEST_TOLD`."""
+    if motions < FEWEST_TOLD:
+        return (np.full(np.shape(values)[1:], np.nan)[()],) * 2
     ends = 0.5 - confidence / 2, 0.5 + confidence / 2
     low, high = np.quantile(values, ends, axis=0, method="inverted_cdf")
     return low, high

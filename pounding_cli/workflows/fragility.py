@@ -267,7 +267,7 @@ def _curve(
     if outcome is Outcome.FITTED:
         for name in ("median", "spread"):
             values = getattr(fits, name)
-            lower, upper = interval(values[1:], question.spec.confidence)
+            lower, upper = interval(values[1:], question.spec.confidence, row["motions"])
             row |= {name: values[0], f"{name}_low": lower, f"{name}_high": upper}
         row["unfitted"] = (fits.outcome[1:] != Outcome.FITTED).sum()
     return row, fits
@@ -277,12 +277,13 @@ Curves = dict[str, tuple[dict[str, Any], Fits]]
 """By LINKED and ALONE the columns of a curve and its fits."""
 
 
-def _ratio(name: str, values: Sequence[np.ndarray], confidence: float) -> dict[str, float]:
+def _ratio(name: str, values: Sequence[np.ndarray], found: Curves, confidence: float) -> dict[str, float]:
     """The ratio of a number with pounding to that alone, and its interval over the same draws; a draw whose ratio has
     no value, both beyond the same end, is taken as 1."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio, *drawn = values[0] / values[1]
-    low, high = interval(np.where(np.isnan(drawn), 1.0, drawn), confidence)
+    motions = min(row["motions"] for row, _ in found.values())
+    low, high = interval(np.where(np.isnan(drawn), 1.0, drawn), confidence, motions)
     return {name: ratio, f"{name}_low": low, f"{name}_high": high}
 
 
@@ -301,7 +302,7 @@ def _points(found: Curves, top: float, confidence: float) -> pd.DataFrame:
     columns = {"intensity": x}
     for end, fits in fitted.items():
         passed, *drawn = fits.probability(x)
-        low, high = interval(np.array(drawn), confidence)
+        low, high = interval(np.array(drawn), confidence, found[end][0]["motions"])
         columns |= {f"probability{end}": passed, f"probability_low{end}": low, f"probability_high{end}": high}
     return pd.DataFrame(columns)
 
@@ -318,12 +319,12 @@ def _rates(hazard: Hazard, found: Curves, confidence: float) -> dict[str, float]
         at_all = np.where(fits.share > 0, fits.share * hazard.rate(np.zeros(1)), 0.0)  # of draws without a trend
         rates.append(np.where(np.isinf(fits.spread), at_all, hazard.of_lognormal(fits.median, fits.spread)))
         rate = float(rates[-1][0])
-        low, high = interval(rates[-1][1:], confidence)
+        low, high = interval(rates[-1][1:], confidence, curve["motions"])
         beyond = float(hazard.of_lognormal(fits.median[0], fits.spread[0], above=hazard.last))
         row |= {f"rate{end}": rate, f"rate_low{end}": low, f"rate_high{end}": high}
         row |= {f"probability{end}": probability(rate), f"beyond{end}": beyond / rate if rate > 0 else 0.0}
     if len(rates) == 2 and rates[1][0] > 0:
-        row |= _ratio("rate_ratio", rates, confidence)
+        row |= _ratio("rate_ratio", rates, found, confidence)
     return row
 
 
@@ -390,7 +391,7 @@ def _tables(plan: Plan, question: Question, places: Sequence[Place], solved: Sol
             else:
                 said |= {f"demand{end}": np.where(is_lost, np.nan, demand).ravel(), f"undecided{end}": is_lost.ravel()}
         if "median" in row and "median0" in row:
-            row |= _ratio("ratio", [fits.median for _, fits in found.values()], spec.confidence)
+            row |= _ratio("ratio", [fits.median for _, fits in found.values()], found, spec.confidence)
         parts[CURVES].append(pd.DataFrame([row]))
         parts[MOTIONS].append(pd.DataFrame(said))
         parts[POINTS].append(_points(found, top, spec.confidence))

@@ -33,6 +33,7 @@ from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
 from pounding_cli.study.study import Point
+from pounding_cli.workflows.curves import FEWEST_TOLD
 from pounding_cli.workflows.hazard import hazard_of, intensity_of, of_rate
 from pounding_cli.workflows.workflow import Found, Table, Workflow, swept, tabled
 
@@ -51,9 +52,6 @@ GB50011 = "GB 50011-2010"
 
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
-
-FEWEST = 5
-"""Motions from which that interval is told: fewer do not tell how much the gap varies from motion to motion."""
 
 REQUIRED, CASES, LINE = "gap", "gap_cases", "property_line"
 """Names of the tables: what floors that face require, the gaps of the cases, distances to a property line."""
@@ -289,7 +287,7 @@ def _factors(motions: int, probability: float) -> tuple[float, float, float]:
     from scipy import stats  # here, so that other commands do not load it
 
     z, root = float(stats.norm.isf(probability)), np.sqrt(motions)
-    if motions < FEWEST:
+    if motions < FEWEST_TOLD:
         return z, np.nan, np.nan
     low, high = stats.nct.ppf([(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], motions - 1, z * root) / root
     return z, float(low), float(high)
@@ -309,7 +307,7 @@ def _required(plan: Plan, name: str, separations: pd.DataFrame, where: list[str]
     for share in wanted.contact:
         said = "distance that the floor reaches" if name == LINE else "gap"
         said += f" with a probability{'' if name == LINE else ' of contact'} of {100 * share:g} % by the lognormal fit"
-        more[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST} motions on"
+        more[f"contact_{100 * share:g}"] = "m", f"{said}; with its interval from {FEWEST_TOLD} motions on"
     rows = rows.reset_index().merge(separations[["row", *where]].drop_duplicates("row"), on="row", how="left")
     return _told(plan, name, rows, ["analysis", *where, "rule", *numbers], more)
 

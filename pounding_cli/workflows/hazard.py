@@ -210,9 +210,6 @@ RATE = "gap_rate"
 DRAWS = 300
 """Draws of the bootstrap over the motions."""
 
-FEWEST = 5
-"""Motions from which an interval is told."""
-
 LEAST, MOST = 1e-6, 1e3
 """Gaps between which one is sought [m]; a closing below the first counts as it."""
 
@@ -266,8 +263,7 @@ def of_rate(plan: Plan, closings: pd.DataFrame, confidence: float) -> Table:
         }
         if count > 1:
             row["gap"], *drawn = _gaps(hazard, rate, x, logs, draws_of(count, DRAWS))
-            if count >= FEWEST:
-                row["gap_low"], row["gap_high"] = interval(np.array(drawn), confidence)
+            row["gap_low"], row["gap_high"] = interval(np.array(drawn), confidence, count)
         found.append(row)
     frame = pd.DataFrame(found)
     where = swept([plan.axes[number] for number in others], frame.pop("point").tolist())

@@ -50,7 +50,9 @@ def test_fragility_curves(folder, pound):
     assert (code, "warning" in err) == (0, False)
     results = pounding_cli.open_results("results/two-fragility.h5")
     fitted = results.table("fragility").dropna(subset=["median"]).iloc[0]
-    assert f"{fitted['median'] / 9.80665:.3g} (" in out
+    assert f"{fitted['median'] / 9.80665:.3g} g" in out
+    assert f"{fitted['median'] / 9.80665:.3g} (" not in out
+    assert "No interval for fewer than 5 motions" in out
     found = results.table("fragility_motions")
     grid = pounding_cli.run("two.yaml", "grid.h5", engine="serial").storey()
     key, checked = "records.scale.pga", 0

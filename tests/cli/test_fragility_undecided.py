@@ -169,7 +169,7 @@ def test_the_points_of_curves(pound, folder):
                 continue
             likely = lognorm.cdf(x, row[f"spread{end}"], scale=row[f"median{end}"])
             assert here[f"probability{end}"].to_numpy() == pytest.approx(likely, abs=1e-9)
-            assert (here[f"probability_low{end}"] <= here[f"probability_high{end}"]).all()
+            assert here[[f"probability_low{end}", f"probability_high{end}"]].isna().all(axis=None)  # of four motions
             assert here[f"probability{end}"].max() > 0.9
             checked += 1
     assert checked == 2 * 2 * 4
