@@ -101,7 +101,7 @@ def _dask(workers: int | None, scheduler: str | None) -> Pool:
     try:
         from distributed import Client
     except ImportError:
-        hint = "install it: pip install 'pounding-cli[cluster]'"
+        hint = "install it: pip install 'pounding-cli[dask]'"
         raise InputError(Problem("the engine 'dask' needs the package distributed", hint)) from None
     own: dict[str, Any] = {"n_workers": workers or cores(), "threads_per_worker": 1, "dashboard_address": None}
     about = {"address": scheduler, "timeout": PATIENCE} if scheduler else own | {"silence_logs": 50}
