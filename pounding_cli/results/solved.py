@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,14 +28,7 @@ LINK = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
 
 Row = tuple[str, bytes]
-"""A response: its `Kind` as JSON, and its numbers, a record of `layout`."""
-
-
-class Kind(NamedTuple):
-    """TEXTS of a response, and the arguments of `layout`."""
-
-    texts: list[str]
-    size: list[int]
+"""A response: TEXTS and the arguments of `layout` as JSON, and its numbers, a record of that layout."""
 
 
 @lru_cache(maxsize=1024)
@@ -55,8 +49,8 @@ def encode(response: Response) -> Row:
     """A response as a row; its end state is not kept."""
     r = response
     texts = [each if isinstance(each, str) else "\n".join(each) for each in (getattr(r, name) for name in TEXTS)]
-    kind = Kind(texts, [len(r.buildings), max(b.shear.size for b in r.buildings), r.links.impacts.size])
-    row = np.full(1, np.nan, layout(*kind.size))[0]
+    size = len(r.buildings), max(b.shear.size for b in r.buildings), r.links.impacts.size
+    row = np.full(1, np.nan, layout(*size))[0]
     row["scalars"] = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
     if r.has_result:
         for place, building in enumerate(r.buildings):
@@ -64,28 +58,12 @@ def encode(response: Response) -> Row:
             row["bases"][:, place] = [getattr(building, name) for name in BASE]
         row["links"] = [getattr(r.links, name) for name in LINK]
         row["columns"][:, r.columns.link] = [getattr(r.columns, name) for name in COLUMNS]
-    return json.dumps(kind), row.tobytes()
-
-
-@lru_cache(maxsize=1024)
-def kind_of(row_kind: str) -> Kind:
-    """The kind of a row as it was written."""
-    return Kind(*json.loads(row_kind))
-
-
-def has_result(row: Row) -> bool:
-    """Whether the scene ended with its motion, or with a collapse."""
-    return kind_of(row[0]).texts[0] in OUTCOMES
-
-
-def seconds_of(row: Row) -> float:
-    """Time inside the solver [s]."""
-    return float(np.frombuffer(row[1])[SCALARS.index("seconds")])
+    return json.dumps([texts, size]), row.tobytes()
 
 
 class Solved:
-    """The responses of a plan's scenes as arrays by scene number.  The last place, -1, stands for a scene that nobody
-    asked for: it has no numbers.
+    """The responses of a plan's scenes as arrays by scene number, as they are `put`.  The last place, -1, stands for
+    a scene that nobody asked for: it has no numbers.
 
     there : whether a scene was solved, shape (scenes + 1,)
     texts : TEXTS by name, "" of a scene that was not solved, shape (scenes + 1,)
@@ -94,11 +72,11 @@ class Solved:
         "collapse_storey", "energy_input", ... (scenes + 1,); NaN where there is nothing
     """
 
-    def __init__(self, plan: Plan, rows: Mapping[int, Row]) -> None:
+    def __init__(self, plan: Plan) -> None:
         count = len(plan) + 1
         self.plan, self.there = plan, np.zeros(count, bool)
         self.texts = {name: np.full(count, "", object) for name in TEXTS}
-        whole = np.full(count, np.nan, layout(len(plan.buildings), most_storeys(plan), len(plan.links.places)))
+        self._whole = np.full(count, np.nan, layout(len(plan.buildings), most_storeys(plan), len(plan.links.places)))
         named = {
             "scalars": (*SCALARS, *(f"energy_{name}" for name in ENERGIES)),
             "storeys": [f"building.{name}" for name in STOREYS],
@@ -106,23 +84,27 @@ class Solved:
             "links": [f"link.{name}" for name in LINK],
             "columns": [f"columns.{name}" for name in COLUMNS],
         }
-        self.values = {name: whole[of][:, k] for of, names in named.items() for k, name in enumerate(names)}
+        self.values = {name: self._whole[of][:, k] for of, names in named.items() for k, name in enumerate(names)}
+        self._order = _orders(plan)
+
+    def put(self, rows: Mapping[int, Row]) -> None:
+        """Take in responses by scene number."""
         alike: dict[tuple[int, ...], list[int]] = {}
         for number, (kind, _) in rows.items():
-            alike.setdefault(tuple(kind_of(kind).size), []).append(number)
-        order = _orders(plan)
+            texts, size = json.loads(kind)
+            alike.setdefault(tuple(size), []).append(number)
+            for name, text in zip(TEXTS, texts, strict=True):
+                self.texts[name][number] = sys.intern(text)  # many say the same
         for (buildings, storeys, links), at in alike.items():
             records = np.frombuffer(b"".join(rows[number][1] for number in at), layout(buildings, storeys, links))
             self.there[at] = True
-            texts = np.array([kind_of(rows[number][0]).texts for number in at], object)
-            for place, name in enumerate(TEXTS):
-                self.texts[name][at] = texts[:, place]
-            whole["scalars"][at] = records["scalars"]
-            whole["storeys"][at, :, :buildings, :storeys] = records["storeys"]
-            whole["bases"][at, :, :buildings] = records["bases"]
+            self._whole["scalars"][at] = records["scalars"]
+            self._whole["storeys"][at, :, :buildings, :storeys] = records["storeys"]
+            self._whole["bases"][at, :, :buildings] = records["bases"]
+            order = self._order[at, None]
             for of in ("links", "columns") if links else ():
-                mine = order[at, None]
-                whole[of][at] = np.where(mine < 0, np.nan, np.take_along_axis(records[of], np.maximum(mine, 0), axis=2))
+                mine = np.take_along_axis(records[of], np.maximum(order, 0), axis=2)
+                self._whole[of][at] = np.where(order < 0, np.nan, mine)
 
     @property
     def done(self) -> np.ndarray:
