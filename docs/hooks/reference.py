@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import textwrap
 from collections.abc import Iterator
@@ -13,11 +14,15 @@ from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
 from pounding_cli.study import laws, models, motions, questions, schema
-from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import shown
 from pounding_cli.study.quantity import RANGES
 
 ROOT = Path(__file__).parents[2]
+_spec = importlib.util.spec_from_file_location("keys", Path(__file__).with_name("keys.py"))
+assert _spec is not None
+assert _spec.loader is not None
+keys = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(keys)
 EXAMPLES = ROOT / "docs" / "examples"
 
 API = {
@@ -106,7 +111,7 @@ def keys_page() -> str:
         those of all laws of storeys; each law's page shows its own."""),
     ]
     for heading, model in MODELS.items():
-        parts += [f"## {heading}", "\n".join(table(model))]
+        parts += [f"## {heading}", "\n".join(keys.table(model))]
     lines = ["| quantity | plausible | because |", "|---|---|---|"]
     for name, fits in RANGES.items():
         ends = (f"{end:g}" if " over " in name else shown(end, fits.units) for end in (fits.low, fits.high))
