@@ -195,7 +195,8 @@ def with_middles(root: Map, problems: Problems) -> tuple[Map, tuple[str, ...]]:
         for name, node in holder.items():
             if not isinstance(node, Map) or "middle" not in node:
                 continue
-            steps, middle, mark, values = name.split("."), node["middle"], node.marks["middle"][1], node.get("values")
+            values: Any = node.get("values")
+            steps, middle, mark = name.split("."), node["middle"], node.marks["middle"][1]
             quantity, own = quantity_at(schema.Study, tuple(steps)), get(root, *steps)
             is_odd = isinstance(values, Items) and len(values) >= 3 and len(values) % 2 == 1
             others = [values[len(values) // 2], middle if own is None else own] if is_odd else []
@@ -311,5 +312,7 @@ def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Valu
     count = count or round(steps) + 1
     shares = [place / (count - 1) for place in range(count - 1)]
     values = [first * (last / first) ** s if spacing == "log" else first + (last - first) * s for s in shares]
-    unit = unit_of([node[key] for key in ends], quantity)
-    return [in_unit(number, unit) for number in (*values, last)], [node.mark] * count, unit
+    written = [node[key] for key in ends]
+    unit = unit_of(written, quantity)
+    own = unit if any(map(written_unit, written)) else Unit()  # without one the values have none either
+    return [in_unit(number, own) for number in (*values, last)], [node.mark] * count, unit
