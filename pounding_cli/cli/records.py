@@ -135,7 +135,7 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     motions.keep(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, digest {motion.digest[:16]}")
-    if reading.unit_from == "nobody" or reading.stated:
+    if "user" not in reading.words:
         click.echo(f"Read {reading.words}; another unit: --unit cm/s2 --force")
     told = [f"  - {line}" for line in known.differences(motion)]
     agrees = "It agrees with the catalogue in peak, Arias intensity and time step."
