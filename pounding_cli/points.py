@@ -118,20 +118,19 @@ def solved(sweep: Sweep, point: Point) -> Point:
 
 def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
     """Every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
+    import pandas as pd
     import xarray as xr
 
     every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in points]
-    most = {dim: max(each.sizes.get(dim, 0) for each in every) for each in every for dim in each.sizes}
-    padded = [
-        each.pad({dim: (0, most[dim] - size) for dim, size in each.sizes.items() if dim not in each.coords})
-        for each in every
-    ]
-    names = [axis.names[0] for axis in sweep.axes]
-    nested: list[Any] = padded
-    for axis in reversed(sweep.axes[1:]):
-        nested = [nested[at : at + len(axis)] for at in range(0, len(nested), len(axis))]
-    how: Any = {"join": "outer", "data_vars": "all", "combine_attrs": "override"}
-    whole = xr.combine_nested(nested, names, **how) if names else padded[0]
+    numbered = {dim for each in every for dim in each.sizes if dim not in each.coords}
+    every = [each.assign_coords({dim: range(each.sizes[dim]) for dim in numbered & {*each.sizes}}) for each in every]
+    whole = xr.concat(every, "point", join="outer", data_vars="all", combine_attrs="override")
+    whole, names = whole.drop_vars(numbered), [axis.names[0] for axis in sweep.axes]
+    if not names:
+        whole = whole.isel(point=0)
+    else:
+        places = pd.MultiIndex.from_product([range(len(axis)) for axis in sweep.axes], names=names)
+        whole = whole.assign_coords(xr.Coordinates.from_pandas_multiindex(places, "point")).unstack("point")
     for axis in sweep.axes:
         columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
         whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
@@ -157,14 +156,14 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
     from pounding_cli.results.tables import Column, Table
 
     asked, done = sweep.asked, [point for point in points if point.data["status"] == "done"]
-    scalars = [{str(name): each for name, each in point.data.data_vars.items() if not each.dims} for point in points]
+    scalars = [[(str(n), each) for n, each in point.data.data_vars.items() if not each.dims] for point in points]
     frame = pd.DataFrame([
-        {**point.swept, **{name: each.item() for name, each in of_point.items()}}
+        {**point.swept, **{name: each.item() for name, each in of_point}}
         for point, of_point in zip(points, scalars, strict=True)
     ])  # fmt: skip
     swept = {name: unit for axis in sweep.axes for name, unit in zip(axis.names, axis.units, strict=True)}
     columns = {name: Column("swept", unit, name) for name, unit in swept.items()}
-    for name, each in max(scalars, key=len).items():
+    for name, each in max(scalars, key=len):
         unit = _UNITS.get(each.attrs["units"], Unit(each.attrs["units"], 1.0, each.attrs["units"]))
         columns[name] = Column(each.attrs["long_name"], unit, name.replace("_", " "))
     shown = frame[[name for name in (*swept, *asked.SHOWN) if name in frame]]
@@ -177,7 +176,7 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         sweep.title,
         Section("", said, [Table("", shown, columns)], pictures[:1], notes),
         lambda: [
-            *([Section("Further figures", pictures=pictures[1:])] if pictures[1:] else []),
+            Section("Further figures", pictures=pictures[1:]),
             Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),
             Section("References", tables=[from_rows("", ("reference", "for"), cited)]),
             Section("Study", widget="study"),
