@@ -17,7 +17,7 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import MASS, RANGES, STIFFNESS, TIME, Quantity, Text, Whole
+from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
 
 FINEST = 4001
 """Grid on which peaks and bands are searched at least."""
@@ -33,10 +33,10 @@ def _read_joint(given: Any) -> float | str:
 
 Mass = Annotated[float, MASS]
 Stiffness = Annotated[float, STIFFNESS]
-Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0, usual=RANGES["period"])]
+Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0)]
 Joint = Annotated[float | str, Text(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
-Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, usual=RANGES["damping ratio"])]
+Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
 Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
 
 

@@ -21,11 +21,10 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
-from pounding_cli.study.plausible import doubt_values, few
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 QUESTIONS = ("connector", "wall")
 """The modules."""
 
-MESH = ("corner", "element", "axis", "side")
+MESH = ("element", "side", "axis")
 """Dimensions of fields on a mesh, which are drawn and not kept in the results file."""
 
 _UNITS = {
@@ -68,7 +67,6 @@ class Sweep:
     text: str
     axes: tuple[Axis, ...]
     points: tuple[Point, ...]
-    warnings: tuple[Problem, ...]
 
 
 def value(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
@@ -81,7 +79,7 @@ def load(path: Path, name: str) -> Sweep:
     asked: Any = importlib.import_module(f"pounding_cli.{name}")
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
-    problems, notes = Problems(str(path)), Problems(str(path))
+    problems = Problems(str(path))
     axes = read_axes(root, problems, asked.Study)
     problems.check()
     points = []
@@ -94,11 +92,10 @@ def load(path: Path, name: str) -> Sweep:
         label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
         try:
             points.append(Point(label, asked.Study.model_validate(tree), swept))
-            doubt_values(points[-1].study, tree, (), notes)
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
     problems.check()
-    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), few(notes.found))
+    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points))
 
 
 def solved(sweep: Sweep, point: Point) -> Point:
@@ -130,7 +127,7 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
         whole = whole.isel(point=0)
     else:
         places = pd.MultiIndex.from_product([range(len(axis)) for axis in sweep.axes], names=names)
-        whole = whole.assign_coords(xr.Coordinates.from_pandas_multiindex(places, "point")).unstack("point")
+        whole = whole.assign_coords(xr.Coordinates.from_pandas_multiindex(places, "point")).unstack("point")  # noqa: PD010
     for axis in sweep.axes:
         columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
         whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
