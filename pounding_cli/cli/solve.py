@@ -195,8 +195,6 @@ def _points(name: str, about: str, example: str) -> click.Command:
         file = file if file.suffix else file.with_suffix(".h5")
         check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
         check_folder(file.with_suffix(""))
-        for warning in sweep.warnings:
-            click.echo(f"warning: {warning}", err=True)
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
             points = [solved(sweep, point) for point in waiting]
         report, files = write(sweep, points, file)
