@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
-from pounding_cli.laws.dashpot import damping_ratio
 from pounding_cli.laws.hertz import HertzDamp, HertzDamping, Jankowski, JankowskiDamping
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import Pounding
+from pounding_cli.laws.pounding import Pounding, damping_ratio
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene

@@ -199,7 +199,7 @@ def _stiffness(law: LinkLaw, unit: Unit) -> str:
     units = {name: each.metadata["parameter"].unit for name, each in law.parameters().items()}
     other = next((name for name, of in units.items() if name != "gap" and of != "-"), None)
     if "stiffness" in units or other is None:
-        return unit.text(law.initial_stiffness, 4)
+        return unit.text(getattr(law, "stiffness", law.steepest[0]), 4)
     return f"{getattr(law, other):.4g} {units[other]}"
 
 

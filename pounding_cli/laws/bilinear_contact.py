@@ -109,11 +109,6 @@ class BilinearContact(LinkLaw):
         """Where its loop has an area."""
         return self.restitution < 1.0
 
-    @property
-    def steepest(self) -> tuple[float, float]:
-        """K1."""
-        return self.stiffnesses[0], 0.0
-
     def stored(self, closing: float, force: float) -> float:
         """What the contact gives back from a closing reached by pressing from the gap [J]."""
         (k1, k2), v, limit = self.stiffnesses, max(closing - self.offset, 0.0), self.yield_closing

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.joints import Maxwell
 from pounding_cli.laws.law import JOINED, PARAMETERS, Behaviour, LinkLaw
+from pounding_cli.laws.pounding import reduced_mass
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
