@@ -111,11 +111,6 @@ class Prepared:
             self.data.run["status"] = records.NO_ROOT
         self.seconds = time.perf_counter() - begin
 
-    @property
-    def is_done(self) -> bool:
-        """Whether its run went to the end of the motion, or to a collapse."""
-        return int(self.data.run["status"][0]) in (records.DONE, records.COLLAPSED)
-
     def response(self) -> Response:
         """What came of it."""
         layout, data, r, links = self.layout, self.data, self.data.run[0], self.scene.links
