@@ -135,6 +135,11 @@ class Maxwell(Joint):
     stiffness: float = parameter("spring k of the damper and its brace", "N/m", open_low=True)
     damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.damping_coefficient < 1e-6 * self.stiffness:  # steps are a few times as long as c / k
+            raise ValueError("link: c / k of a Maxwell damper is below 1e-6 s: write `link: damper`, without a spring")
+
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k [N/m], c [N s/m]."""
         return self.stiffness, self.damping_coefficient

@@ -182,7 +182,10 @@ def expand(dofs, elements, terms, r, series):
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
-        size = max(size, _walk_up(dofs, elements, n, k, part, after, has_lean))
+        if has_lean:  # as constants, so that each is compiled by itself
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, True))
+        else:
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, False))
         small = small + 1 if size < 1.0 else 0
         k += 1
     r.order = k
