@@ -78,8 +78,6 @@ def check(study: Path) -> None:
     name, kind = shortened(study), kind_of_file(study)
     if kind in QUESTIONS:
         sweep = load(study, kind)
-        for warning in sweep.warnings:
-            click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
