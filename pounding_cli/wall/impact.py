@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Any
@@ -265,9 +265,11 @@ def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) 
     return np.array(lines)
 
 
-def _spread(basis: Basis, where: Callable[[np.ndarray], np.ndarray], part: int = 0) -> np.ndarray:
-    """Integrals of the displacements in x (`part` 0) or y (1) over the edges whose middles are at `where` [m]."""
-    facets = basis.mesh.facets_satisfying(where)
+def _spread(basis: Basis, left: float, low: float, high: float, part: int = 0) -> np.ndarray:
+    """Integrals of the displacements in x (`part` 0) or y (1) over the edges whose middles are at x < `left` and between
+    two heights [m]."""
+    x, y = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
+    facets = np.flatnonzero((x < left) & (y > low) & (y < high))
     return LinearForm(lambda v, _: v[part]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
@@ -284,7 +286,7 @@ def _contact(study: Study, basis: Basis, mass: np.ndarray) -> np.ndarray:
         shares = np.zeros(basis.N)
         shares[nodes[np.argmin(np.abs(basis.doflocs[1, nodes] - study.height))]] = 1.0
     else:
-        shares = _spread(basis, lambda at: (np.abs(at[0]) < 1e-9) & (at[1] > low) & (at[1] < high)) / (high - low)
+        shares = _spread(basis, 1e-9, low, high) / (high - low)
     struck = np.flatnonzero(shares)
     beside = basis.element_dofs[:, np.isin(basis.element_dofs, struck).any(axis=0)]
     around = np.setdiff1d(np.intersect1d(beside, horizontal), struck)
@@ -311,7 +313,7 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
     # Motions (u, v, theta) of joints from all displacements, by floor and line: line 0 is the wall's, floor 0 is fixed.
     joints = {(0, line): sp.csr_matrix((3, total)) for line in range(1, lines + 1)}
     for floor in range(1, frame.storeys + 1):
-        across, up = (_spread(basis, lambda at, level=y[floor]: np.abs(at[1] - level) < 1e-9, part) for part in (0, 1))
+        across, up = (_spread(basis, np.inf, y[floor] - 1e-9, y[floor] + 1e-9, part) for part in (0, 1))
         across, up, at = across / across.sum(), up / up.sum(), basis.doflocs[0]
         mass[: basis.N] += floor_mass[0] * (across + up)
         tilt = up * (at - up @ at) / (up @ (at - up @ at) ** 2)
