@@ -266,8 +266,8 @@ def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) 
 
 
 def _spread(basis: Basis, left: float, low: float, high: float, part: int = 0) -> np.ndarray:
-    """Integrals of the displacements in x (`part` 0) or y (1) over the edges whose middles are at x < `left` and between
-    two heights [m]."""
+    """Integrals of the displacements in x (`part` 0) or y (1) over the edges with middles at x < `left` between two
+    heights [m]."""
     x, y = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
     facets = np.flatnonzero((x < left) & (y > low) & (y < high))
     return LinearForm(lambda v, _: v[part]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
