@@ -102,21 +102,20 @@ class Text:
             follow = counted(found, "value follows", "values follow")
             raise self.damaged(f"the header says {what} = {written}, but {follow}", line)
 
-    def numbers(self, index: int) -> list[float]:
-        """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""
-        line, values = self.lines[index], list[float]()
-        for token in tokens(line):
-            for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
-                if (value := number(part)) is None:
-                    hint = "write plain numbers; fill or cut gaps in the record before reading it"
-                    raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, line.find(token) + 1)
-                values.append(value)
-        return values
-
     def rows(self, start: int) -> dict[int, list[float]]:
-        """Every line of numbers from index `start` on, by its index; comments and blank lines are passed over."""
-        lines = ((index, self.lines[index].strip()) for index in range(start, len(self.lines)))
-        found = {index: self.numbers(index) for index, line in lines if line and line[0] not in "#%!\x1a"}
+        """The numbers of every line from index `start` on, by its index; comments and blank lines are passed over, and
+        nan, inf and all else is refused at its column."""
+        found = dict[int, list[float]]()
+        for index, line in enumerate(self.lines[start:], start):
+            if not line.strip() or line.lstrip()[0] in "#%!\x1a":
+                continue
+            found[index] = []
+            for token in tokens(line):
+                for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
+                    if (value := number(part)) is None:
+                        hint, column = "write plain numbers; fill or cut gaps in the record", line.find(token) + 1
+                        raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, column)
+                    found[index].append(value)
         if not found:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return found
