@@ -75,15 +75,21 @@ class Text:
         """A line, empty behind the end of the file."""
         return self.lines[index] if index < len(self.lines) else ""
 
-    def find(self, pattern: str, lines: range, what: str) -> tuple[re.Match[str], int]:
-        """The first match of a pattern in lines of these indices, and its line (from 1).
+    def words(self, index: int) -> str:
+        """A line with one blank between its words: patterns with several optional blanks need time by their power."""
+        return " ".join(self.line(index).split())
 
-        what : the match, in words.  Raises `InputError` where there is none.
-        """
-        for index in lines:
-            if found := re.search(pattern, self.line(index), re.IGNORECASE):
-                return found, index + 1
-        raise self.damaged(f"the header does not say {what}", lines.start + 1)
+    def search(self, pattern: str, lines: range) -> tuple[re.Match[str] | None, int]:
+        """The first match of a pattern in the words of lines of these indices, and its line (from 1); None, 0."""
+        found = ((re.search(pattern, self.words(index), re.IGNORECASE), index + 1) for index in lines)
+        return next(((match, line) for match, line in found if match), (None, 0))
+
+    def find(self, pattern: str, lines: range, what: str) -> tuple[re.Match[str], int]:
+        """As `search`; what : the match, in words.  Raises `InputError` where there is none."""
+        match, line = self.search(pattern, lines)
+        if match is None:
+            raise self.damaged(f"the header does not say {what}", min(lines) + 1)
+        return match, line
 
     def step(self, written: str | float, line: int) -> float:
         """A time step [s] as written; refused where it is none, or the user gives another."""
