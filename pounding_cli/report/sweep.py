@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
 from pounding_cli.report.figures import RESPONSES as PANELS
 from pounding_cli.report.figures import framed
-from pounding_cli.report.style import Look, caption, key_words, looks, name_axis, styled
+from pounding_cli.report.style import finish, key_words, looks, name_axis, styled
 from pounding_cli.report.table import column_of, digits
 from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.variables import RESPONSES
@@ -43,7 +43,7 @@ COLOURS = "viridis"  # equal steps of a number are equal steps to the eye, also 
 
 @dataclass(frozen=True, eq=False)
 class SweptAxis:
-    """One axis of a sweep, or some of its points.
+    """One axis of a sweep.
 
     keys : the swept keys; more than one where they move together
     points : one tuple a point, as long as `keys`: SI numbers or texts, as in the tables
@@ -56,11 +56,6 @@ class SweptAxis:
 
     def __len__(self) -> int:
         return len(self.points)
-
-    @property
-    def dim(self) -> str:
-        """Its dimension in the Dataset."""
-        return self.keys[0]
 
     @property
     def numeric(self) -> bool:
@@ -86,16 +81,12 @@ class SweptAxis:
         bare = [Unit("", unit.factor) for unit in self.units]
         return tuple(", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in self.points)
 
-    def point(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """The values of all keys at the point where some have given values.  Raises InputError: there is none."""
-        for point in (dict(zip(self.keys, values, strict=True)) for values in self.points):
-            if given.items() <= point.items():
-                return point
+    def number(self, given: Mapping[str, Any]) -> int:
+        """Of the point where some keys have given values.  Raises InputError: there is none."""
+        for number, values in enumerate(self.points):
+            if given.items() <= dict(zip(self.keys, values, strict=True)).items():
+                return number
         raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
-
-    def ascending(self) -> SweptAxis:
-        """The same with its points in the order in which they stand."""
-        return replace(self, points=tuple(self.points[place] for place in np.argsort(self.coordinates, kind="stable")))
 
 
 def swept_axes(results: Results) -> tuple[SweptAxis, ...]:
@@ -110,14 +101,13 @@ def swept_axes(results: Results) -> tuple[SweptAxis, ...]:
 
 
 def over_sweep(
-    results: Results, quantity: str, places: Mapping[str, Any] | None = None, axes: Sequence[SweptAxis] | None = None,
-    at: Mapping[str, Any] | None = None,
-) -> xr.Dataset:  # fmt: skip
+    results: Results, quantity: str, places: Mapping[str, Any] | None = None, index: Mapping[str, Any] | None = None
+) -> xr.Dataset:
     """A quantity over the sweep: per place the mean over the motions, at every point the place where it is largest.
 
     places : which case, analysis, building, storey, floor, link or record is looked at; all there are of the others
-    axes : in the order wanted, all axes of the sweep unless given
-    at : value (SI, as in the tables) of every key of the axes left out
+    index : by the first key of an axis the number of the point at which it is cut, or the numbers of some; all of the
+        others, in their order
 
     Returns `mean` and `std` over the motions in the unit that figures show, NaN where nothing is, and `void`: whether
     the scene of a motion carries a flag that takes the meaning from these numbers.
@@ -126,17 +116,14 @@ def over_sweep(
     ------
     InputError : a quantity, case, analysis, building, storey, floor, link or motion that is not there
     """
-    axes, at = swept_axes(results) if axes is None else axes, at or {}
-    dims = [axis.dim for axis in axes]
-    rows: dict[str, Any] = {
-        keys[0]: results.axes[key].index(at[key]) for keys in results.swept for key in keys if key in at
-    }
-    rows |= {axis.dim: list(map(points_of(results, axis.keys).index, axis.points)) for axis in axes}
-    values = _values(results, quantity, places or {}).isel(rows, drop=True)
+    index = index or {}
+    values = _values(results, quantity, places or {}).isel(index, drop=True)
     values = values / column_of(quantity, results.units).unit.factor
     flags = results.data["flags"].sel({name: values[name] for name in ("case", "analysis", "record")})
-    mean, void = values.mean("record"), meaningless(flags.isel(rows, drop=True)).any("record")
+    mean, void = values.mean("record"), meaningless(flags.isel(index, drop=True)).any("record")
     found = xr.Dataset({"mean": mean, "std": values.std("record", ddof=1), "void": void & np.isfinite(mean)})
+    every = [keys[0] for keys in results.swept if keys[0] in mean.dims]
+    dims = [*(dim for dim in index if dim in every), *(dim for dim in every if dim not in index)]
     found = found.reset_coords(drop=True)
     found = found.stack(place=[dim for dim in mean.dims if dim not in dims], create_index=False)
     return found.isel(place=abs(found["mean"]).fillna(-1.0).argmax("place")).transpose(*dims)
@@ -186,7 +173,7 @@ class Asked:
     at: Mapping[str, Any] = field(default_factory=dict)
 
 
-Panels = Sequence[tuple[str, str, Mapping[str, xr.Dataset]]]
+Panels = list[tuple[str, str, dict[str, xr.Dataset]]]
 """What stands in a figure: a quantity, its analysis, and its numbers by case."""
 
 
@@ -201,30 +188,32 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
     """
     asked, every = asked or Asked(), swept_axes(results)
     free = [axis for axis in every if len(axis) > 1 and asked.at.keys().isdisjoint(axis.keys)]
-    drawn = sorted(sorted(free, key=len, reverse=True)[:2], key=len)
-    if not drawn:
+    axes = sorted(sorted(free, key=len, reverse=True)[:2], key=len)
+    if not axes:
         if asked.quantities:
             hint = "leave --quantity out, or one of the swept keys free"
             raise InputError(Problem(f"no swept key is left to draw {asked.quantities[0]} over", hint))
         return []
-    cut: dict[str, Any] = {}
-    for axis in (axis for axis in every if axis not in drawn):
+    index: dict[str, Any] = {axis.keys[0]: np.argsort(axis.coordinates, kind="stable") for axis in axes}
+    cut = dict[str, str]()
+    for axis in (axis for axis in every if axis not in axes):
         given = {key: asked.at[key] for key in axis.keys if key in asked.at}
-        cut |= axis.point(given or {key: shown.point[key] for key in axis.keys})
-    axes, found = [axis.ascending() for axis in drawn], []
+        number = axis.number(given or {key: shown.point[key] for key in axis.keys})
+        index[axis.keys[0]] = number
+        cut |= {key: results.value_label(key, v) for key, v in zip(axis.keys, axis.points[number], strict=True)}
+    drawn = [SweptAxis(axis.keys, tuple(axis.points[n] for n in index[axis.keys[0]]), axis.units) for axis in axes]
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_curves)
+    found = []
     for name, building, wanted in _figures(shown, asked):
-        places = {**asked.places, "building": building} if building else asked.places
-        panels = []
+        places, panels = {**asked.places, **({"building": building} if building else {})}, list[Any]()
         for analysis, quantity in wanted:
-            by_case = _by_case(results, shown, quantity, {**places, "analysis": analysis}, axes, cut)
-            if by_case:
-                panels.append((quantity, analysis, by_case))
+            by_case = _by_case(results, shown, quantity, {**places, "analysis": analysis}, index)
+            panels += [(quantity, analysis, by_case)] if by_case else []
         if panels:
-            drawing = partial(draw, results, shown, building, axes, panels, _said(shown, places, cut))
-            text = "Means over the motions at their largest place, case by case."
-            heading = f"{name.replace('-', ', ')}: over the sweep"
-            found.append(Picture(f"{name}-{kind}", heading, text, drawing, has_scale=kind == "map"))
+            title = f"Over the sweep: {building}: {shown.title}" if building else f"Over the sweep: {shown.title}"
+            drawing = partial(draw, shown, building, title, drawn, panels, _said(shown, places, cut))
+            text, heading = "Means over the motions at their largest place, case by case.", name.replace("-", ", ")
+            found.append(Picture(f"{name}-{kind}", f"{heading}: over the sweep", text, drawing, kind == "map"))
     return found
 
 
@@ -242,33 +231,34 @@ def _figures(shown: Evidence, asked: Asked) -> Iterator[tuple[str, str, list[tup
 
 
 def _by_case(
-    results: Results, shown: Evidence, quantity: str, places: Mapping[str, Any], axes: Sequence[SweptAxis],
-    cut: Mapping[str, Any],
-) -> dict[str, xr.Dataset]:  # fmt: skip
+    results: Results, shown: Evidence, quantity: str, places: Mapping[str, Any], index: Mapping[str, Any]
+) -> dict[str, xr.Dataset]:
     """A quantity by case; cases that have none of it are left out."""
     found = {}
     for case in [places["case"]] if "case" in places else shown.plotted[:MOST_CASES]:
         named = {name: place for name, place in {**places, "case": case}.items() if place != WORST}
-        over = over_sweep(results, quantity, named, axes, cut)
+        over = over_sweep(results, quantity, named, index)
         if np.isfinite(over["mean"]).any():
             found[named.get("case", "worst of all cases")] = over
     return found
 
 
-def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any]) -> str:
+def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, str]) -> str:
     """What is drawn, in a sentence without its full stop."""
-    motions = counted(len(shown.records["record"].unique()), "motion")
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
-    others = [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
-    what = f"Mean over the {motions}, at the place where it is largest"
+    what = f"Mean over the {counted(len(shown.records), 'motion')}, at the place where it is largest"
+    others = [f"{key} = {value}" for key, value in cut.items()]
     return "; ".join([f"{motion_sentence(shown.records)} {what}", *where, *others])
 
 
-def _set_axis(ax: Axes, side: Literal["x", "y"], axis: SweptAxis, names: Sequence[str], room: int = 0) -> None:
-    """Title of one side of a panel, and its ticks: `names` at 1, 2, ..., every so many where there are too many.
+def _marks(panels: Panels, mark: str) -> str:
+    """What a mark of numbers without meaning says, in a sentence; "" where there are none."""
+    void = any(over["void"].any() for *_, by_case in panels for over in by_case.values())
+    return f" {mark}: not meaningful for some motions." if void else ""
 
-    room : characters in a line of the title, 0: any number
-    """
+
+def _set_axis(ax: Axes, side: str, axis: SweptAxis, names: Sequence[str], room: int = 80) -> None:
+    """Title of one side of a panel, and its ticks: `names` at 1, 2, ..., every so many where there are too many."""
     if names:
         step = -(-len(names) // MOST_TICKS)
         ax.set(**{f"{side}ticks": range(1, len(names) + 1, step), f"{side}ticklabels": names[::step]})
@@ -277,7 +267,7 @@ def _set_axis(ax: Axes, side: Literal["x", "y"], axis: SweptAxis, names: Sequenc
 
 @styled
 def draw_curves(
-    results: Results, shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str
+    shown: Evidence, building: str, title: str, axes: Sequence[SweptAxis], panels: Panels, words: str
 ) -> Figure:
     """The swept axis across: the mean over the motions with its spread, a line a case.
 
@@ -285,15 +275,22 @@ def draw_curves(
     """
     cases = list(dict.fromkeys(case for *_, by_case in panels for case in by_case))
     (axis,), look, columns = axes, looks(cases), min(len(panels), 2)
-    title, rows = f"Over the sweep: {building}".removesuffix(": "), -(-len(panels) // columns)
-    figure, lines = framed(shown, [building], rows, columns, title, size=(4.0, 3.2), cases=cases, periods=False)
+    figure, lines = framed(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
     flat = [ax for line in lines for ax in line]
     names = [] if axis.numeric else [textwrap.fill(name, max(34 // len(axis), 9)) for name in axis.names]
     for ax, (quantity, analysis, by_case) in zip(flat, panels, strict=False):
         for case, over in by_case.items():
-            _curve(ax, axis, over, look[case])
+            x, mean, std, void = axis.coordinates, *(over[name].values for name in ("mean", "std", "void"))
+            how, line = look[case], look[case].line if axis.numeric else "none"
+            if axis.numeric:
+                ax.fill_between(x, mean - std, mean + std, color=how.color, alpha=0.13, lw=0, zorder=1.5)
+            else:
+                ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=how.color, elinewidth=0.8, capsize=2)
+            size = 5 if len(x) <= 25 else 2.5
+            ax.plot(x, mean, color=how.color, ls=line, marker=how.marker, ms=size, lw=1.6, zorder=2.5)
+            ax.plot(x[void], mean[void], how.marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
         ax.set_title(analysis.capitalize(), loc="left")
-        ax.set_ylabel(label := column_of(quantity, results.units).head)
+        ax.set_ylabel(label := column_of(quantity, shown.results.units).head)
         if "₀" in label:  # 1 stands for the building alone
             ax.axhline(1, color="0.35", lw=1.0, zorder=1)
         _set_axis(ax, "x", axis, names)
@@ -301,26 +298,14 @@ def draw_curves(
             ax.set_xscale("log")
     for ax in flat[len(panels) :]:
         ax.axis("off")
-    caption(figure, f"{words}; bands: one standard deviation either way.{_marks(panels, 'Open grey markers')}")
+    text = f"{words}; bands: one standard deviation either way.{_marks(panels, 'Open grey markers')}"
+    finish(figure, title, text)
     return figure
-
-
-def _curve(ax: Axes, axis: SweptAxis, over: xr.Dataset, look: Look) -> None:
-    """The line of one case, its spread, and its points: grey and open where they mean nothing."""
-    x, mean, std, void = axis.coordinates, *(over[name].values for name in ("mean", "std", "void"))
-    if axis.numeric:
-        ax.fill_between(x, mean - std, mean + std, color=look.color, alpha=0.13, lw=0, zorder=1.5)
-    else:
-        ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=look.color, elinewidth=0.8, capsize=2)
-    ax.plot(x, mean, color=look.color, ls=look.line if axis.numeric else "none", lw=1.6, zorder=2.5)
-    size = 5 if len(x) <= 25 else 2.5
-    ax.plot(x[~void], mean[~void], look.marker, color=look.color, ms=size, zorder=3)
-    ax.plot(x[void], mean[void], look.marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
 
 
 @styled
 def draw_maps(
-    results: Results, shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str
+    shown: Evidence, building: str, title: str, axes: Sequence[SweptAxis], panels: Panels, words: str
 ) -> Figure:
     """One panel for every case of each quantity; its second axis is across. Points are cells of one size.
 
@@ -336,8 +321,7 @@ def draw_maps(
     ]
     few = max(map(len, axes)) <= MOST_TICKS
     along, across = (1.4 + 0.34 * max(len(axis), 3) if few else (5.0 if columns == 1 else 3.7) for axis in axes)
-    title = f"Over the sweep: {building}".removesuffix(": ")
-    figure, rows = framed(shown, [building], len(lines), columns, title, size=(across, along), cases=(), periods=False)
+    figure, rows = framed(shown, building, len(lines), columns, (across, along))
     for row, (quantity, analysis, by_case, cases) in zip(rows, lines, strict=True):
         norm = _norm(np.concatenate([over["mean"].values.ravel() for over in by_case.values()]))
         for ax, case in zip(row, cases, strict=False):
@@ -347,8 +331,8 @@ def draw_maps(
         for ax in row[len(cases) :]:
             ax.axis("off")
         bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=row[: len(cases)], pad=0.02, aspect=18)
-        bar.set_label(column_of(quantity, results.units).head)
-    caption(figure, f"{words}. Grey: no number.{_marks(panels, 'Hatched')}")
+        bar.set_label(column_of(quantity, shown.results.units).head)
+    finish(figure, title, f"{words}. Grey: no number.{_marks(panels, 'Hatched')}")
     return figure
 
 
@@ -378,12 +362,5 @@ def _map(ax: Axes, axes: Sequence[SweptAxis], over: xr.Dataset, norm: Normalize,
         colour = colormaps[COLOURS](norm(mean[row, column]))
         ink = "white" if float(np.dot(colour[:3], (0.299, 0.587, 0.114))) < 0.5 else "black"
         box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
-        place, text = (x[column], y[row]), digits(float(mean[row, column]), 3)
-        ax.text(*place, text, ha="center", va="center", fontsize=7, color=ink, bbox=box)
-    ax.tick_params(length=3)
-
-
-def _marks(panels: Panels, mark: str) -> str:
-    """What a mark of numbers without meaning says, in a sentence; "" where there are none."""
-    void = any(over["void"].any() for *_, by_case in panels for over in by_case.values())
-    return f" {mark}: not meaningful for some motions." if void else ""
+        text = digits(float(mean[row, column]), 3)
+        ax.text(x[column], y[row], text, ha="center", va="center", fontsize=7, color=ink, bbox=box)
