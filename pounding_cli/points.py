@@ -98,7 +98,7 @@ def load(path: Path, name: str) -> Sweep:
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
     problems.check()
-    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(few(notes.found)))
+    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), few(notes.found))
 
 
 def solved(sweep: Sweep, point: Point) -> Point:

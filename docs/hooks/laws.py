@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import MISSING
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -20,16 +21,22 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.report.references import REFERENCES
 from pounding_cli.report.style import RC
-from pounding_cli.study.keys import row
 from pounding_cli.study.laws import keys_of, link_models, own
 from pounding_cli.study.models import Building
 from pounding_cli.study.words import fields_of
 
-_spec = importlib.util.spec_from_file_location("model", Path(__file__).parents[1] / "figures" / "model.py")
-assert _spec is not None
-assert _spec.loader is not None
-model = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(model)
+
+def _module(path: Path) -> Any:
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    found = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
+
+
+model = _module(Path(__file__).parents[1] / "figures" / "model.py")
+row = _module(Path(__file__).with_name("keys.py")).row
 
 HEAD = """\
 # Laws

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import textwrap
 from collections.abc import Iterator
@@ -13,11 +14,15 @@ from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
 from pounding_cli.study import laws, models, motions, questions, schema
-from pounding_cli.study.keys import table
 from pounding_cli.study.plausible import shown
 from pounding_cli.study.quantity import RANGES
 
 ROOT = Path(__file__).parents[2]
+_spec = importlib.util.spec_from_file_location("keys", Path(__file__).with_name("keys.py"))
+assert _spec is not None
+assert _spec.loader is not None
+keys = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(keys)
 EXAMPLES = ROOT / "docs" / "examples"
 
 API = {
@@ -96,6 +101,10 @@ MODELS = {
 """Headings of the page of keys, and the mapping under each."""
 
 
+OF_STOREYS = "base yield shear over weight", "link stiffness"
+"""Plausible ranges of shares, the second of the stiffest storey's stiffness."""
+
+
 def keys_page() -> str:
     """Every key of a study, and the ranges outside which a value is warned about."""
     parts = [
@@ -106,19 +115,20 @@ def keys_page() -> str:
         those of all laws of storeys; each law's page shows its own."""),
     ]
     for heading, model in MODELS.items():
-        parts += [f"## {heading}", "\n".join(table(model))]
+        parts += [f"## {heading}", "\n".join(keys.table(model))]
     lines = ["| quantity | plausible | because |", "|---|---|---|"]
     for name, fits in RANGES.items():
-        ends = (f"{end:g}" if " over " in name else shown(end, fits.units) for end in (fits.low, fits.high))
+        ends = (f"{end:g}" if name in OF_STOREYS else shown(end, fits.units) for end in (fits.low, fits.high))
         lines.append(f"| {name} | {' to '.join(ends)} | {fits.reason} |")
     parts += [
         "## Plausible values",
         "A value outside these ranges is [warned about](../study-file.md#warnings).",
         "\n".join(lines),
         textwrap.dedent("""\
-        A motion is warned about at 2 g only where its peak in the file and its peak as used both exceed it. The period
-        of a storey is that of the building over its number of storeys, and is not checked for buildings of one storey.
-        A gap of zero and a damping of zero are always plausible."""),
+        A motion is also warned about where its peak in the file and its peak as used both exceed 2 g, and an
+        acceleration of at most 3 where it has no unit. The stiffness of a link is that over the stiffest storey's; the
+        period of a storey is that of the building over its number of storeys, and is not checked for buildings of one
+        storey. A gap of zero and a damping of zero are always plausible."""),
     ]
     return "\n\n".join(parts) + "\n"
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from pounding_cli.batch.cache import Cache, cache_of
 from pounding_cli.batch.pool import pool
-from pounding_cli.batch.progress import JsonLines, Progress
+from pounding_cli.batch.progress import Progress
 from pounding_cli.batch.solve import Solver
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import counted
@@ -124,8 +124,6 @@ def run_study(
         write(output, found.dataset.assign_attrs(said), found.tables, histories)
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
-    if isinstance(told, JsonLines) and solver.solved:
-        told.report("stop")
     failures = tuple(_failures(plan, solver))
     done = solver.solved - len(solver.failed)
     wall = time.perf_counter() - begin
@@ -163,7 +161,7 @@ def _finished(output: Path, content: str) -> int | None:
 
 def _tell_reuse(cache: Cache, told: Progress) -> None:
     if cache.was_damaged:
-        told.say(f"{cache.path} was damaged: its sound scenes are kept, the others are solved again")
+        told.say(f"{cache.path} was damaged: what it held is solved again")
     if cache.forget_other(f"solver {solver_version()} "):
         told.say(f"{cache.path} was made with another solver: all scenes are solved again")
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import sys
 import time
 from typing import Any, TextIO
@@ -24,10 +23,8 @@ class Progress:
 
     def start(self, total: int, reused: int) -> None:
         """So many scenes more are to be solved; `reused` of those that are wanted were found."""
-        is_first = not self.done + self.failed
-        self.reused = reused if is_first else self.reused
-        self.left += total
-        self.show(is_first)
+        self.reused, self.left = reused, self.left + total
+        self.show()
 
     def compiled(self) -> None:
         """What came so far was compiled meanwhile, and says nothing about the time that the rest takes."""
@@ -38,8 +35,8 @@ class Progress:
         self.done, self.failed, self.left = self.done + done, self.failed + failed, self.left - done - failed
         self.show()
 
-    def show(self, is_first: bool = False) -> None:
-        """The counts changed; `is_first`: nothing has come yet."""
+    def show(self) -> None:
+        """The counts changed."""
 
     def say(self, sentence: str) -> None:
         """Something worth a line."""
@@ -68,22 +65,17 @@ class Lines(Progress):
         super().__init__()
         self.stream, self.every, self._last = stream or sys.stderr, every, time.monotonic()
 
-    def show(self, is_first: bool = False) -> None:
-        if is_first:
+    def show(self) -> None:
+        if not self.done + self.failed:
             self.report("start")
-        elif time.monotonic() - self._last > self.every and self.done + self.failed:
+        elif time.monotonic() - self._last > self.every:
             self._last = time.monotonic()
             self.report("progress")
 
     def say(self, sentence: str) -> None:
         """Write a line at once. A run continues when its output has no reader."""
         with contextlib.suppress(OSError, ValueError):
-            try:
-                print(sentence, file=self.stream, flush=True)
-            except BrokenPipeError:  # what stands in its buffer would end the run when it is flushed
-                nowhere = os.open(os.devnull, os.O_WRONLY)
-                os.dup2(nowhere, self.stream.fileno())
-                os.close(nowhere)
+            print(sentence, file=self.stream, flush=True)
 
     def report(self, event: str) -> None:
         """The counts, at the start or as they are."""
@@ -92,7 +84,7 @@ class Lines(Progress):
 
 
 class JsonLines(Lines):
-    """One JSON object a line, each with `event`: start, progress (at most every `every` seconds), note, stop."""
+    """One JSON object a line, each with `event`: start, progress (at most every `every` seconds), note."""
 
     def __init__(self, stream: TextIO | None = None, every: float = 1.0) -> None:
         super().__init__(stream or sys.stdout, every)
@@ -105,9 +97,8 @@ class JsonLines(Lines):
         super().say(json.dumps({"event": event, "time": round(time.time(), 3), **facts}))
 
     def report(self, event: str) -> None:
-        seconds = self.seconds_left
-        left = None if seconds is None else round(seconds, 1)
-        self.tell(event, done=self.done, failed=self.failed, reused=self.reused, left=self.left, seconds_left=left)
+        counts = {"done": self.done, "failed": self.failed, "reused": self.reused, "left": self.left}
+        self.tell(event, **counts, seconds_left=self.seconds_left)
 
 
 class Bar(Progress):
@@ -123,7 +114,7 @@ class Bar(Progress):
         self._rich = Rich(*columns, console=Console(stderr=True), transient=True)
         self._task = self._rich.add_task("", total=None)
 
-    def show(self, is_first: bool = False) -> None:
+    def show(self) -> None:
         come = self.done + self.failed
         self._rich.start()
         self._rich.update(self._task, total=come + self.left, completed=come, description=self.words)

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,8 @@ from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import Pool, end
 from pounding_cli.batch.progress import Progress
 from pounding_cli.results.keys import solution_key
-from pounding_cli.results.solved import Row, Solved, encode, has_result, kind_of, seconds_of
+from pounding_cli.results.solved import Row, Solved, encode
+from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,7 +42,7 @@ LOST = (
     "it may take too much memory: solve it alone, with `--engine serial`",
 )
 
-Answer = tuple[list[int], list[Row]]
+Answer = tuple[np.ndarray, list[Row]]
 """Numbers of scenes, and their rows."""
 
 
@@ -84,19 +86,19 @@ class Solver:
         KeyboardInterrupt : stopped; what is solved is kept
         """
         wanted = np.arange(len(plan)) if numbers is None else np.unique(numbers[numbers >= 0])
-        found = self._found(plan, wanted)
+        solved = Solved(plan)
+        self._find(plan, wanted, solved)
         if rough and plan.estimate == "all":
             plan = replace(plan, estimate="alone")
-            found |= self._found(plan, np.setdiff1d(wanted, list(found)))
-        digests = {number: plan.digests[number].tobytes() for number in wanted.tolist()}
-        new = {number for number, digest in digests.items() if digest not in self._seen}
-        # what failed in a run before is solved again too
-        missing = [n for n in digests if n not in found or (n in new and not has_result(found[n]))]
-        self.reused += len(new.difference(missing))
-        self._seen.update(digests.values())
-        if missing:
-            self._solve(plan, np.array(missing), found)
-        return Solved(plan, found)
+            self._find(plan, wanted[~solved.there[wanted]], solved)
+        digests = [plan.digests[number].tobytes() for number in wanted.tolist()]
+        new = np.array([digest not in self._seen for digest in digests], bool)
+        self._seen.update(digests)
+        missing = ~solved.there[wanted] | (new & ~solved.ended[wanted])  # what failed in a run before is solved too
+        self.reused += int((new & ~missing).sum())
+        if missing.any():
+            self._solve(plan, wanted[missing], solved)
+        return solved
 
     def dataset(self, plan: Plan, numbers: np.ndarray | None = None) -> xr.Dataset:
         """All that a results file says of a plan: see `responses` and `results.dataset`."""
@@ -104,29 +106,30 @@ class Solver:
 
         return dataset(plan, self.responses(plan, numbers))
 
-    def _found(self, plan: Plan, numbers: np.ndarray) -> dict[int, Row]:
-        """What the cache has of some scenes, by number."""
+    def _find(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
+        """Take some scenes from the cache."""
         digests = {plan.digests[number].tobytes(): number for number in numbers.tolist()}
-        return {digests[digest]: row for digest, row in self.cache.get(solution_key(plan), list(digests))}
+        for rows in self.cache.get(solution_key(plan), list(digests)):
+            solved.put({digests[digest]: row for digest, row in rows.items()})
 
-    def _solve(self, plan: Plan, missing: np.ndarray, found: dict[int, Row]) -> None:
-        """Solve scenes, and put them into the cache and among those that are found."""
+    def _solve(self, plan: Plan, missing: np.ndarray, solved: Solved) -> None:
+        """Solve scenes, and put them into the cache and among those that are solved."""
         from pounding_cli.batch.attempt import Task  # here: whoever has all scenes needs no numba
         from pounding_cli.solver import solve
 
         solve.say = self.progress.say
         task = Task(plan.accuracy, plan.method, plan.estimate, plan.time_step, plan.harder)
-        key = solution_key(plan)
         self.progress.start(len(missing), self.reused)
         try:
             for numbers, rows in self._each(plan, task, missing):
-                mine = {plan.digests[n].tobytes(): row for n, row in zip(numbers, rows, strict=True)}
-                self.cache.put(key, mine)
-                found.update(zip(numbers, rows, strict=True))
-                failed = {digest: kind_of(row[0]).texts[:2] for digest, row in mine.items() if not has_result(row)}
+                digests = [plan.digests[number].tobytes() for number in numbers]
+                self.cache.put(solution_key(plan), dict(zip(digests, rows, strict=True)))
+                solved.put(dict(zip(numbers.tolist(), rows, strict=True)))
+                said = zip(solved.texts["status"][numbers], solved.texts["advice"][numbers], strict=True)
+                failed = {digest: each for digest, each in zip(digests, said, strict=True) if each[0] not in OUTCOMES}
                 self.failed |= failed
                 self.solved += len(rows)
-                self.seconds += sum(map(seconds_of, rows))
+                self.seconds += float(solved.values["seconds"][numbers].sum())
                 self.progress.step(len(rows) - len(failed), len(failed))
         finally:
             self.progress.stop()
@@ -135,7 +138,7 @@ class Solver:
         """Groups of scenes and their rows as they come."""
 
         def here(numbers: np.ndarray) -> Answer:
-            return numbers.tolist(), task.rows(list(plan.scenes(numbers)))
+            return numbers, task.rows(list(plan.scenes(numbers)))
 
         self.engine = "serial" if self.engine == "none" else self.engine
         if self._mean is None:
@@ -144,8 +147,7 @@ class Solver:
             self.progress.compiled()
             order = np.setdiff1d(order, first)
             timed, begin = order[:: max(4, len(order) // TIMED)], time.perf_counter()
-            for number in timed:
-                yield here(np.array([number]))
+            yield from map(here, _parts(timed, 1))
             order = np.setdiff1d(order, timed)
             self._mean = (time.perf_counter() - begin) / len(timed) if len(timed) else None
         mean, workers = self._mean or 0.0, self.pool.workers
@@ -156,7 +158,7 @@ class Solver:
         elif len(order):
             self.engine, self.workers = self.pool.name, workers
             size = max(1, min(size, len(order) // (3 * workers)))
-            yield from _by_workers(deque(_parts(order, size)), self.pool, task, plan)
+            yield from _by_workers(_parts(order, size), self.pool, task, plan)
 
 
 def _parts(numbers: np.ndarray, size: int) -> list[np.ndarray]:
@@ -164,47 +166,48 @@ def _parts(numbers: np.ndarray, size: int) -> list[np.ndarray]:
     return [numbers[begin : begin + size] for begin in range(0, len(numbers), size)]
 
 
-def _by_workers(todo: deque[np.ndarray], pool: Pool, task: Task, plan: Plan) -> Iterator[Answer]:
-    """Numbers of scenes and their rows as groups of `todo` end.
+def _by_workers(parts: list[np.ndarray], pool: Pool, task: Task, plan: Plan) -> Iterator[Answer]:
+    """Parts of the scenes and their rows as they end.
 
-    Where a worker ends, its pool is opened again, and the scenes that were under way go one by one: one that ends its
-    worker then too fails alone.
+    Where a worker ends, its pool is opened again, and the scenes that were under way go alone: one that ends its worker
+    then too is lost.
     """
-    executor, running = pool.open(), dict[Future, tuple[deque[np.ndarray], np.ndarray]]()
-    suspects = deque[np.ndarray]()
+    todo, alone = deque(parts), set[int]()  # scenes that go alone
+    executor, running = pool.open(), dict[Future, np.ndarray]()
     try:
-        while todo or suspects or running:
-            is_broken = False
-            queue, most = (suspects, 1) if suspects else (todo, 2 * pool.workers)
-            while queue and len(running) < most and not is_broken:
-                try:
-                    running[executor.submit(task.rows, list(plan.scenes(queue[0])))] = queue, queue[0]
-                    queue.popleft()
-                except BrokenExecutor:
-                    is_broken = True
+        while todo or running:
+            lost, is_broken = list[np.ndarray](), False
+            next_to = (*running.values(), *islice(todo, 1))
+            most = 1 if any(part[0] in alone for part in next_to) else 2 * pool.workers
+            try:
+                while todo and len(running) < most:
+                    running[executor.submit(task.rows, list(plan.scenes(todo[0])))] = todo[0]
+                    todo.popleft()
+            except BrokenExecutor:
+                is_broken = True
             ended = set() if is_broken else wait(running, 1.0, FIRST_COMPLETED)[0]
             if not ended:
                 pool.check()
-            failed = []
             for future in ended:
-                queue, numbers = running.pop(future)
+                numbers = running.pop(future)
                 try:
                     rows = future.result()
                 except Exception as error:  # a worker ended; each kind of pool has its own word for it
-                    failed.append((queue, numbers))
+                    lost.append(numbers)
                     is_broken |= isinstance(error, BrokenExecutor)
                 else:
-                    yield numbers.tolist(), rows
+                    yield numbers, rows
             if is_broken:
                 end(executor, running)
-                failed += running.values()
+                lost += running.values()
                 running.clear()
                 executor = pool.open()
-            for queue, numbers in failed:
-                if queue is suspects:
-                    yield numbers.tolist(), [encode(task.without(scene, *LOST)) for scene in plan.scenes(numbers)]
+            for numbers in lost:
+                if numbers[0] in alone:
+                    yield numbers, [encode(task.without(scene, *LOST)) for scene in plan.scenes(numbers)]
                 else:
-                    suspects.extend(_parts(numbers, 1))
+                    alone.update(numbers.tolist())
+                    todo.extendleft(_parts(numbers, 1))
     finally:
         end(executor, running)
 

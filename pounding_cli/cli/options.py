@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +19,7 @@ quiet_option: Decorator = click.option("-q", "--quiet", is_flag=True, help="Prin
 
 def together(*options: Decorator) -> Decorator:
     """Several options as one decorator, in the order of the help."""
-
-    def put(command: Callable[..., Any]) -> Callable[..., Any]:
-        for option in reversed(options):
-            command = option(command)
-        return command
-
-    return put
+    return lambda command: reduce(lambda found, option: option(found), reversed(options), command)
 
 
 def output_option(default: str, text: str = "Results file.") -> Decorator:

@@ -21,10 +21,10 @@ SHOWN_PERIODS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 1.0
 
 @click.group()
 def records() -> None:
-    """List, show and import ground motions.
+    """List, show and import ground motions (docs/records.md).
 
-    A catalogue name is searched in the folders of POUND_RECORDS, then in your own folder (see `import`), then among
-    the stand-ins of the program. Every table and figure labels real motions and stand-ins.
+    A catalogue name is searched in the folders of POUND_RECORDS, then in your own folder, then among the stand-ins of
+    the program.
     """
 
 
@@ -40,31 +40,23 @@ reading_options = together(
 
 @records.command("list")
 def list_() -> None:
-    """List the catalogue: label, peak, Arias intensity, duration and source of each motion.
-
-    Peak and Arias intensity are those of the window in Table 1 of the paper.
+    """List the catalogue: label, peak and Arias intensity in the window of Table 1, duration, file.
 
     \b
     Example:
-      pound records list
       POUND_RECORDS=~/motions pound records list
     """
     rows = []
     for name, known in motions.catalogue().items():
-        whole = motions.find(name)
+        whole, path = motions.find(name), motions.locate(name)[0]
         used = whole.windowed(known.duration)
-        measures = (
-            f"{used.pga / motions.GRAVITY:.3f}",
-            f"{motions.arias(used):.3f}",
-            f"{known.duration:g} of {whole.duration:g}",
+        peak, intensity = f"{used.pga / motions.GRAVITY:.3f}", f"{motions.arias(used):.3f}"
+        rows.append(
+            (name, known.title, whole.source, peak, intensity, f"{known.duration:g} of {whole.duration:g}", str(path))
         )
-        rows.append((name, known.title, whole.source, *measures, str(motions.locate(name)[0])))
     _table(("name", "motion", "label", "peak [g]", "Arias [m/s]", "window [s]", "from"), rows)
     if any(row[2] == "stand-in" for row in rows):
-        click.echo(
-            "\nA stand-in is synthetic. To use a real motion: pound records import FILE --as NAME, or set "
-            "POUND_RECORDS\nto a folder that holds it (docs/records.md)."
-        )
+        click.echo("\nA stand-in is synthetic. To use a real motion: pound records import FILE --as NAME")
 
 
 @records.command()
@@ -72,29 +64,25 @@ def list_() -> None:
 @click.option("--window", type=Time(), metavar="TIME", help="Use only the first part. Default for a name: Table 1.")
 @click.option("--whole", is_flag=True, help="Use the whole motion, also for a catalogue name.")
 @click.option(
-    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), help="Draw to FILE.png, .svg or .pdf.",
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
+    help="Draw acceleration, velocity, displacement, Husid curve and spectrum to FILE.png, .svg or .pdf.",
 )  # fmt: skip
 @reading_options
 def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
     """Show intensity measures and the 5 % response spectrum of MOTION, a name of the catalogue or a file.
 
-    With -o the command also draws acceleration, velocity, displacement, the Husid curve and the spectrum.
-
     \b
     Example:
       pound records show taft
       pound records show motions/kobe.txt --dt 0.01 --unit cm/s2 -o kobe.png
-      pound records show CE47380.V2 --channel 3
     """
-    read_as = None
     if motion in motions.names() or (not os.path.exists(motion) and not Path(motion).suffix):
         known = motions.entry(motion)
-        found, title, place = motions.find(motion), known.title, str(motions.locate(motion)[0])
+        found, title, place, read_as = motions.find(motion), known.title, str(motions.locate(motion)[0]), None
         window = None if whole else window or known.duration
     else:
         reading = motions.read_file(motion, **options)
-        found, title, place = reading.motion, Path(motion).name, motion
-        read_as = f"{reading.format}, {reading.words}"
+        found, title, place, read_as = reading.motion, Path(motion).name, motion, f"{reading.format}, {reading.words}"
     if window is not None:
         found = found.windowed(window)
         if found.pga == 0.0:
@@ -115,33 +103,26 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
 @click.option("--force", is_flag=True, help="Replace an imported motion of this name.")
 @reading_options
 def import_(file: Path, name: str, force: bool, **options: Any) -> None:
-    """Copy a real motion into your own folder, so that every study uses it instead of the stand-in.
-
-    The command reports differences from the catalogue, but imports the motion in any case. The folder is
-    ~/.local/share/pound/records or its equivalent on your platform, or POUND_HOME/records.
+    """Copy a real motion into your own folder, so that every study uses it instead of the stand-in, and tell how it
+    differs from the catalogue.
 
     \b
     Example:
       pound records import taft111.AT2 --as taft
-      pound records import parkfield.txt --as parkfield --dt 0.01
     """
-    known = motions.entry(name)
+    known, target = motions.entry(name), motions.user_folder() / f"{name}.txt"
     reading = motions.read_file(file, name=name, source="real", **options)
     motion = reading.motion
-    target = motions.user_folder() / f"{name}.txt"
     if target.exists() and not force:
         hint = "use --force to replace it, or delete that file"
         raise InputError(Problem(f"'{name}' was imported before", hint, str(target)))
     motions.keep(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
-    click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, digest {motion.digest[:16]}")
-    if reading.unit_from == "nobody" or reading.stated:
-        click.echo(f"Read {reading.words}; another unit: --unit cm/s2 --force")
+    click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, read {reading.words}")
     told = [f"  - {line}" for line in known.differences(motion)]
     agrees = "It agrees with the catalogue in peak, Arias intensity and time step."
     click.echo("\n".join(["Differences from the catalogue:", *told]) if told else agrees)
-    used, *_ = motions.locate(name)
-    if used != target:
+    if (used := motions.locate(name)[0]) != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
 
 

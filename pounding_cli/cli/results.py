@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.cli.options import FILE, together
+from pounding_cli.cli.options import FILE, quiet_option, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted, listed
 from pounding_cli.results.tables import ANSWERS
@@ -29,10 +29,9 @@ _ASIDE = {
     "scene": ("advice", "effects", "dropped", "_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
     "records": ("digest",),
 }
-"""Endings of the columns left out of the printed table unless --wide is given, by table."""
+"""Endings of the columns that only CSV has, by table."""
 _FEW = 12
 """Lines of one kind that `pound compare` shows unless all are asked for."""
-
 _PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
 """What figures over a sweep may fix besides swept keys."""
 
@@ -60,8 +59,25 @@ def _wanted(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str
     return wanted
 
 
-def _meant(values: Iterable[Any], text: str, unit: Unit) -> list[Any]:
-    """Those of the values that a text means; a number may be with its unit, in SI or in the unit of the study."""
+def _key(results: Results, given: str, others: Sequence[str], what: str) -> str:
+    """The key that is meant: one of `others` or a swept one, whose beginning may be left out.
+
+    what : where it is looked for.  Raises `InputError` where there is none, or more than one.
+    """
+    if given in others or given in results.axes:
+        return given
+    swept = [key for key in results.axes if key.endswith(f".{given}")]
+    if len(swept) == 1:
+        return swept[0]
+    hint = f"leave the option out, or write one of: {listed(swept or dict.fromkeys((*others, *results.axes)))}"
+    raise InputError(Problem(f"{what} has no column {given}, or more than one", hint))
+
+
+def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
+    """Those of the values that a text means; a number may be with its unit, in SI or in the unit of the study.
+
+    what : whose values they are.  Raises `InputError` where there is none.
+    """
     from pydantic_core import PydanticCustomError
 
     from pounding_cli.study.quantity import Quantity
@@ -72,20 +88,15 @@ def _meant(values: Iterable[Any], text: str, unit: Unit) -> list[Any]:
         numbers.append(float(text) * unit.factor)
 
     def is_meant(value: Any) -> bool:
-        if str(value) == text:
-            return True
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return is_number and any(math.isclose(value, each, rel_tol=1e-6, abs_tol=1e-12) for each in numbers)
+        close = is_number and any(math.isclose(value, each, rel_tol=1e-6, abs_tol=1e-12) for each in numbers)
+        return close or str(value) == text
 
-    return [value for value in values if is_meant(value)]
-
-
-def _swept(results: Results, given: str) -> list[str]:
-    """The swept keys that a key may mean: of that name, or those that end in it."""
-    return [given] if given in results.axes else [key for key in results.axes if key.endswith(f".{given}")]
-
-
-# show
+    if found := [value for value in there if is_meant(value)]:
+        return found
+    raise InputError(
+        Problem(f"{what} does not take the value {text!r}", f"write one of: {listed(map(unit.text, there))}")
+    )
 
 
 @click.command()
@@ -93,18 +104,15 @@ def _swept(results: Results, given: str) -> list[str]:
 @click.argument("table", type=click.Choice(TABLES), required=False, metavar="[TABLE]")
 @click.option(
     "--format", "form", type=click.Choice(("table", "csv")), default="table", show_default=True,
-    help="table: aligned columns in the units of the study; csv: all digits in SI.",
+    help="table: aligned columns in the units of the study; csv: every column, all digits in SI.",
 )  # fmt: skip
-@click.option("--wide", is_flag=True, help="Every column, including those that summary, scene and records leave out.")
 @rows_options
-def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> None:  # fmt: skip
+def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt: skip
     """Print TABLE of a results file: storey, floor, link, struck, base, scene, flagged, accuracy, summary, records or
-    buildings, or the answer of the command that wrote the file, which is the default. docs/results.md describes all
-    columns.
+    buildings, or the answer of the command that wrote the file, which is the default (docs/results.md).
 
     \b
     Example:
-      pound show results/fig6.h5
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
@@ -118,38 +126,26 @@ def show(file: Path, table: str | None, form: str, wide: bool, **rows: Any) -> N
     frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
     if form == "csv":
         click.echo(cells(frame).to_csv(index=False, lineterminator="\n"), nl=False)
-    else:
-        aside = [] if wide else [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
-        click.echo(results.title)
-        click.echo(_columns(results, table, frame.drop(columns=aside)))
-        if aside:
-            click.echo(f"{counted(len(aside), 'more column')} with --wide: {', '.join(map(str, aside))}", err=True)
+        return
+    aside = [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
+    click.echo(f"{results.title}\n{_aligned(results, table, frame.drop(columns=aside))}")
+    if aside:
+        click.echo(f"{counted(len(aside), 'more column')} with --format csv: {', '.join(map(str, aside))}", err=True)
 
 
 def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str) -> pd.DataFrame:
     """The rows asked for; a key or value that is not there is refused with those that are."""
-    problems, chosen = [], dict[str, list[Any]]()
+    chosen = dict[str, list[Any]]()
     for given, text in wanted:
-        swept = _swept(results, given)
-        key = given if given in frame.columns or len(swept) != 1 else swept[0]
-        if key not in frame.columns:
-            hint = f"leave the option out, or write one of: {listed(map(str, frame.columns))}"
-            problems.append(Problem(f"{given}={text}: the table {table} has no column {given}", hint))
-            continue
-        unit, there = results.column(table, key).unit, results.axes.get(key, list(dict.fromkeys(frame[key])))
-        values = _meant(there, text, unit)
-        if not values:
-            hint = f"write one of: {listed(unit.text(value) for value in there)}"
-            problems.append(Problem(f"the table {table} has no row with {key} {text!r}", hint))
-        chosen.setdefault(key, []).extend(values)
-    if problems:
-        raise InputError(problems)
+        key = _key(results, given, list(frame.columns), f"the table {table}")
+        there = results.axes.get(key, list(dict.fromkeys(frame[key])))
+        chosen.setdefault(key, []).extend(_meant(there, text, results.column(table, key).unit, key))
     for key, values in chosen.items():
         frame = frame[frame[key].isin(values)]
     return frame
 
 
-def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
+def _aligned(results: Results, table: str, frame: pd.DataFrame) -> str:
     """Columns under their names with units, swept keys in those of the study, numbers to four digits."""
     import pandas as pd
 
@@ -163,9 +159,6 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
     return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")
 
 
-# report
-
-
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=FILE, metavar="FILE.h5...")
 @click.option("-o", "--output", type=FILE, metavar="DIR", help="Folder. Default: the name of the results file.")
@@ -177,27 +170,21 @@ def _columns(results: Results, table: str, frame: pd.DataFrame) -> str:
     "--figures-for-paper", "paper", is_flag=True,
     help="Draw figures without titles and captions, as SVG and PDF; captions.md has the captions. No page.",
 )  # fmt: skip
-@click.option("--no-figures", is_flag=True, help="Write tables and claims only (much faster).")
-@click.option("--no-page", is_flag=True, help="Do not write report.html.")
+@click.option("--no-figures", is_flag=True, help="Write tables, claims and the page without figures (much faster).")
 @click.option("--quantity", "quantities", multiple=True, metavar="NAME", help="Quantity to draw over the sweep: drift.")
 @rows_options
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing.")
+@quiet_option
 def report(
     files: tuple[Path, ...], output: Path | None, formats: tuple[str, ...], paper: bool, no_figures: bool,
-    no_page: bool, quantities: tuple[str, ...], quiet: bool, **rows: Any,
+    quantities: tuple[str, ...], quiet: bool, **rows: Any,
 ) -> None:  # fmt: skip
-    """Write the page of results files, their figures and tables, and evaluate the paper's claims.
+    """Write the page of results files (report.html), their figures and tables, and evaluate the paper's claims.
 
-    The report is written to DIR, by default a folder next to the results file with its name: report.html (everything
-    in one page, to open in a browser or to send), the figures, tables/. With several files, each has its own folder in
-    DIR, and comparison.md compares their claims. docs/page.md describes the page, docs/how-to/sweep.md the figures over
-    a sweep and what --quantity, --where and the like choose.
+    Several files have a folder each, and comparison.md compares their claims (docs/page.md, docs/how-to/sweep.md).
 
     \b
     Example:
-      pound report results/fig6.h5 -o report
       pound report results/fig6.h5 results/fig7.h5 --no-figures
-      pound report results/fig6.h5 -o paper --figures-for-paper
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
     from pounding_cli.api.studies import open_results
@@ -214,7 +201,7 @@ def report(
     asked = [_asked(results, quantities, _wanted(**rows)) for _, results in opened]
     for (folder, results), over_sweep in zip(opened, asked, strict=True):
         with for_paper() if paper else nullcontext():
-            written = of(results, asked=over_sweep).save(folder, chosen, not (no_page or paper))
+            written = of(results, asked=over_sweep).save(folder, chosen, not paper)
         if not quiet:
             click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
             for key, verdict in verdicts(results).items():
@@ -226,28 +213,16 @@ def report(
 
 
 def _asked(results: Results, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> Asked:
-    """What is drawn over the sweep.  Raises `InputError` for a key that is neither a place nor swept, one that is given
-    twice, and a value that it does not take."""
+    """What is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
     from pounding_cli.report.sweep import Asked
 
     places, at = dict[str, Any](), dict[str, Any]()
     for given, text in wanted:
-        keys = [given] if given in _PLACES else _swept(results, given)
-        if len(keys) != 1:
-            swept = ", ".join(keys or results.axes)
-            what = f"{given} is {'more than one' if keys else 'no'} swept key"
-            raise InputError(Problem(what, f"write one of: {swept}, storey, floor, link"))
-        (key,) = keys
-        if key in {**places, **at}:
-            raise InputError(Problem(f"{key} is given twice", "give one value"))
-        if key not in results.axes:
+        key = _key(results, given, _PLACES, "the sweep")
+        if key in results.axes:
+            at[key] = _meant(results.axes[key], text, results.units[key], key)[0]
+        else:
             places[key] = text
-            continue
-        values = _meant(results.axes[key], text, results.units[key])
-        if not values:
-            there = ", ".join(results.units[key].text(each) for each in results.axes[key])
-            raise InputError(Problem(f"{key} does not take the value {text}", f"write one of: {there}"))
-        at[key] = values[0]
     return Asked(quantities, places, at)
 
 
@@ -258,9 +233,6 @@ def _folders(files: Sequence[Path], output: Path | None) -> list[Path]:
     bases = [output / path.stem if output is not None else path.with_suffix("") for path in files]
     counts = [bases[:place].count(base) + 1 for place, base in enumerate(bases)]
     return [base if n == 1 else base.with_name(f"{base.name}-{n}") for base, n in zip(bases, counts, strict=True)]
-
-
-# export, compare
 
 
 @click.command()
@@ -276,18 +248,13 @@ def _folders(files: Sequence[Path], output: Path | None) -> list[Path]:
 def export(
     file: Path, tables: tuple[str, ...], output: Path | None, form: str | None, pelicun: bool, **rows: Any
 ) -> None:  # fmt: skip
-    """Write tables of a results file for other programs, in SI with all digits: all tables, or those named.
-
-    CSV and Parquet have one file per table in a folder, with columns.csv, which describes every column, or a single
-    file for one table. Excel has one sheet per table, netCDF the whole file. docs/how-to/other-programs.md shows how
-    they are read, docs/how-to/rate.md what --pelicun writes, of the rows that --where and the like choose.
+    """Write tables of a results file for other programs, in SI with all digits: all tables, or those named
+    (docs/how-to/other-programs.md; docs/how-to/rate.md for --pelicun, which takes --where and the like).
 
     \b
     Example:
-      pound export results/fig6.h5
       pound export results/fig6.h5 -o fig6.xlsx
       pound export results/fig6.h5 storey -o storey.parquet
-      pound export results/fig6.h5 --format netcdf
       pound export results/fig6.h5 --pelicun --case gap --building soft --analysis inelastic
     """
     from pounding_cli.api.studies import open_results
@@ -308,8 +275,7 @@ def _export_demands(results: Results, output: Path | None, wanted: Sequence[tupl
     from pounding_cli.outputs import check_output
     from pounding_cli.results.pelicun import demands, left_out_in_words
 
-    chosen = _filtered(results, results.storey(), wanted, "storey")
-    table, left_out = demands(results, chosen)
+    table, left_out = demands(results, _filtered(results, results.storey(), wanted, "storey"))
     path = output or results.path.with_name(f"{results.path.stem}-demands.csv")
     check_output(path, [results.path], lambda _, head: b"PID-" in head)
     table.to_csv(path)
@@ -325,57 +291,54 @@ def _export_demands(results: Results, output: Path | None, wanted: Sequence[tupl
 @click.option("--all", "everything", is_flag=True, help="List every changed number and scene.")
 @click.pass_context
 def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everything: bool) -> None:
-    """Show what changed from A.h5 to B.h5: study, versions, scenes, and numbers beyond the errors of both files.
-
-    Exit code 0: the files agree; 1: they differ in study, scenes or numbers; 2: a file was refused. See
-    docs/how-to/compare.md.
+    """Show what changed from A.h5 to B.h5: study, versions, scenes, and numbers beyond the errors of both files
+    (docs/how-to/compare.md). Exit code 0: the files agree; 1: they differ; 2: a file was refused.
 
     \b
     Example:
-      pound compare results/old.h5 results/new.h5
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
     from pounding_cli.api.studies import open_results
     from pounding_cli.results.compare import compare as compared
 
     found = compared(open_results(first), open_results(second))
-    for line in _told(found, everything):
-        click.echo(line)
+    click.echo("\n".join(_told(found, everything)))
     if not (found.same_numbers if numbers else found.same):
         ctx.exit(1)
 
 
-def _told(found: Comparison, everything: bool) -> list[str]:
+def _told(found: Comparison, everything: bool) -> Iterator[str]:
     """What changed, line by line."""
     from pounding_cli.results.tables import column_of
 
-    keys = [(key, *("nothing" if each is None else str(each) for each in values)) for key, *values in found.keys]
+    keys = [
+        f"{key}: {' -> '.join('nothing' if each is None else str(each) for each in two)}" for key, *two in found.keys
+    ]
+    scenes = [*(f"- {place}" for place in found.removed), *(f"+ {place}" for place in found.added)]
+    scenes += [f"{place}: {one} -> {other}" for place, one, other in found.outcomes]
+    moved = f"{len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome"
     study = "the same, with different wording" if found.lines else "the same"
     study = f"differs in {counted(len(keys), 'key')}" if keys else study
-    moved = f"{len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome"
-    differ = "differs" if len(found.changes) == 1 else "differ"
-    said = list[str]()
     for head, lines in (
-        (f"Study: {study}.", found.lines),
-        ("", [f"{key}: {one} -> {other}" for key, one, other in keys]),
+        (f"Study: {study}.", [*found.lines, *keys]),
         (
             f"Versions: {'differ' if found.software else 'the same'}.",
-            [f"{n}: {a} -> {b}" for n, a, b in found.software],
+            [f"{name}: {one} -> {other}" for name, one, other in found.software],
         ),
-        (f"Scenes: {moved}.", [*(f"- {place}" for place in found.removed), *(f"+ {place}" for place in found.added)]),
-        ("", [f"{place}: {one} -> {other}" for place, one, other in found.outcomes]),
-        (f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files.", []),
+        (f"Scenes: {moved}.", scenes),
     ):
         few = len(lines) if everything else _FEW
-        said += [*([head] if head else []), *(f"  {line}" for line in lines[:few])]
-        said += [f"  ... {len(lines) - few} more: --all lists them"] if len(lines) > few else []
+        yield from (head, *(f"  {line}" for line in lines[:few]))
+        if len(lines) > few:
+            yield f"  ... {len(lines) - few} more: --all lists them"
+    differ = "differs" if len(found.changes) == 1 else "differ"
+    yield f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files."
     if found.unestimated:
         what = counted(found.unestimated, "scene carries", "scenes carry")
-        said.append(f"  {what} no error estimate: the accuracy asked or rounding is used instead.")
+        yield f"  {what} no error estimate: the accuracy asked or rounding is used instead."
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
         unit = column_of(str(column), str(table)).unit.name
-        said.append(f"  {table} {column}:" if everything else f"  {table} {column}: {len(rows)} differ, most:")
-        for row in rows.itertuples() if everything else rows.head(1).itertuples():
+        yield f"  {table} {column}:" if everything else f"  {table} {column}: {len(rows)} differ, most:"
+        for row in (rows if everything else rows.head(1)).itertuples():
             change = f"{row.before:.6g} -> {row.after:.6g} {unit}".rstrip()
-            said.append(f"    {row.place}: {change}, by {row.difference:.1e}; carried {row.carried:.1e}")
-    return said
+            yield f"    {row.place}: {change}, by {row.difference:.1e}; carried {row.carried:.1e}"

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 import os
 import shlex
+import signal
 import sys
+import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +20,6 @@ from pounding_cli.numbers import counted, time_text
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import Outcome
-    from pounding_cli.batch.progress import JsonLines
     from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import Study
 
@@ -41,79 +43,57 @@ solving_options = together(
         help="Replace the results of another study; forget scenes and histories that STUDY no longer has.",
     ),
     click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
-    click.pass_context,
 )  # fmt: skip
 """How scenes are solved; keyword arguments of `solve_study`."""
 
-_HELP = {
+_ABOUT = {
     "run": "Run STUDY, write one results file and print a summary.",
-    "gap": "Compute how wide the gap of STUDY must be, so that its buildings do not touch; its section `gap:` has the "
-    "rules. Each building moves alone under every motion. See docs/how-to/gap.md.",
-    "fragility": "Compute how likely the limits of STUDY are passed over an intensity, for each building alone and "
-    "with pounding; its section `fragility:` has the limits. See docs/how-to/fragility.md.",
-    "sensitivity": "Compute how much each uncertain key of STUDY contributes to the variance of its results, or how "
-    "likely statements hold; its sections `uncertain:` and `sensitivity:` have keys and outputs. See "
-    "docs/how-to/sensitivity.md.",
-    "optimise": "Minimise or maximise a number over chosen keys of STUDY; its section `optimise:` has both. See "
-    "docs/how-to/optimise.md.",
+    "gap": "Compute how wide the gaps of STUDY must be, so that its buildings do not touch (docs/how-to/gap.md).",
+    "fragility": "Compute how likely the limits of STUDY are passed over an intensity (docs/how-to/fragility.md).",
+    "sensitivity": "Compute which uncertain keys of STUDY matter most (docs/how-to/sensitivity.md).",
+    "optimise": "Find the values of chosen keys of STUDY that make a number least or most (docs/how-to/optimise.md).",
 }
+_HELP = """{about}
 
-_ENDS = """\
-
-
-Scenes of earlier runs are reused, also after changes of the study. A file with the results of another study is refused
-unless --replace is given. After Ctrl-C, a crash or a full disk, run the same command again to resume.
-Exit code 0: all scenes done; 1: some failed (they are listed); 2: the study or the output was refused.
+Scenes of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run the same
+command again to resume. Exit code 0: all scenes done; 1: some failed; 2: the study or the output was refused.
 
 \b
 Example:
-  pound {command} study.yaml
-  pound report {results}
+  pound {name} study.yaml
 """
 
 
-def _question(name: str) -> click.Command:
-    """The command of a question."""
-    results = "results/study.h5" if name == "run" else f"results/study-{name}.h5"
+def _question(name: str, *options: Callable[..., Any]) -> click.Command:
+    """The command of a question, with further options of its own."""
 
-    @click.command(name, help=_HELP[name] + _ENDS.format(command=name, results=results))
+    @click.command(name, help=_HELP.format(about=_ABOUT[name], name=name))
     @study_argument
-    @output_option(results.replace("study", "STUDY"))
-    @solving_options
-    def command(ctx: click.Context, **options: Any) -> None:
-        if solve_study(ctx, name, **options).failures:
+    @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
+    @together(*options, solving_options, click.pass_context)
+    def command(ctx: click.Context, study: Path, write: Path | None = None, **options: Any) -> None:
+        if write is not None:
+            _check_best(study, write, options["replace"])
+        outcome = solve_study(name, study, **options)
+        if write is not None and not _write_best(study, outcome.path, write):
+            click.echo(f"{write} is not written: there is no optimum", err=True)
+            ctx.exit(1)
+        if write is not None and not (options["quiet"] or options["log_json"]):
+            click.echo(f"Best study: {write}; simulate it with: pound run {write}")
+        if outcome.failures:
             ctx.exit(1)
 
     return command
 
 
 run, gap, fragility, sensitivity = map(_question, ("run", "gap", "fragility", "sensitivity"))
-
-
-@click.command(
-    help=_HELP["optimise"]
-    + _ENDS.format(command="optimise", results="results/study-optimise.h5")
-    + "  pound optimise study.yaml --write best.yaml\n"
-)
-@study_argument
-@output_option("results/STUDY-optimise.h5")
-@click.option(
-    "--write", type=FILE, metavar="FILE.yaml",
-    help="Write STUDY with the best values, its comments kept. A file that is there is replaced only with --replace.",
+optimise = _question(
+    "optimise",
+    click.option(
+        "--write", type=FILE, metavar="FILE.yaml",
+        help="Write STUDY with the best values, its comments kept; replaced only with --replace.",
+    ),
 )  # fmt: skip
-@solving_options
-def optimise(ctx: click.Context, study: Path, write: Path | None, **options: Any) -> None:  # fmt: skip
-    if write is not None:
-        _check_best(study, write, options["replace"])
-    outcome = solve_study(ctx, "optimise", study=study, **options)
-    if write is not None:
-        if not _write_best(study, outcome.path, write):
-            click.echo(f"{write} is not written: there is no optimum", err=True)
-            ctx.exit(1)
-        if not (options["quiet"] or options["log_json"]):
-            click.echo(f"Best study: {write}; simulate it with: pound run {write}")
-    if outcome.failures:
-        ctx.exit(1)
 
 
 def _check_best(study: Path, write: Path, replace: bool) -> None:
@@ -145,23 +125,24 @@ def _write_best(study: Path, path: Path, write: Path) -> bool:
     if table["outcome"].iloc[0] == NOTHING:
         return False
     text = question_of(loaded).text(tuple(table["place"].tolist()))
-    try:
-        write.write_text(text, encoding="utf-8", newline="")
-    except OSError as error:
-        hint = "choose a place that can be written, and run the command again"
-        raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(write))) from None
+    write.write_text(text, encoding="utf-8", newline="")
     return True
 
 
-def solve_study(
-    ctx: click.Context, workflow: str, study: Path, output: Path | None, quiet: bool, workers: int | None, engine: str,
-    scheduler: str | None, replace: bool, log_json: bool,
-) -> Outcome:  # fmt: skip
-    """Load a study, solve what its workflow asks for, write the results file and print what came out."""
-    _alone_on_its_core()
+def solve_study(workflow: str, study: Path, output: Path | None, quiet: bool, log_json: bool, **how: Any) -> Outcome:
+    """Load a study, solve what its workflow asks for, write the results file and print what came out.
+
+    how : keyword arguments of `api.running.run_study`
+    """
+    # Linear algebra in one thread: scenes are solved side by side, and their matrices are small.
+    for name in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
+        os.environ.setdefault(f"{name}_NUM_THREADS", "1")
+    if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     from pounding_cli.api.running import question, run_study
-    from pounding_cli.api.studies import default_output
+    from pounding_cli.api.studies import default_output, open_results
     from pounding_cli.batch.progress import JsonLines, chosen
+    from pounding_cli.report import report
     from pounding_cli.study import load_study
 
     log = JsonLines() if log_json else None
@@ -171,116 +152,78 @@ def solve_study(
             log.tell("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
-    outcome = run_study(
-        loaded, question(workflow), output or default_output(study, workflow), progress=log or chosen(quiet),
-        workers=workers, engine=engine, scheduler=scheduler, replace=replace,
-    )  # fmt: skip
-    if log:
-        _log(log, outcome)
-        return outcome
-    if not quiet:
-        _print(outcome)
+    output = output or default_output(study, workflow)
+    outcome = run_study(loaded, question(workflow), output, progress=log or chosen(quiet), **how)
+    if not (log or quiet):
+        report(open_results(outcome.path)).print()
+        side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
+        click.echo(
+            f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
+            f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}\n"
+            f"Results: {outcome.path}"
+        )
     for failure in outcome.failures:
-        click.echo(f"failed: {failure.place}: {failure.status}", err=True)
-        if failure.advice:
-            click.echo(f"    {failure.advice}", err=True)
+        if log:
+            log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
+        else:
+            click.echo(
+                "\n    ".join(filter(None, (f"failed: {failure.place}: {failure.status}", failure.advice))), err=True
+            )
+    if log:
+        log.tell(
+            "end", done=outcome.done, failed=outcome.failed, reused=outcome.reused, results=str(outcome.path),
+            engine=outcome.engine, workers=outcome.workers, solver_seconds=round(outcome.solver_seconds, 3),
+            wall_seconds=round(outcome.wall_seconds, 3),
+        )  # fmt: skip
     return outcome
 
 
-def _alone_on_its_core() -> None:
-    """Linear algebra in one thread: scenes are solved side by side, and their matrices are small. SIGTERM, which batch
-    systems send when time is up, stops a run as Ctrl-C does."""
-    import signal
-    import threading
+def _points(name: str, about: str, example: str) -> click.Command:
+    """The command of a model beside scenes: the points of a study one after the other."""
 
-    for name in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
-        os.environ.setdefault(f"{name}_NUM_THREADS", "1")
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    @click.command(name, help=f"{about}\n\n\b\nExample:\n  pound {name} {example}\n")
+    @study_argument
+    @output_option("results/STUDY.h5", "Results file; tables, figures and page stand in a folder of its name.")
+    @quiet_option
+    @click.pass_context
+    def command(ctx: click.Context, study: Path, output: Path | None, quiet: bool) -> None:
+        from pounding_cli.outputs import check_folder, check_output
+        from pounding_cli.points import load, solved, write
+
+        sweep = load(study, name)
+        file = output or Path("results", f"{study.stem}.h5")
+        file = file if file.suffix else file.with_suffix(".h5")
+        check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
+        check_folder(file.with_suffix(""))
+        for warning in sweep.warnings:
+            click.echo(f"warning: {warning}", err=True)
+        with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
+            points = [solved(sweep, point) for point in waiting]
+        report, files = write(sweep, points, file)
+        failed = [point for point in points if point.data["status"] != "done"]
+        if not quiet:
+            report.print()
+            click.echo(f"Points: {len(points) - len(failed)} solved, {len(failed)} failed")
+            click.echo(f"Results: {files[0]}\nPage: {files[-1]}")
+        for point in failed:
+            status, (hint, *_) = point.data["status"].item(), point.data.attrs["notes"]
+            click.echo(f"failed: {point.label or 'the study'}: {status}: {hint}", err=True)
+        if failed:
+            ctx.exit(1)
+
+    return command
 
 
-def _log(log: JsonLines, outcome: Outcome) -> None:
-    """The failed scenes and the end of a run as JSON lines."""
-    for failure in outcome.failures:
-        log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
-    seconds = {"solver_seconds": round(outcome.solver_seconds, 3), "wall_seconds": round(outcome.wall_seconds, 3)}
-    log.tell(
-        "end", done=outcome.done, failed=outcome.failed, reused=outcome.reused, results=str(outcome.path),
-        engine=outcome.engine, workers=outcome.workers, **seconds,
-    )  # fmt: skip
-
-
-def _print(outcome: Outcome) -> None:
-    """What the results file says, and what it took."""
-    from pounding_cli.api.studies import open_results
-    from pounding_cli.report import report
-
-    report(open_results(outcome.path)).print()
-    side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
-    click.echo(
-        f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
-        f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}\nResults: {outcome.path}"
-    )
-
-
-points_options = together(
-    study_argument,
-    output_option("results/STUDY.h5", "Results file; tables, figures and page stand in a folder of its name."),
-    quiet_option,
-    click.pass_context,
+connector = _points(
+    "connector",
+    "Compute how a spring and dashpot between two oscillators changes their largest displacements.",
+    "configs/fig5.yaml",
 )
-"""What `pound connector` and `pound wall` take; keyword arguments of `solve_points`."""
-
-
-@click.command()
-@points_options
-def connector(ctx: click.Context, **options: Any) -> None:
-    """Compute how a spring (and dashpot) between two oscillators changes their largest displacements.
-
-    \b
-    Example:
-      pound connector configs/fig5.yaml -o results/fig5.h5
-    """
-    solve_points(ctx, "connector", **options)
-
-
-@click.command()
-@points_options
-def wall(ctx: click.Context, **options: Any) -> None:
-    """Compute the impact of a floor on the bumper wall of a concrete building: force, separation, stresses.
-
-    \b
-    Example:
-      pound wall configs/fig8.yaml -o results/fig8.h5
-    """
-    solve_points(ctx, "wall", **options)
-
-
-def solve_points(ctx: click.Context, name: str, study: Path, output: Path | None, quiet: bool) -> None:
-    """Solve the points of a study one after the other, write results, tables and page, and print what came out."""
-    from pounding_cli.outputs import check_folder, check_output
-    from pounding_cli.points import load, solved, write
-
-    sweep = load(study, name)
-    file = output or Path("results", f"{study.stem}.h5")
-    file = file if file.suffix else file.with_suffix(".h5")
-    check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
-    check_folder(file.with_suffix(""))
-    for warning in sweep.warnings:
-        click.echo(f"warning: {warning}", err=True)
-    with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
-        points = [solved(sweep, point) for point in waiting]
-    report, files = write(sweep, points, file)
-    failed = [point for point in points if point.data["status"] != "done"]
-    if not quiet:
-        report.print()
-        click.echo(f"Points: {len(points) - len(failed)} solved, {len(failed)} failed")
-        click.echo(f"Results: {files[0]}\nPage: {files[-1]}")
-    for point in failed:
-        status, (hint, *_) = point.data["status"].item(), point.data.attrs["notes"]
-        click.echo(f"failed: {point.label or 'the study'}: {status}: {hint}", err=True)
-    if failed:
-        ctx.exit(1)
+wall = _points(
+    "wall",
+    "Compute the impact of a floor on the bumper wall of a concrete building: force, separation, stresses.",
+    "configs/fig8.yaml",
+)
 
 
 def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
@@ -293,21 +236,17 @@ def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
 @click.option("--cases", metavar="NAME,...", default="", callback=_names, help="Cases to run. Default: all.")
 @click.option("--records", metavar="NAME,...", default="", callback=_names, help="Motions to use. Default: all.")
 @click.option("--budget", type=Time(), default="60 s", show_default=True, help="Time for the runs, uncompiled.")
-@click.option("-o", "--output", type=FILE, metavar="DIR",
-              help="Folder. Default: results/STUDY-accuracy.")  # fmt: skip
-@click.option("-q", "--quiet", is_flag=True, help="Print the result only.")
+@click.option("-o", "--output", type=FILE, metavar="DIR", help="Folder. Default: results/STUDY-accuracy.")
+@quiet_option
 def accuracy(
     study: Path, methods: list[str], cases: list[str], records: list[str], budget: float, output: Path | None,
     quiet: bool,
 ) -> None:  # fmt: skip
-    """Measure what accuracy costs on the scenes of STUDY.
-
-    Every method runs every scene of the first point of the sweep at several settings, and is compared with a reference.
-    The command writes report.html, tables/accuracy.csv (every run) and the diagrams. See docs/accuracy.md.
+    """Measure what accuracy costs by every method on the scenes of STUDY, at the first point of its sweep, and write a
+    page, a table of all runs and diagrams (docs/accuracy.md).
 
     \b
     Example:
-      pound accuracy configs/fig6.yaml
       pound accuracy configs/fig6.yaml --methods taylor,dop853,newmark --budget 90s
     """
     from pounding_cli.api.studies import load_study
@@ -321,10 +260,8 @@ def accuracy(
     loaded = load_study(study)
     subjects = _subjects(loaded, cases, records)
     tell = (lambda text: None) if quiet else (lambda text: click.echo(f"  {text}", err=True))
-    words = ["pound", "accuracy", str(study), "--budget", f"{budget:g} s"]
-    for option, values in (("--methods", methods), ("--cases", cases), ("--records", records)):
-        words += [option, ",".join(values)] if values else []
-    report = accuracy_report(measure(subjects, names, budget, tell), loaded.title, shlex.join(words))
+    repeat = shlex.join(["pound", *sys.argv[1:]])
+    report = accuracy_report(measure(subjects, names, budget, tell), loaded.title, repeat)
     files = report.save(folder, ("png", "svg"))
     if quiet:
         click.echo("\n".join(report.answer.sentences))
@@ -339,14 +276,9 @@ def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subjec
     from pounding_cli.study import expand
 
     plan = expand(study)
-    problems = [
-        Problem(f"the study has no {what} {name}", f"write one of {', '.join(known)}")
-        for what, wanted, known in (("case", cases, plan.cases), ("record", records, plan.records))
-        for name in wanted
-        if name not in known
-    ]
-    if problems:
-        raise InputError(problems)
+    for what, wanted, known in (("case", cases, plan.cases), ("record", records, plan.records)):
+        for name in set(wanted) - set(known):
+            raise InputError(Problem(f"the study has no {what} {name}", f"write one of {', '.join(known)}"))
     return [
         Subject(row.case, row.analysis, row.record, plan.scene(row.scene))
         for row in map(plan.row, range(math.prod(plan.shape[-3:])))

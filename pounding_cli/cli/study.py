@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import click
 
 from pounding_cli.cli.options import FILE, study_argument
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted, time_text
 
 if TYPE_CHECKING:
@@ -29,9 +28,7 @@ if TYPE_CHECKING:
     show_default=True, help="Study to start from.",
 )  # fmt: skip
 def init(name: str, template: str) -> None:  # fmt: skip
-    """Write NAME.yaml, a commented study that is ready to run, and print the next steps.
-
-    The command also writes pound.schema.json, which lets editors complete keys and mark mistakes.
+    """Write NAME.yaml, a commented study that is ready to run, and pound.schema.json, with which editors complete keys.
 
     \b
     Templates:
@@ -42,7 +39,6 @@ def init(name: str, template: str) -> None:  # fmt: skip
 
     \b
     Example:
-      pound init my-study
       pound init walls/front --template wall
     """
     from pounding_cli.study.template import TEMPLATES, start_study
@@ -220,7 +216,6 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
 
     \b
     Example:
-      pound cite results/fig6.h5
       pound cite configs/fig6.yaml --format bibtex > references.bib
     """
     import importlib
@@ -240,11 +235,7 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
         title, kind, resolved, methods = results.title, results.workflow, results.resolved, tuple(results.methods)
         sources = dict(results.records().drop_duplicates("record").set_index("record")["source"])
     asked = importlib.import_module(f"pounding_cli.report.{kind}")
-    try:
-        found = citations(resolved, sources, methods, getattr(asked, f"cite_{kind}", None))
-    except (KeyError, TypeError, AttributeError, IndexError) as error:
-        problem = Problem("its resolved study is not complete", "run the study again with this program", str(source))
-        raise InputError(problem) from error
+    found = citations(resolved, sources, methods, getattr(asked, f"cite_{kind}", None))
     if form == "bibtex":
         click.echo("\n\n".join(REFERENCES[key].bibtex for key in found))
         return
@@ -256,29 +247,21 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
 
 @click.command()
 @click.option("-o", "--output", type=FILE, help="Write to this file. Default: print it.")
-@click.option("--keys", is_flag=True, help="Print tables of all keys instead.")
-def schema(output: Path | None, keys: bool) -> None:
-    """Print the JSON Schema of study files, with which editors complete keys and mark mistakes.
-
-    Editors check a study that begins with `# yaml-language-server: $schema=pound.schema.json` as you type.
+def schema(output: Path | None) -> None:
+    """Print the JSON Schema of study files, with which editors complete keys and mark mistakes, of studies that begin
+    with `# yaml-language-server: $schema=pound.schema.json`.
 
     \b
     Example:
       pound schema -o pound.schema.json
-      pound schema --keys
     """
     from pounding_cli.outputs import check_output
-    from pounding_cli.study.keys import key_tables
     from pounding_cli.study.template import schema_text
 
-    text = key_tables() + "\n" if keys else schema_text()
+    text = schema_text()
     if output is None:
         click.echo(text, nl=False)
         return
-    check_output(output, mine=lambda _, head: head.startswith((text.encode()[:60], b"| ")))
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        hint = "name a file in a folder that exists"
-        raise InputError(Problem(f"cannot write {output}: {error.strerror}", hint)) from None
+    check_output(output, mine=lambda _, head: head.startswith(text.encode()[:60]))
+    output.write_text(text, encoding="utf-8")
     click.echo(f"wrote {output}")

@@ -71,16 +71,14 @@ def shipped_folder() -> Path:
 
 def user_folder() -> Path:
     """The user's own motions: POUND_HOME/records, or `pound/records` in the platform's data folder."""
-    home = os.environ.get("POUND_HOME")
-    if home:
+    if home := os.environ.get("POUND_HOME"):
         return Path(home).expanduser() / "records"
+    base = os.environ.get("XDG_DATA_HOME") or "~/.local/share"
     if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+        base = os.environ.get("LOCALAPPDATA") or "~/AppData/Local"
     elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Application Support"
-    else:
-        base = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
-    return base / "pound" / "records"
+        base = "~/Library/Application Support"
+    return Path(base).expanduser() / "pound" / "records"
 
 
 def real_folders() -> Iterator[Path]:

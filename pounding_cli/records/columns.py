@@ -12,17 +12,13 @@ from itertools import chain, islice
 import numpy as np
 
 from pounding_cli.numbers import counted
-from pounding_cli.records.text import Asked, Samples, Text, number, tokens
+from pounding_cli.records.text import Samples, Text, number, tokens
 from pounding_cli.records.units import BRACKETS, acceleration_unit, unit_in
 
 FORMATS = ("two-column", "column", "table")
 
-_Above = list[tuple[int, str]]
-# Lines over the numbers (from 1) with their words, the nearest first.
-
 _TOP, _ROWS_OF_HEADINGS = 60, 3
-# Lines over the numbers searched for units and a time step, and those that may hold headings: names and units stand in
-# one line or in two.
+# Lines over the numbers searched for units, and those that may hold headings: names and units may be in two lines.
 _UNEVEN = 0.02
 # Times are printed with few digits: a sample may stand off its even place by this part of a step, or by the last digit
 # printed where that is less than a quarter of a step.
@@ -35,13 +31,12 @@ _ONLY_ACCELERATION = re.compile(r"(?:(?:ground|base|input)\s+)?(?:acc[a-z]*|ag?)
 _PEAK = re.compile(
     r"\b(?:peaks?|max[a-z]*|pga)\b|\bacc[a-z]*\.?\s*(?:[(\[][^()\[\]]*[)\]]\s*)?[:=]\s*[-+.\d]", re.IGNORECASE
 )
-_SECONDS = re.compile(r"(?<=[\d.\s])s(?:ec)?\Z", re.IGNORECASE)
 _STEPS = ("dt", "time step", "delta t", "sampling interval")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _ROW_BY_ROW = "for values printed row by row say format 'column' and dt"
 
 
-def read_columns(text: Text, asked: Asked, format: str | None) -> tuple[str, Samples]:
+def read_columns(text: Text, format: str | None) -> tuple[str, Samples]:
     """The format, by the first line of numbers unless given, and the samples.
 
     Raises
@@ -51,57 +46,50 @@ def read_columns(text: Text, asked: Asked, format: str | None) -> tuple[str, Sam
     text.lines = _with_points(text.lines)
     start = _first_row(text)
     width = len(tokens(text.lines[start]))
-    top = range(start, max(0, start - _TOP), -1)
-    above = [(line, words) for line in top if (words := text.lines[line - 1].strip().lstrip("#%! "))]
-    if format is None and asked.column is None and width > 2:
+    if format is None and text.column is None and width > 2:
         hint = f"select one: column: 2 beside the file in a study, or --column 2; {_ROW_BY_ROW}"
         raise text.refuse(f"{width} values on a line, and no column is selected", hint, start + 1)
-    kind = format or ("table" if asked.column is not None else ("column", "two-column")[width - 1])
-    if kind == "column":
-        return kind, _column(text, asked, start, above)
-    if kind == "table" and asked.column is None:
-        raise text.refuse("format 'table' needs a column", "select one: column: 2, or --column 2", 1)
-    return kind, _table(text, asked, start, above, kind)
+    kind = format or ("table" if text.column is not None else ("column", "two-column")[width - 1])
+    return kind, _column(text, start) if kind == "column" else _table(text, start, kind)
 
 
-def _column(text: Text, asked: Asked, start: int, above: _Above) -> Samples:
+def _column(text: Text, start: int) -> Samples:
     """Values row by row; the time step comes from `dt` or from the header."""
     stated = [text.header[key] for key in _STEPS if key in text.header]
-    if not stated and asked.dt is None:
+    if not stated and text.dt is None:
         hint = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
         raise text.refuse("one column of values, and no time step", hint, 1)
-    written, line = stated[0] if stated else (f"{asked.dt}", 0)
-    step = text.step(_SECONDS.sub("", written).strip(), line, asked.dt)
+    written, line = stated[0] if stated else (f"{text.dt}", 0)
+    step = text.step(re.sub(r"(?<=[\d.\s])s(?:ec)?\Z", "", written, flags=re.IGNORECASE).strip(), line)
     values, begin = text.values(start)
     if "samples" in text.header:
         said, line = text.header["samples"]
-        text.count(said, len(values), line, "samples")
-    return Samples(step, values, begin, *_unit(text, above, 1, 0))
+        text.check_count(said, len(values), line, "samples")
+    return Samples(step, values, begin, *_unit(text, start, 1, 0))
 
 
-def _table(text: Text, asked: Asked, start: int, above: _Above, kind: str) -> Samples:
+def _table(text: Text, start: int, kind: str) -> Samples:
     """One column of several; the first is the time, unless the time step is given and it does not rise."""
     rows = text.rows(start)
-    columns = 2 if kind == "two-column" else len(next(iter(rows.values())))
-    place = 1 if kind == "two-column" else (asked.column or 0) - 1
-    if not 0 <= place < columns:
-        raise text.refuse(f"there is no column {place + 1} among {columns}", f"write 1 to {columns}", start + 1)
+    lines, columns = list(rows), 2 if kind == "two-column" else len(rows[start])
+    place = 2 if kind == "two-column" else text.column
+    if place is None or not 1 <= place <= columns:
+        what = "format 'table' needs a column" if place is None else f"there is no column {place} among {columns}"
+        raise text.refuse(what, f"write 1 to {columns}: column: 2 beside the file, or --column 2", start + 1)
     odd = next((index for index, row in rows.items() if len(row) != columns), None)
     if odd is not None:
         message = f"{counted(len(rows[odd]), 'value')} on this line, where every other has {columns}"
         raise text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd + 1)
-    values, times = [row[place] for row in rows.values()], np.array([row[0] for row in rows.values()])
-    unit = _unit(text, above, columns, place)
-    if asked.dt is not None and kind == "table" and (place == 0 or (np.diff(times) <= 0).any()):
-        return Samples(text.step(float(asked.dt), 0), values, start + 1, *unit)
-    if place == 0:
+    values, times = [row[place - 1] for row in rows.values()], np.array([row[0] for row in rows.values()])
+    unit = _unit(text, start, columns, place - 1)
+    if text.dt is not None and kind == "table" and (place == 1 or (np.diff(times) <= 0).any()):
+        return Samples(text.step(float(text.dt), 0), values, start + 1, *unit)
+    if place == 1:
         hint = "write the acceleration's column, or give dt"
         raise text.refuse("column 1 is the time, unless dt is given", hint, start + 1)
-    heads = [_cells(words, columns)[0] for _, words in above[:_ROWS_OF_HEADINGS]]
+    heads = [_cells(words, columns)[0] for _, words in _above(text, start)[:_ROWS_OF_HEADINGS]]
     scale = 1e-3 if any(map(_MILLISECONDS.search, heads)) else 1.0
-    lines = list(rows)
-    digit = min(_last_digit(tokens(text.lines[index])[0]) for index in lines[:1000])
-    return Samples(_even_step(text, times * scale, lines, asked.dt, digit * scale), values, start + 1, *unit)
+    return Samples(_even_step(text, times, lines, scale), values, start + 1, *unit)
 
 
 def _first_row(text: Text) -> int:
@@ -125,6 +113,12 @@ def _with_points(lines: list[str]) -> list[str]:
     return [line if line.lstrip()[:1] in ("#", "%", "!") else re.sub(r"(?<=\d),(?=\d)", ".", line) for line in lines]
 
 
+def _above(text: Text, start: int) -> list[tuple[int, str]]:
+    """The lines over the numbers (from 1) with their words, the nearest first."""
+    top = range(start, max(0, start - _TOP), -1)
+    return [(line, words) for line in top if (words := text.lines[line - 1].strip().lstrip("#%! "))]
+
+
 def _cells(line: str, width: int) -> list[str]:
     """A header line as one text a column; empty texts where it is none of headings."""
     for separator in (";", "\t", ","):
@@ -137,26 +131,25 @@ def _cells(line: str, width: int) -> list[str]:
     return [line] if width == 1 and BRACKETS.search(line) else [""] * width
 
 
-def _unit(text: Text, above: _Above, width: int, place: int) -> tuple[str | None, int, str]:
+def _unit(text: Text, start: int, width: int, place: int) -> tuple[str | None, int, str]:
     """What the file states as the unit of a column, the line that does, and a heading from which none can be read."""
     if "unit" in text.header:
         return *text.header["unit"], ""
-    rows = [(line, _cells(words, width)[place]) for line, words in above[:_ROWS_OF_HEADINGS]]
-    headings = [(line, words) for line, words in rows if words]
-    found = chain(
-        ((line, unit_in(words)) for line, words in headings),
-        ((line, _unit_in_text(words)) for line, words in above),
+    above = _above(text, start)
+    headings = [(line, _cells(words, width)[place]) for line, words in above[:_ROWS_OF_HEADINGS]]
+    said = chain(
+        ((line, unit_in(words)) for line, words in headings), ((line, _stated(words)) for line, words in above)
     )
-    line, unit = next(((line, unit) for line, unit in found if unit), (0, None))
+    line, unit = next(((line, unit) for line, unit in said if unit), (0, None))
     if unit is not None:
         return unit, line, ""
-    spoken = (words for _, words in above if _ACCELERATION.search(words) and BRACKETS.search(words))
-    named = headings[0][1] if headings and _TIME.match(above[0][1]) else ""
-    unclear = named or next((words for words in spoken if not _PEAK.search(words)), "")
-    return None, 0, "" if _ONLY_ACCELERATION.fullmatch(unclear) else unclear[:60]
+    heading = next((words for _, words in headings if words), "")
+    is_heading = width == 1 or (above and _TIME.match(above[0][1]))
+    unclear = heading if is_heading and not _ONLY_ACCELERATION.fullmatch(heading) else ""
+    return None, 0, unclear[:60]
 
 
-def _unit_in_text(line: str) -> str | None:
+def _stated(line: str) -> str | None:
     """The unit that a line of words states: `Acceleration (cm/s/s)`, `ACCELERATION IN G AT 50 HZ`, `Units: gal`, or the
     unit alone. A line that gives a peak speaks of that number."""
     if acceleration_unit(line):
@@ -168,27 +161,24 @@ def _unit_in_text(line: str) -> str | None:
     return None if unit is None or unit[0].isdigit() else unit
 
 
-def _last_digit(word: str) -> float:
-    """The last decimal of a number as printed; 0 where it has an exponent."""
-    return 0.0 if re.search(r"[EeDd]", word) else 10.0 ** -len(word.partition(".")[2])
+def _even_step(text: Text, written: np.ndarray, lines: list[int], scale: float) -> float:
+    """The time step [s] of evenly rising times; refused where they fall, stand or are uneven.
 
-
-def _even_step(text: Text, times: np.ndarray, lines: list[int], given: float | None, digit: float) -> float:
-    """The time step [s] of evenly rising `times` [s]; refused where they fall, stand or are uneven.
-
-    lines : their indices in the file; given : the step the user gave; digit : the last digit they are printed with
+    written : the times as the file has them, one of which is `scale` [s]; lines : their indices in the file
     """
-    if times.size < 2:
+    if written.size < 2:
         raise text.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
-    gaps = np.diff(times)
+    first = [tokens(text.lines[index])[0] for index in lines[:1000]]
+    digit = scale * min(0.0 if re.search(r"[EeDd]", word) else 10.0 ** -len(word.partition(".")[2]) for word in first)
+    times, gaps = scale * written, scale * np.diff(written)
     step = float(f"{(times[-1] - times[0]) / gaps.size:.9g}")
     allowed = max(_UNEVEN * step, min(1.02 * digit, 0.25 * step))
-    steps = [step] if given is None else [given, step]  # the step given is the exact one, where times are rounded
+    steps = [step] if text.dt is None else [text.dt, step]  # the step given is the exact one, where times are rounded
     even = [one for one in steps if np.abs(times - times[0] - one * np.arange(times.size)).max() <= allowed]
     if not even:
         usual = float(np.median(gaps))
         worst = int(np.argmax(np.abs(gaps - usual)))
         message = f"uneven times: a step of {gaps[worst]:.6g} s here, of {usual:.6g} s elsewhere"
         raise text.refuse(message, f"resample the record to even steps; {_ROW_BY_ROW}", lines[worst + 1] + 1)
-    text.step(step, lines[0] + 1, given)
+    text.step(step, lines[0] + 1)
     return even[0]

@@ -10,7 +10,7 @@ import numpy as np
 
 from pounding_cli.records import columns, formats
 from pounding_cli.records.motion import GRAVITY, Motion
-from pounding_cli.records.text import Asked, Samples, Text, load
+from pounding_cli.records.text import Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
 
 _NETWORKS = {
@@ -31,8 +31,9 @@ _STRONGEST = 5.0 * GRAVITY
 
 @dataclass(frozen=True)
 class Reading:
-    """A motion and how it was read: `format`, `unit`, and who said the unit ("the file", "you", "nobody").
+    """A motion and how it was read.
 
+    words : its unit and where that comes from: "in g (assumed: the file states no unit)"
     heading : what stands over the values where no unit can be read from it and nobody says one, else ""
     stated : the other unit that the file states where the unit given is not that, else ""
     """
@@ -40,17 +41,9 @@ class Reading:
     motion: Motion
     format: str
     unit: str
-    unit_from: str
+    words: str
     heading: str = ""
     stated: str = ""
-
-    @property
-    def words(self) -> str:
-        """The unit and where it comes from: "in g (assumed: the file states no unit)"."""
-        given = f"as given, although the file says {self.stated}" if self.stated else "as given"
-        unclear = f"'{self.heading}' in the file is no unit" if self.heading else "the file states no unit"
-        why = {"the file": "as the file says", "you": given, "nobody": f"assumed: {unclear}"}[self.unit_from]
-        return f"in {self.unit} ({why})"
 
 
 def read_motion(path: str | Path, **options: Any) -> Motion:
@@ -91,36 +84,35 @@ def read_file(
         unit, velocities, displacements, counts without a scale, and a peak above 5 g (a wrong unit)
     """
     text = load(Path(path))
+    text.dt, text.channel, text.column = dt, channel, column
     if unit is not None and acceleration_unit(unit) is None:
         raise text.refuse(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(UNITS)}, or 0.01 g")
-    if format is not None and format not in FORMATS:
-        raise text.refuse(f"unknown format '{format}'", f"write one of {', '.join(FORMATS)}")
-    kind, samples = _samples(text, Asked(dt, channel, column), format)
-    used, who, stated = _unit(text, kind, samples, unit)
-    values = _sound(text, samples, used)
-    label = f"{source}, unit {used} assumed" if who == "nobody" else source
+    kind, samples = _samples(text, format)
+    used, why = _unit(text, kind, samples, unit)
+    assumed, against = why.startswith("assumed"), samples.unit if "although" in why else None
+    label = f"{source}, unit {used} assumed" if assumed else source
     said, _ = text.header.get("name", ("", 0))
-    motion = Motion(name or said or Path(path).stem, samples.dt, values, label)
-    return Reading(motion, kind, used, who, samples.unclear if who == "nobody" else "", stated)
+    motion = Motion(name or said or Path(path).stem, samples.dt, _sound(text, samples, used), label)
+    return Reading(motion, kind, used, f"in {used} ({why})", samples.unclear if assumed else "", against or "")
 
 
-def _samples(text: Text, asked: Asked, format: str | None) -> tuple[str, Samples]:
+def _samples(text: Text, format: str | None) -> tuple[str, Samples]:
     """The format of a file and what it holds; raises `InputError` for channels and columns that it does not have."""
-    tried = ((name, read(text, asked)) for name, read in _NETWORKS.items() if format in (None, name))
-    kind, found = next(((name, found) for name, found in tried if found), (format, None))
-    if found is None and kind in _NETWORKS:
-        raise text.refuse(f"its first lines are not those of a file of format '{format}'", "leave 'format' out", 1)
-    if kind is None or found is None:
-        kind, found = columns.read_columns(text, asked, format)
-    if asked.channel is not None and kind not in ("cosmos", "csmip"):
-        raise text.refuse(f"a file of format '{kind}' has no channels", "leave 'channel' out")
-    if asked.column is not None and kind != "table":
-        raise text.refuse(f"a file of format '{kind}' has no columns to choose from", "leave 'column' out")
+    tried = ((name, read(text)) for name, read in _NETWORKS.items() if format in (None, name))
+    kind, found = next(((name, found) for name, found in tried if found), ("", None))
+    if found is None and format not in (None, *columns.FORMATS):
+        hint = f"leave 'format' out, or write one of {', '.join(FORMATS)}"
+        raise text.refuse(f"its first lines are not those of a file of format '{format}'", hint, 1)
+    if found is None:
+        kind, found = columns.read_columns(text, format)
+    for given, what, kinds in ((text.channel, "channel", ("cosmos", "csmip")), (text.column, "column", ("table",))):
+        if given is not None and kind not in kinds:
+            raise text.refuse(f"a file of format '{kind}' has no {what}s to choose from", f"leave '{what}' out")
     return kind, found
 
 
-def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[str, str, str]:
-    """The unit the samples are in, who says so, and another one that headings state.
+def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[str, str]:
+    """The unit the samples are in, and who says so.
 
     Raises `InputError` for other quantities, and where a format that defines its unit contradicts the one given.
     """
@@ -128,38 +120,38 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
     if stated is None:
         if given is None and kind in _NETWORKS:
             raise text.refuse("the file does not state its unit", "give it: unit: cm/s2, or --unit cm/s2", samples.line)
-        return (given, "you", "") if given else ("g", "nobody", "")
-    quantity, factor = quantity_of(stated), acceleration_unit(stated)
+        unclear = f"'{samples.unclear}' in the file is no unit" if samples.unclear else "the file states no unit"
+        return (given, "as given") if given else ("g", f"assumed: {unclear}")
+    quantity, factor = quantity_of(stated)[0], acceleration_unit(stated)
     if quantity in ("velocity", "displacement"):
         raise text.wrong_quantity(quantity, line)
     if quantity == "counts":
         if given is None:
             hint = "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal"
             raise text.refuse("the file holds recorder counts without their scale", hint, line)
-        return given, "you", ""
+        return given, "as given"
     if factor is None:
         hint = f"correct it there: one of {', '.join(UNITS)}"
         raise text.refuse(f"the file's unit '{stated}' is none of acceleration", hint, line)
     if given is None or abs((acceleration_unit(given) or 0.0) / factor - 1.0) <= 1e-4:
-        return stated, "the file", ""
+        return stated, "as the file says"
     if kind in _NETWORKS:
         hint = "leave the unit out, or correct the file's"
         raise text.refuse(f"the unit is given as {given}, but the file says {stated}", hint, line)
-    return given, "you", stated
+    return given, f"as given, although the file says {stated}"
 
 
 def _sound(text: Text, samples: Samples, unit: str) -> np.ndarray:
     """The samples in m/s2; raises `InputError` where they can be no ground motion."""
-    values, factor = np.array(samples.values, dtype=float), acceleration_unit(unit) or 0.0
+    values = np.array(samples.values, dtype=float) * (acceleration_unit(unit) or 0.0)
     if values.size < 2:
         raise text.refuse("only one sample found", "a motion needs at least two samples", samples.line)
-    peak = float(np.abs(values).max())
+    with np.errstate(over="ignore"):
+        peak = float(np.abs(values).max())
     if peak == 0.0:
         raise text.refuse("every sample is zero", "give a file that holds a ground motion", samples.line)
-    if peak > _STRONGEST / factor:
-        raise text.refuse(
-            f"the peak is {peak * (factor / GRAVITY):.4g} g read in {unit}: no ground motion is that strong",
-            f"give the unit of the file: {', '.join(UNITS)}; recorder counts need their scale, e.g. 6.34e-4 gal",
-            samples.line,
-        )
-    return values * factor
+    if peak > _STRONGEST:
+        message = f"the peak is {peak / GRAVITY:.4g} g read in {unit}: no ground motion is that strong"
+        hint = f"give the unit of the file: {', '.join(UNITS)}; recorder counts need their scale, e.g. 6.34e-4 gal"
+        raise text.refuse(message, hint, samples.line)
+    return values

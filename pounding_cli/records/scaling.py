@@ -93,25 +93,20 @@ def spectrum_factors(
     return dict(zip(motions, map(float, factors), strict=True))
 
 
-DRAWN = 80
-"""Periods of the spectra, evenly in ln T, from half the range's beginning to twice its end."""
-
-
 @dataclass(frozen=True)
 class SpectrumMatch:
     """The spectra of the motions as used, and their target.
 
-    each : whether every motion has a factor of its own; at_least : part of the target the mean may not fall below
-    lift : the factor that `at_least` added for all [-]
-    lowest : the mean spectrum over the target where that is least in the range [-], and the period there [s]
+    at_least : part of the target that the mean spectrum may not fall below, None: it may fall to any
+    words : how the motions were scaled and how near the target their mean is, in sentences
+    periods : of the spectra [s], from half the range's beginning to twice its end
     spectra : pseudo-accelerations by motion [m/s2] at `periods`
     """
 
     target: TargetSpectrum
-    each: bool
     at_least: float | None
-    lift: float
-    lowest: tuple[float, float]
+    words: str
+    periods: Sequence[float]
     spectra: Mapping[str, Sequence[float]]
 
     @classmethod
@@ -119,36 +114,17 @@ class SpectrumMatch:
         cls, used: Mapping[str, Motion], target: TargetSpectrum, each: bool, at_least: float | None
     ) -> SpectrumMatch:
         """The match of motions already cut and scaled; `each` and `at_least` as in `spectrum_factors`."""
-        # What least squares alone would still change in the motions is the factor that `at_least` added.
-        lift = 1.0 if at_least is None else 1.0 / min(spectrum_factors(used, target, each).values())
-        inside = np.mean([spectrum(motion, target.grid, target.damping) for motion in used.values()], axis=0)
-        ratios = inside / target.ordinates
-        least = int(np.argmin(ratios))
-        lowest = float(ratios[least]), float(target.grid[least])
-        spectra = {name: spectrum(m, _drawn(target), target.damping).tolist() for name, m in used.items()}
-        return cls(target, each, at_least, lift if lift > 1 + 1e-9 else 1.0, lowest, spectra)
-
-    @property
-    def periods(self) -> np.ndarray:
-        """Of the spectra [s]."""
-        return _drawn(self.target)
-
-    @property
-    def mean(self) -> np.ndarray:
-        """The mean of the spectra [m/s2] at `periods`."""
-        return np.mean(list(self.spectra.values()), axis=0)
-
-    @property
-    def words(self) -> str:
-        """How the motions were scaled and how near the target their mean is, in sentences."""
-        what = "every motion by a factor of its own" if self.each else "all motions by one factor"
-        said = f"Scaled to a target spectrum from {self.target.low:g} to {self.target.high:g} s, {what}. "
-        if self.at_least is not None:
-            more = f"a factor of {self.lift:.3f} was added for all" if self.lift > 1 else "no further factor was needed"
-            said += f"The mean spectrum is nowhere below {self.at_least:g} of the target: {more}. "
-        ratio, period = self.lowest
-        return f"{said}The mean spectrum is lowest at {period:.2f} s: {ratio:.2f} of the target."
-
-
-def _drawn(target: TargetSpectrum) -> np.ndarray:
-    return np.geomspace(target.low / 2, 2 * target.high, DRAWN)
+        what = "every motion by a factor of its own" if each else "all motions by one factor"
+        words = f"Scaled to a target spectrum from {target.low:g} to {target.high:g} s, {what}. "
+        if at_least is not None:
+            # What least squares alone would still change in the motions is the factor that `at_least` added.
+            lift = 1.0 / min(spectrum_factors(used, target, each).values())
+            more = f"a factor of {lift:.3f} was added for all" if lift > 1 + 1e-9 else "no further factor was needed"
+            words += f"The mean spectrum is nowhere below {at_least:g} of the target: {more}. "
+        mean = np.mean([spectrum(motion, target.grid, target.damping) for motion in used.values()], axis=0)
+        least = np.argmin(mean / target.ordinates)
+        ratio, period = (mean / target.ordinates)[least], target.grid[least]
+        words += f"The mean spectrum is lowest at {period:.2f} s: {ratio:.2f} of the target."
+        periods = np.geomspace(target.low / 2, 2 * target.high, 80)
+        spectra = {name: spectrum(motion, periods, target.damping).tolist() for name, motion in used.items()}
+        return cls(target, at_least, words, periods.tolist(), spectra)

@@ -24,15 +24,6 @@ _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
 _HEADER = re.compile(r"[#%!\s]*([A-Za-z][A-Za-z ]{,30})[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
-_DAMAGED = "the file is cut short or damaged: download it again, or correct its header"
-
-
-class Asked(NamedTuple):
-    """What the user says of a file: time step [s], channel and column (from 1)."""
-
-    dt: float | None = None
-    channel: int | None = None
-    column: int | None = None
 
 
 class Samples(NamedTuple):
@@ -49,11 +40,17 @@ class Samples(NamedTuple):
 
 @dataclass
 class Text:
-    """The file as lines, and its header: of every line `key: value` over the numbers its value and place (from 1)."""
+    """The file as lines, and its header: of every line `key: value` over the numbers its value and place (from 1).
+
+    dt, channel, column : what the user says of it: time step [s], channel and column (from 1)
+    """
 
     path: Path
     lines: list[str]
     header: dict[str, tuple[str, int]] = field(default_factory=dict)
+    dt: float | None = None
+    channel: int | None = None
+    column: int | None = None
 
     def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
         """The error that says so at a place of this file."""
@@ -62,17 +59,7 @@ class Text:
 
     def damaged(self, message: str, line: int) -> InputError:
         """The refusal of a file of a network that is not as they write it."""
-        return self.refuse(message, _DAMAGED, line)
-
-    def find(self, pattern: str, start: int, end: int, what: str) -> tuple[re.Match[str], int]:
-        """The first match of a pattern in the lines of indices start to end, and its line (from 1).
-
-        what : the match, in words.  Raises `InputError` where there is none.
-        """
-        for index in range(start, min(end, len(self.lines))):
-            if found := re.search(pattern, self.lines[index], re.IGNORECASE):
-                return found, index + 1
-        raise self.damaged(f"the header does not say {what}", start + 1)
+        return self.refuse(message, "the file is cut short or damaged: download it again, or correct its header", line)
 
     def wrong_quantity(self, quantity: str, line: int) -> InputError:
         """The refusal of a velocity, a displacement, a spectrum."""
@@ -88,71 +75,34 @@ class Text:
         """A line, empty behind the end of the file."""
         return self.lines[index] if index < len(self.lines) else ""
 
-    def step(self, written: str | float, line: int, given: float | None = None) -> float:
-        """A time step [s] as written; refused where it is none, or `given` is another."""
+    def find(self, pattern: str, lines: range, what: str) -> tuple[re.Match[str], int]:
+        """The first match of a pattern in lines of these indices, and its line (from 1).
+
+        what : the match, in words.  Raises `InputError` where there is none.
+        """
+        for index in lines:
+            if found := re.search(pattern, self.line(index), re.IGNORECASE):
+                return found, index + 1
+        raise self.damaged(f"the header does not say {what}", lines.start + 1)
+
+    def step(self, written: str | float, line: int) -> float:
+        """A time step [s] as written; refused where it is none, or the user gives another."""
         step = float(written) if isinstance(written, float) or number(written) is not None else math.nan
         if not SHORTEST <= step <= LONGEST:
             hint = f"give a time step from {SHORTEST:g} to {LONGEST:g} s, e.g. 0.01"
             raise self.refuse(f"the time step is {written}", hint, line)
-        if given is not None and not abs(given - step) <= 1e-3 * step:
-            message = f"dt is given as {given:g} s, but the file says {step:g} s"
+        if self.dt is not None and not abs(self.dt - step) <= 1e-3 * step:
+            message = f"dt is given as {self.dt:g} s, but the file says {step:g} s"
             raise self.refuse(message, "leave dt out, or correct it", line)
         return step
 
-    def count(self, written: str, found: int, line: int, what: str = "NPTS") -> None:
+    def check_count(self, written: str, found: int, line: int, what: str = "NPTS") -> None:
         """Refuse a file whose header says another number of values than follow."""
         if number(written) != found:
             follow = counted(found, "value follows", "values follow")
             raise self.damaged(f"the header says {what} = {written}, but {follow}", line)
 
-    def channel(self, asked: Asked, labels: list[str], line: int) -> int:
-        """Index of the channel asked for; refused where there are several and none was named."""
-        listed = "; ".join(f"{place}: {label}" for place, label in enumerate(labels, 1))
-        if asked.channel is None and len(labels) > 1:
-            message = f"the file holds {len(labels)} channels of acceleration: {listed}"
-            raise self.refuse(message, "select one: channel: 1 beside the file in a study, or --channel 1", line)
-        channel = 1 if asked.channel is None else asked.channel
-        if not 1 <= channel <= len(labels):
-            raise self.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", line)
-        return channel - 1
-
-    def rows(self, start: int) -> dict[int, list[float]]:
-        """Every line of numbers from index `start` on, by its index; comments and blank lines are passed over."""
-        lines = ((index, self.lines[index].strip()) for index in range(start, len(self.lines)))
-        found = {index: self._row(index) for index, line in lines if line and line[0] not in "#%!\x1a"}
-        if not found:
-            raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
-        return found
-
-    def values(self, start: int) -> tuple[list[float], int]:
-        """All numbers from index `start` on, row by row, and the line (from 1) where they begin."""
-        rows = self.rows(start)
-        return [value for row in rows.values() for value in row], next(iter(rows)) + 1
-
-    def fixed(self, start: int, count: int, columns: tuple[int, int], last: bool = False) -> tuple[list[float], int]:
-        """`count` numbers from index `start` on, so many a line in Fortran's columns of so many characters, and the
-        index of the line after them. Refused where the lines end before, or, with `last`, more numbers follow."""
-        per_line, width = columns
-        values: list[float] = []
-        index = start
-        while len(values) < count:
-            wanted = min(per_line, count - len(values))
-            line = self.line(index).rstrip()
-            cells = line.split()
-            if len(cells) != wanted or None in map(number, cells):
-                cells = [cell for i in range(wanted) if (cell := line[i * width : (i + 1) * width].strip())]
-            found = [each for each in map(number, cells) if each is not None]
-            if len(found) < wanted:
-                message = f"{counted(len(found), 'number')} on this line, where {wanted} should stand"
-                raise self.damaged(f"{message}: the header says {counted(count, 'value')}", index + 1)
-            values += found
-            index += 1
-        following = self.line(index).split()
-        if last and following and None not in map(number, following):
-            raise self.damaged(f"more than the {count} values that the header says follow", index + 1)
-        return values, index
-
-    def _row(self, index: int) -> list[float]:
+    def numbers(self, index: int) -> list[float]:
         """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""
         line, values = self.lines[index], list[float]()
         for token in tokens(line):
@@ -162,6 +112,45 @@ class Text:
                     raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, line.find(token) + 1)
                 values.append(value)
         return values
+
+    def rows(self, start: int) -> dict[int, list[float]]:
+        """Every line of numbers from index `start` on, by its index; comments and blank lines are passed over."""
+        lines = ((index, self.lines[index].strip()) for index in range(start, len(self.lines)))
+        found = {index: self.numbers(index) for index, line in lines if line and line[0] not in "#%!\x1a"}
+        if not found:
+            raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
+        return found
+
+    def values(self, start: int) -> tuple[list[float], int]:
+        """All numbers from index `start` on, row by row, and the line (from 1) where they begin."""
+        rows = self.rows(start)
+        return [value for row in rows.values() for value in row], next(iter(rows)) + 1
+
+    def fixed(self, start: int, count: int, form: str, last: bool = False) -> tuple[list[float], int]:
+        """`count` numbers from index `start` on, and the index of the line after them: so many a line, in columns of so
+        many characters, as a Fortran format such as (8F10.5) says; it is that of most files.
+
+        Refused where the lines end before, or, with `last`, more numbers follow.
+        """
+        found = re.search(r"(?i)\(\s*(\d{0,2})\s*[IFEDG]\s*([1-9]\d?)", form)
+        per_line, width = (int(found[1] or 1) or 1, int(found[2])) if found else (8, 10)
+        values, index = list[float](), start
+        while len(values) < count:
+            wanted = min(per_line, count - len(values))
+            line = self.line(index).rstrip()
+            cells = line.split()
+            if len(cells) != wanted or None in map(number, cells):
+                cells = [line[at : at + width].strip() for at in range(0, wanted * width, width)]
+            row = [value for value in map(number, cells) if value is not None]
+            if len(row) < wanted:
+                message = f"{counted(len(row), 'number')} on this line, where {wanted} should stand"
+                raise self.damaged(f"{message}: the header says {counted(count, 'value')}", index + 1)
+            values += row
+            index += 1
+        following = self.line(index).split()
+        if last and following and None not in map(number, following):
+            raise self.damaged(f"more than the {count} values that the header says follow", index + 1)
+        return values, index
 
 
 def number(token: str) -> float | None:

@@ -15,41 +15,40 @@ UNITS = {"g": GRAVITY, **UNITS, "mg": 0.001 * GRAVITY}
 BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 """Words in brackets."""
 
-_OF_GRAVITY = {
-    "g": 1.0, "g's": 1.0, "%g": 0.01, "mg": 0.001, "millig": 0.001, "milli-g": 0.001, "ug": 1e-6,
-}  # fmt: skip
+_OF_GRAVITY = {"g": 1.0, "g's": 1.0, "%g": 0.01, "mg": 1e-3, "millig": 1e-3, "milli-g": 1e-3, "ug": 1e-6}
 _QUANTITIES = {(0.0, 1.0, -2.0): "acceleration", (0.0, 1.0, -1.0): "velocity", (0.0, 1.0, 0.0): "displacement"}
 _WORDS = {"acc": "acceleration", "vel": "velocity", "disp": "displacement", "count": "counts"}
 _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)"
-_MULTIPLE = re.compile(rf"{_NUMBER}(?:/{_NUMBER})?\s*([^\d.].*)\Z", re.ASCII)
-_PART = re.compile(rf"g/{_NUMBER}\Z", re.ASCII)
+_MULTIPLE = re.compile(rf"(?:{_NUMBER}(?:/{_NUMBER})?\s*)?([^\d.].*?)(?:(?<=g)/{_NUMBER})?\Z", re.ASCII)
+
+
+def quantity_of(text: str) -> tuple[str, float]:
+    """What a unit or a heading speaks of (acceleration, velocity, displacement, counts, "" if unknown), and one of the
+    unit in SI, 0 if that is unknown.
+
+    Read are the names of `UNITS` in any case, spellings such as `cm/sec/sec`, `m/s^2`, `M S-2`, `g/10`, and multiples
+    (`0.01 g`, `3920/6182761 gal`: what one count of a recorder is).
+    """
+    plain = text.lower().translate(str.maketrans("µμ²⁻", "uu2-")).replace("feet", "ft").strip().rstrip(".")
+    plain = re.sub(r"\A[(\[]\s*(.*?)\s*[)\]]\Z", r"\1", plain)
+    found = _MULTIPLE.match(re.sub(r"\A(c?m)s(?:\^|\*\*)?-2\Z", r"\1/s2", plain))
+    if found is None:
+        return "", 0.0
+    times, over, unit, part = found.groups()
+    factor = float(times or 1) / (float(over or 1) or math.inf) / (float(part or 1) or math.inf)
+    if unit in _OF_GRAVITY:
+        return "acceleration", factor * _OF_GRAVITY[unit] * GRAVITY
+    try:
+        one, dimension = measure(unit)
+    except ValueError:
+        return next((_WORDS[start] for start in _WORDS if unit.startswith(start)), ""), 0.0
+    return _QUANTITIES.get(dimension, ""), factor * one
 
 
 def acceleration_unit(text: str) -> float | None:
-    """One of the unit `text` in m/s2; None where it is no unit of acceleration.
-
-    Read are the names of `UNITS` in any case, spellings such as `cm/sec/sec`, `m/s^2`, `M S-2`, `g/10`, and
-    multiples (`0.01 g`, `3920/6182761 gal`: what one count of a recorder is).
-    """
-    plain, factor = _plain(text), 1.0
-    if found := _MULTIPLE.match(plain):
-        factor, plain = float(found[1]) / (float(found[2] or 1.0) or math.inf), found[3]
-    if found := _PART.match(plain):
-        factor, plain = factor / (float(found[1]) or math.inf), "g"
-    if plain in _OF_GRAVITY:
-        factor *= _OF_GRAVITY[plain] * GRAVITY
-    else:
-        one, quantity = _measured(plain)
-        factor *= one if quantity == "acceleration" else 0.0
-    return factor if 0 < factor < math.inf else None
-
-
-def quantity_of(text: str) -> str:
-    """What a unit or a heading speaks of: acceleration, velocity, displacement, counts, or "" if unknown."""
-    if acceleration_unit(text) is not None:
-        return "acceleration"
-    plain = _plain(text)
-    return _measured(plain)[1] or next((_WORDS[start] for start in _WORDS if plain.startswith(start)), "")
+    """One of the unit `text` in m/s2; None where it is no unit of acceleration."""
+    quantity, one = quantity_of(text)
+    return one if quantity == "acceleration" and 0 < one < math.inf else None
 
 
 def unit_in(words: str, others: tuple[str, ...] = ("velocity", "displacement", "counts")) -> str | None:
@@ -59,21 +58,5 @@ def unit_in(words: str, others: tuple[str, ...] = ("velocity", "displacement", "
     outside = [word for word in re.split(r"[\s,;:=_]+", plain) if word.lower() not in ("", "in")]
     pairs = [f"{one}{between}{other}" for between in " /" for one, other in pairwise(outside)]
     units = (word for word in (*inside, *pairs, *outside) if acceleration_unit(word))
-    other = (word for word in (*inside, *outside) if quantity_of(word) in others)
+    other = (word for word in (*inside, *outside) if quantity_of(word)[0] in others)
     return next((word.strip(" .") for word in chain(units, other)), None)
-
-
-def _plain(text: str) -> str:
-    """Lower case, no brackets around, plain powers: `[CM/SEC²].` becomes `cm/sec2`, `ms⁻²` becomes `m/s2`."""
-    plain = text.lower().translate(str.maketrans("µμ²⁻", "uu2-")).replace("feet", "ft").strip().rstrip(".")
-    plain = re.sub(r"\A[(\[]\s*(.*?)\s*[)\]]\Z", r"\1", plain)
-    return re.sub(r"\A(c?m)s(?:\^|\*\*)?-2\Z", r"\1/s2", plain)
-
-
-def _measured(unit: str) -> tuple[float, str]:
-    """One `unit` in SI, and its quantity, "" for one that is no length, velocity or acceleration."""
-    try:
-        one, dimension = measure(unit)
-    except ValueError:
-        return 0.0, ""
-    return one, _QUANTITIES.get(dimension, "")

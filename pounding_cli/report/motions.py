@@ -68,7 +68,8 @@ def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     for values in match.spectra.values():
         (each,) = ax.plot(match.periods, np.array(values) / unit.factor, color="0.7", lw=1.0)
     each.set_label("motions")
-    ax.plot(match.periods, match.mean / unit.factor, color="#0072B2", lw=2.2, label=f"mean of {len(match.spectra)}")
+    mean = np.mean(list(match.spectra.values()), axis=0)
+    ax.plot(match.periods, mean / unit.factor, color="#0072B2", lw=2.2, label=f"mean of {len(match.spectra)}")
     across = np.geomspace(target.periods[0], target.periods[-1], 200)
     wanted = np.exp(np.interp(np.log(across), np.log(target.periods), np.log(target.values)))
     ax.plot(across, wanted / unit.factor, color="black", lw=2.0, dashes=(5, 2), label="target")

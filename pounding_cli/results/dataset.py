@@ -15,137 +15,122 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pounding_cli import __version__, variables
 from pounding_cli.model.links import columns_struck, ends_on_columns, link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted
 from pounding_cli.results.file import unit_attributes
-from pounding_cli.results.keys import FORMAT, FORMAT_VERSION, package_version, solution_key, solver_version
-from pounding_cli.results.solved import SENTENCES, TEXTS, Solved, most_storeys, points
+from pounding_cli.results.keys import FORMAT, FORMAT_VERSION, solution_key, solver_version
+from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points
 from pounding_cli.solver.response import COLLAPSED, DONE
 from pounding_cli.study.plan import Plan
-from pounding_cli.variables import (
-    BUILDING,
-    BUILDINGS,
-    COORDINATES,
-    LINKS,
-    OF_COLUMNS,
-    RATIOS,
-    RECORDS,
-    RESPONSES,
-    SCENES,
-    VARIABLES,
-    WRITTEN,
-    Variable,
-)
+from pounding_cli.variables import RATIOS, STOREY, VARIABLES, Variable
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py", "xarray")
 
-Variables = dict[str, xr.Variable]
+Arrays = dict[str, np.ndarray]
+"""Variables over the swept axes and their own dimensions."""
 
-_variable = partial(
-    xr.Variable, fastpath=True
-)  # otherwise Dask is loaded, where it is installed, to see that it has no part
+_variable = partial(xr.Variable, fastpath=True)  # otherwise xarray loads Dask to see that it has no part
 
 
 def dataset(plan: Plan, solved: Solved) -> xr.Dataset:
     """What a plan came to, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
     scene nobody asked for have no numbers, and no status."""
     axes = tuple(axis.names[0] for axis in plan.axes)
-    kept = [v for v in (*RESPONSES, *SCENES, *LINKS) if _has(plan, v)]
+    kept = [v for v in (*variables.RESPONSES, *variables.SCENES, *variables.LINKS) if _has(plan, v)]
+    facts = _facts(plan, axes)
+    arrays = {v.name: getattr(plan.links, v.name) for v in kept if v in variables.LINKS} | _responses(
+        plan, solved, kept
+    )
     with np.errstate(all="ignore"):
-        found = {v.name: _variable((*axes, *v.dims), getattr(plan.links, v.name)) for v in kept if v in LINKS}
-        found |= _facts(plan, axes) | _solved(plan, solved, axes, kept)
-        found["drift_ratio"] = found["drift"] / found["height"]
+        over = dict(zip((*axes, *STOREY), arrays["drift"].shape, strict=True))
+        arrays["drift_ratio"] = arrays["drift"] / facts["height"].set_dims(over).values
         for v in kept:
             if v.ratio:
-                value, base = (found[name] for name in v.ratio)
-                found[v.name] = value / base.where(base > 0)
+                value, base = (arrays[name] for name in v.ratio)
+                arrays[v.name] = value / np.where(base > 0, base, np.nan)
             elif v.formula is not None:
-                found[v.name] = _variable((*axes, *v.dims), v.formula({n: each.values for n, each in found.items()}))
-        errors = _variable((*axes, *BUILDING), solved.values["error_estimate"][plan.numbers[..., 1:]])
-        found |= statistics(found, errors)
-    _flag(plan, solved, found)
+                arrays[v.name] = v.formula(arrays)
+        # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
+        errors = solved.values["error_estimate"][plan.numbers[..., 1:]] + arrays["error_estimate"][..., None]
+        for name in RATIOS:
+            measures = _statistics(arrays[name], errors[..., None], arrays["sensitivity"][..., None, None])
+            arrays |= {f"{name}_{measure}": array for measure, array in measures.items()}
+    _flag(plan, solved, arrays)
+    found = facts | {name: _variable((*axes, *VARIABLES[name].dims), array) for name, array in arrays.items()}
     for name, each in found.items():
         unit = {"units": VARIABLES[name].unit} if VARIABLES[name].unit else {}
         each.attrs = {**unit, "long_name": VARIABLES[name].text}
-    for name, quantity in WRITTEN.items():
+    for name, quantity in variables.WRITTEN.items():
         if name in found:
             found[name].attrs |= unit_attributes(plan.study.unit(quantity))
-    beside = {v.name: found.pop(v.name) for v in RECORDS}
+    beside = {v.name: found.pop(v.name) for v in variables.RECORDS}
     return xr.Dataset(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
 
 
 def _has(plan: Plan, v: Variable) -> bool:
     """Whether a variable says anything in a study: some have no links, few have links that strike columns."""
-    if v.name in OF_COLUMNS:
+    if v.name in variables.OF_COLUMNS:
         return any(map(ends_on_columns, plan.links.places))
     return "link" not in v.dims or bool(plan.links.places)
 
 
-def _solved(plan: Plan, solved: Solved, axes: tuple[str, ...], kept: list[Variable]) -> Variables:
+def _responses(plan: Plan, solved: Solved, kept: list[Variable]) -> Arrays:
     """What responses say themselves."""
     scene, alone = plan.numbers[..., 0], plan.numbers[..., 1:]
-    done = solved.done
     digests = np.array([digest.tobytes().hex() for digest in plan.digests] + [""], object)
-    collapsed = solved.values["collapse_building"]
-    found: Variables = {}
+    collapsed, found = solved.values["collapse_building"], Arrays()
     for v in kept:
         if v.of:
-            whole = solved.values[v.of]
-            whole = np.where(done.reshape(-1, *(1,) * (whole.ndim - 1)), whole, np.nan)  # peaks are of whole motions
-            array = whole[alone, 0] if v.alone else whole[scene]
+            whole = solved.values[v.of].copy()
+            whole[~solved.done] = np.nan  # peaks are of whole motions
+            found[v.name] = whole[alone, 0] if v.alone else whole[scene]
         elif v.name in ("collapsed", "collapsed0"):
             at, place = (alone, 0) if v.alone else (scene[..., None], np.arange(alone.shape[-1]))
-            array = np.where(collapsed[at] == place, solved.values["collapse_storey"][at], 0).astype(np.int64)
-        elif v.name in (*TEXTS, *SENTENCES):
-            array = solved.texts(v.name)[scene]
+            found[v.name] = np.where(collapsed[at] == place, solved.values["collapse_storey"][at], 0).astype(np.int64)
+        elif v.name in TEXTS:
+            found[v.name] = solved.texts[v.name][scene]
         elif v.name == "scene":
-            array = np.where(solved.there[scene], digests[scene], "")
+            found[v.name] = np.where(solved.there[scene], digests[scene], "")
         elif v.name in solved.values:
             array = solved.values[v.name][scene]
-            array = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
-        else:
-            continue
-        found[v.name] = _variable((*axes, *v.dims), array)
+            found[v.name] = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
     return found
 
 
-def statistics(found: Variables, alone_errors: xr.Variable) -> Variables:
-    """The variables of `variables.STATISTICS`.
+def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:
+    """The measures of `variables.STATISTICS` of a ratio over the motions, the third dimension from behind.
 
-    Mean, standard deviation (n - 1; NaN for one motion), smallest, largest and number of the motions that have a
-    ratio; error and sensitivity of the mean over the motions that were assessed, NaN where none was.
+    Standard deviations are with n - 1 (NaN of one motion); error and sensitivity of the mean are over the motions that
+    were assessed, NaN where none was.
 
-    alone_errors : relative errors of the buildings alone [-]
+    errors, sensitivities : of the ratios, relative [-]
     """
-    # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these, whatever their signs
-    errors, sensitivities = alone_errors + found["error_estimate"], found["sensitivity"]
-    kept: Variables = {}
-    for name in RATIOS:
-        ratio = found[name]
-        count, mean, size = ratio.count("record"), ratio.mean("record"), abs(ratio)
-        away, weighted = (ratio - mean) ** 2, size * sensitivities
-        each = {
-            "mean": mean,
-            "std": np.sqrt(away.sum("record") / (count - 1).where(count > 1)),
-            "min": ratio.min("record"),
-            "max": ratio.max("record"),
-            "count": count,
-            "mean_error": (size * errors).mean("record"),
-            "mean_sensitivity": weighted.sum("record") / size.where(weighted.notnull()).sum("record"),
-        }
-        dims = [dim for dim in ratio.dims if dim != "record"]
-        kept |= {f"{name}_{word}": v.transpose(*dims) for word, v in each.items()}
-    return kept
+
+    def total(array: np.ndarray) -> np.ndarray:
+        return np.nansum(array, axis=-3)
+
+    count, size = (~np.isnan(ratio)).sum(axis=-3), abs(ratio)
+    mean, wrong, moved = total(ratio) / count, size * errors, size * sensitivities
+    return {
+        "mean": mean,
+        "std": np.sqrt(total((ratio - mean[..., None, :, :]) ** 2) / np.where(count > 1, count - 1, np.nan)),
+        "min": np.fmin.reduce(ratio, axis=-3),
+        "max": np.fmax.reduce(ratio, axis=-3),
+        "count": count,
+        "mean_error": total(wrong) / (~np.isnan(wrong)).sum(axis=-3),
+        "mean_sensitivity": total(moved) / total(np.where(np.isnan(moved), np.nan, size)),
+    }
 
 
 # What a reader should know of the numbers
 
 
-def _flag(plan: Plan, solved: Solved, found: Variables) -> None:
+def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
     """Add to the flags of scenes: buildings that gave no baseline, ratios to zero, columns beyond their strength."""
-    flags, status = found["flags"].values, solved.texts("status")
+    flags, status = found["flags"], solved.texts["status"]
 
     def add(where: Any, sentence: str) -> None:
         flags[where] = [f"{flag}\n{sentence}" if flag else sentence for flag in flags[where]]
@@ -157,13 +142,13 @@ def _flag(plan: Plan, solved: Solved, found: Variables) -> None:
             add(of_alone == word, f"{name} alone{said}")
     for name in RATIOS:
         base = VARIABLES[name].ratio[1]
-        zero = (found[base].values == 0).any(axis=(-2, -1))
+        zero = (found[base] == 0).any(axis=(-2, -1))
         if base == "mu0":  # no storey of an elastic analysis yields: nobody asks for its ductility
             zero &= np.array([each == Analysis.INELASTIC for each in plan.analyses])[:, None]
         add(zero, f"{base} = 0: ratio refused")
     if "shear_demand" not in found:
         return
-    demand = np.where(found["impacts"].values > 0, found["shear_demand"].values, np.nan)  # one that yields has 1 anyway
+    demand = np.where(found["impacts"] > 0, found["shear_demand"], np.nan)  # one that yields has 1 anyway
     for at in np.argwhere((demand > 1).any(axis=-1)):
         mine = demand[tuple(at)]
         struck = {columns_struck(plan.links.places[link]) for link in np.flatnonzero(mine > 1).tolist()}
@@ -178,8 +163,8 @@ def _flag(plan: Plan, solved: Solved, found: Variables) -> None:
 # Coordinates, buildings and motions
 
 
-def _coordinates(plan: Plan) -> Variables:
-    found: Variables = {}
+def _coordinates(plan: Plan) -> dict[str, xr.Variable]:
+    found = {}
     for axis in plan.axes:
         for column, name in enumerate(axis.names):
             given = [value[column] for value in axis.values]
@@ -188,36 +173,34 @@ def _coordinates(plan: Plan) -> Variables:
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
             written = axis.units[column] if is_numeric else replace(axis.units[column], si="")
             found[name] = _variable(axis.names[0], array, {"long_name": text} | unit_attributes(written))
-    storeys, places = np.arange(1, most_storeys(plan) + 1), plan.links.places
+    storeys, places, names = np.arange(1, most_storeys(plan) + 1), plan.links.places, plan.buildings
     values: dict[str, Any] = {
-        "case": plan.cases,
-        "analysis": plan.analyses,
-        "record": plan.records,
-        "building": plan.buildings,
-        "storey": storeys,
-        "floor": storeys,
-    }
+        "case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": names,
+        "storey": storeys, "floor": storeys,
+    }  # fmt: skip
     if places:
         left, left_floor, right_floor, _ = zip(*places, strict=True)
         values |= {
-            "link": [link_label(plan.buildings, place) for place in places],
-            "link_left": [plan.buildings[place] for place in left],
-            "link_right": [plan.buildings[place + 1] for place in left],
+            "link": [link_label(names, place) for place in places],
+            "link_left": [names[place] for place in left],
+            "link_right": [names[place + 1] for place in left],
             "link_floor": np.array(left_floor),
             "link_right_floor": np.array(right_floor),
         }
     for name, each in values.items():
-        unit, text = COORDINATES[name]
+        unit, text = variables.COORDINATES[name]
         array = each if isinstance(each, np.ndarray) else np.array(each, object)
         found[name] = _variable(name.split("_")[0], array, ({"units": unit} if unit else {}) | {"long_name": text})
     return found
 
 
-def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
+def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, xr.Variable]:
     """Buildings and motions, over the axes that change them."""
     study, storeys = plan.study, most_storeys(plan)
 
-    def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> Variables:
+    def over(
+        section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]
+    ) -> dict[str, xr.Variable]:
         """What `value` says at every combination of the values of the axes that touch a section of the study."""
         touched = [k for k, mine in enumerate(study.touching(section)) if mine]
         sizes = [len(plan.axes[k].values) for k in touched]
@@ -249,15 +232,15 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> Variables:
 
     def motions(point: Any) -> dict[str, Any]:
         uses = [study.motions(point)[name].use for name in plan.records]
-        return {v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in RECORDS}
+        return {v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in variables.RECORDS}
 
-    return over("buildings", BUILDINGS, group) | over("records", RECORDS, motions)
+    return over("buildings", variables.BUILDINGS, group) | over("records", variables.RECORDS, motions)
 
 
 # The study and the program
 
 
-def _study(plan: Plan) -> Variables:
+def _study(plan: Plan) -> dict[str, xr.Variable]:
     """The study in texts."""
     study, match = plan.study, plan.study.spectrum_match()
     resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
@@ -273,7 +256,7 @@ def _study(plan: Plan) -> Variables:
 
 def _attributes(plan: Plan, solved: Solved) -> dict[str, Any]:
     there = solved.there
-    found = {
+    return {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
         "workflow": plan.workflow,
@@ -283,26 +266,26 @@ def _attributes(plan: Plan, solved: Solved) -> dict[str, Any]:
         "solution_key": solution_key(plan),
         "accuracy": plan.accuracy,
         "method": plan.method,
-        "methods": json.dumps(sorted(set(solved.texts("method")[there].tolist()))),
+        "methods": json.dumps(sorted(set(solved.texts["method"][there].tolist()))),
         **({} if plan.time_step is None else {"time_step": plan.time_step}),
         "scenes": int(there.sum()),
         "scenes_failed": int((there & ~solved.ended).sum()),
         "solver_seconds": float(np.nansum(solved.values["seconds"])),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        **_software(),
     }
-    software = {
-        "pounding_cli": package_version(),
+
+
+@cache
+def _software() -> dict[str, Any]:
+    """What results rest on."""
+    found = {
+        "pounding_cli": __version__,
         "solver": solver_version(),
         "python": platform.python_version(),
         "platform": platform.platform(),
         "machine": platform.machine(),
         "cores": os.cpu_count() or 0,
-        **_versions(),
+        **{name: metadata.version(name) for name in _SOFTWARE},
     }
-    return found | {f"software_{name}": value for name, value in software.items()}
-
-
-@cache
-def _versions() -> dict[str, str]:
-    """Of the packages that results rest on."""
-    return {name: metadata.version(name) for name in _SOFTWARE}
+    return {f"software_{name}": value for name, value in found.items()}

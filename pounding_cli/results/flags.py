@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.solver.outcome import is_meaningless
@@ -51,13 +50,19 @@ def parted(flags: str) -> list[tuple[str, str]]:
     return [(flag, detail) for flag, _, detail in parts]
 
 
+@lru_cache(maxsize=1024)
+def is_void(flags: str) -> bool:
+    """Whether one of the flags of a scene takes the meaning from its numbers."""
+    return any(map(is_meaningless, flags.splitlines()))
+
+
 def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
     """One row a flag of a scene, as `Results.flagged()`, of a table of scenes or of some of its rows."""
     import pandas as pd
 
     place = [*_swept(scene), "case", "analysis", "record"]
     rows = [
-        (*where, flag, detail, is_meaningless(flag))
+        (*where, flag, detail, is_void(flag))
         for *where, flags in scene[[*place, "flags"]].itertuples(index=False, name=None)
         for flag, detail in parted(flags)
     ]
@@ -69,24 +74,22 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
 
     units : of the swept keys, to name points by (`Results.units`); SI unless given
     """
-    swept, units = _swept(scene), units or {}
+    swept, units, groups = _swept(scene), units or {}, []
     of = scene.groupby(["case", "analysis"], sort=False).size()
     flagged = flagged_scenes(scene).drop_duplicates([*swept, "case", "analysis", "record", "flag"])
-    groups: list[FlagGroup] = []
     place: Any
     for place, rows in flagged.groupby(["case", "analysis", "flag"], sort=False):
-        (case, analysis, flag), first = place, rows.iloc[0]
-        whole = int(of[case, analysis])
-        scenes = [
+        case, analysis, flag = place
+        points = [
             ", ".join([*(f"{key} = {units.get(key, Unit()).text(row[key])}" for key in swept), row["record"]])
             for row in rows.head(MOST_NAMED).to_dict("records")
         ]
-        more = len(rows) - MOST_NAMED
-        named = "; ".join(scenes if swept else [", ".join(scenes)]) + (f"; and {more} more" if more > 0 else "")
-        named = "all" if len(rows) == whole > 1 else named
-        groups.append(
-            FlagGroup(case, analysis, flag, first["detail"], bool(first["meaningless"]), len(rows), whole, named)
+        count, whole, first = len(rows), int(of[case, analysis]), rows.iloc[0]
+        said = ("; " if swept else ", ").join(points) + (
+            f"; and {count - MOST_NAMED} more" if count > MOST_NAMED else ""
         )
+        said = "all" if count == whole > 1 else said
+        groups.append(FlagGroup(case, analysis, flag, first["detail"], bool(first["meaningless"]), count, whole, said))
     order = list(of.index)
     return tuple(sorted(groups, key=lambda group: (not group.meaningless, order.index((group.case, group.analysis)))))
 
@@ -94,15 +97,6 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
 def failed_scenes(scene: pd.DataFrame) -> pd.DataFrame:
     """The rows of a table of scenes that have no result; a collapse is one."""
     return scene[~scene["status"].isin(OUTCOMES)]
-
-
-def counts_of_flags(flags: np.ndarray) -> dict[str, np.ndarray]:
-    """Records flagged and records whose numbers have no meaning, over axes, case and analysis.
-
-    flags : those of every scene, one a line; over axes, case, analysis and record
-    """
-    void = [cell for cell in set(flags.ravel().tolist()) if any(map(is_meaningless, cell.splitlines()))]
-    return {"records_flagged": (flags != "").sum(axis=-1), "records_meaningless": np.isin(flags, void).sum(axis=-1)}
 
 
 def _swept(scene: pd.DataFrame) -> list[str]:

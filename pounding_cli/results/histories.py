@@ -3,7 +3,7 @@ a person looks at it: in a line, as tables, as curves."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,12 +43,8 @@ FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
 
 ENERGIES = tuple(name.removeprefix("energy_") for name in FIELDS if name.startswith("energy_"))
 
-QUANTITIES = {name: of for name, of in FIELDS.items() if not name.startswith("energy_")}
-QUANTITIES["energy"] = (("time", "kind"), "J", "energy put in, held and lost so far")
-"""What `frame` and `plot` can show -> dimensions, unit, meaning."""
-
-WORTH_TELLING = 20
-"""So many scenes to run for their histories take some seconds, and the user is told."""
+QUANTITIES = (*(name for name in FIELDS if not name.startswith("energy_")), "energy")
+"""What `frame` and `plot` can show."""
 
 
 class History:
@@ -123,20 +119,14 @@ class History:
         if quantity not in QUANTITIES:
             said = f"no quantity '{quantity}' in a history"
             raise InputError(Problem(said, f"write one of {', '.join(QUANTITIES)}"))
-        (_, *dims), unit, text = QUANTITIES[quantity]
-        index = pd.Index(self.time, name="time")
+        array = self.dataset["energy_input" if quantity == "energy" else quantity]
         if quantity == "energy":
-            frame = pd.DataFrame(self.energy, index).rename_axis(columns="kind")
-        elif not dims:
-            frame = pd.DataFrame({quantity: getattr(self, quantity)}, index)
+            frame = pd.DataFrame(self.energy, array.get_index("time")).rename_axis(columns="kind")
         else:
-            names: Any = [self.dataset[dim].values for dim in dims]
-            columns = (
-                pd.MultiIndex.from_product(names, names=dims) if len(dims) > 1 else pd.Index(names[0], name=dims[0])
-            )
-            frame = pd.DataFrame(getattr(self, quantity).reshape(len(index), -1), index, columns)
+            flat = array.stack(place=array.dims[1:]) if array.ndim == 3 else array  # noqa: PD013 (of xarray)
+            frame = pd.DataFrame(flat.to_pandas())
         frame = frame.dropna(axis=1, how="all")
-        frame.attrs = {"units": unit, "long_name": text}
+        frame.attrs = {"units": array.attrs["units"]}
         return frame
 
     def plot(
@@ -163,29 +153,28 @@ class History:
 
         has_links = not self.frame("link_force").empty
         chosen = quantities or ("displacement", *(("closing", "link_force") if has_links else ()))
-        frames = {name: self._curves(name, level) for name in chosen}
-        size = 7.0, 1.0 + 1.8 * len(frames)
-        panels = plt.subplots(len(frames), sharex=True, squeeze=False, figsize=size, layout="constrained")[1][:, 0]
-        for ax, (name, frame) in zip(panels, frames.items(), strict=True):
-            part = frame if between is None else frame.loc[between[0] : between[1]]
-            for column in part.columns:
-                ax.plot(part.index, part[column], label=_label(column, part.columns.names), lw=1.2)
+        figure, panels = plt.subplots(len(chosen), sharex=True, squeeze=False, layout="constrained")
+        figure.set_size_inches(7.0, 1.0 + 1.8 * len(chosen))
+        for ax, name in zip(panels[:, 0], chosen, strict=True):
+            frame = self._curves(name, level)
+            frame = frame if between is None else frame.loc[between[0] : between[1]]
+            for column in frame.columns:
+                ax.plot(frame.index, frame[column], label=_label(column, frame), lw=1.2)
             ax.set_ylabel(f"{name.replace('_', ' ')} [{frame.attrs['units']}]")
             ax.grid(alpha=0.3)
             ax.legend(fontsize="small")
-        panels[-1].set_xlabel("time [s]")
-        return list(panels)
+        ax.set_xlabel("time [s]")
+        return list(panels[:, 0])
 
     def _curves(self, quantity: str, level: int | None) -> pd.DataFrame:
         """What is drawn of a quantity: one floor or storey a building, one link a pair."""
         frame = self.frame(quantity)
+        places: list[Any] = list(frame.columns)
         if frame.columns.names == ["link"]:
-            parts = [label.rpartition(" floor ") for label in frame.columns]
-            places: list[Any] = [(pair, floors.split(",")[0].split("|")[0]) for pair, _, floors in parts]
+            parts = [label.rpartition(" floor ") for label in places]
+            places = [(pair, floors.split(",")[0].split("|")[0]) for pair, _, floors in parts]
         elif frame.columns.nlevels == 1:
             return frame
-        else:
-            places = list(frame.columns)
         top = dict(places)  # the highest number comes last
         kept = [str(number) == str(level or top[of]) for of, number in places]
         if not any(kept):
@@ -204,11 +193,11 @@ class History:
         for name in ("displacement", "drift", "total_acceleration", "shear", "closing", "link_force"):
             frame = self.frame(name)
             frame = frame if name == "closing" else frame.abs()
-            whole = [frame] if "link" in frame.columns.names else [frame[[b]] for b in self.buildings]
+            whole = [frame] if frame.columns.nlevels == 1 else [frame[[b]] for b in self.buildings]
             for part in whole if not frame.empty else ():
                 column = part.max().idxmax()
-                where = _label(column, part.columns.names)
-                rows.append((name, where, part[column].max(), QUANTITIES[name][1], part[column].idxmax()))
+                largest = part[column].max(), FIELDS[name][1], part[column].idxmax()
+                rows.append((name, _label(column, part), *largest))
         found = pd.DataFrame(rows, columns=["quantity", "where", "largest", "unit", "time"])
         return found.set_index(["quantity", "where"])
 
@@ -224,9 +213,9 @@ class History:
         return f"<p>{escape(repr(self))}</p>{self.largest().to_html(float_format='{:.4g}'.format)}"
 
 
-def _label(column: Any, names: Sequence[Any]) -> str:
+def _label(column: Any, frame: pd.DataFrame) -> str:
     """A column in words: "soft, floor 5"."""
-    return f"{column[0]}, {names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
+    return f"{column[0]}, {frame.columns.names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
 
 
 def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -> Iterator[xr.Dataset]:
@@ -235,15 +224,11 @@ def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -
 
     tell : told of a run between output times that fails although the scene's own was done
     """
-    if len(plan.kept) >= WORTH_TELLING:
-        tell(f"{counted(len(plan.kept), 'scene')} to run for their histories")
     over = {name: found[name].values for name in ("building", "storey", "floor", "link") if name in found.coords}
     for row in plan.kept:
         place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
-        status = (
-            found["status"].sel(place).isel({axis.names[0]: n for axis, n in zip(plan.axes, row.point, strict=True)})
-        )
-        if status.item() != DONE:
+        at = dict(zip((axis.names[0] for axis in plan.axes), row.point, strict=True))
+        if found["status"].sel(place).isel(at).item() != DONE:
             continue
         for axis, number in zip(plan.axes, row.point, strict=True):
             place |= dict(zip(axis.names, axis.values[number], strict=True))
@@ -254,6 +239,5 @@ def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -
         except InputError as error:
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue
-        data = whole.astype(np.float32).reindex(over)
         digest = plan.digests[row.scene].tobytes().hex()
-        yield data.assign_attrs(place | {"scene": digest, "every": plan.every})
+        yield whole.astype(np.float32).reindex(over).assign_attrs(place | {"scene": digest, "every": plan.every})

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from pounding_cli import __version__
 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
@@ -18,12 +19,6 @@ FORMAT_VERSION = 5
 """Raised whenever a reader of the former version would misread the file."""
 
 _SOLVER_PACKAGES = ("laws", "model", "solver")
-
-
-@cache
-def package_version() -> str:
-    """Version of this package as installed."""
-    return metadata.version("pounding-cli")
 
 
 @cache
@@ -39,7 +34,7 @@ def solver_version() -> str:
     own.append(root / "results" / "solved.py")  # how responses are kept
     for path in own:
         sha.update(path.name.encode() + b"\0" + path.read_bytes())
-    return f"{package_version()}+{sha.hexdigest()[:12]}"
+    return f"{__version__}+{sha.hexdigest()[:12]}"
 
 
 def solution_key(plan: Plan) -> str:

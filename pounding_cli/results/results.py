@@ -19,7 +19,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.records.scaling import SpectrumMatch
 from pounding_cli.results.file import kept, opened, plain_value, read_table, written
-from pounding_cli.results.flags import counts_of_flags, flagged_scenes
+from pounding_cli.results.flags import flagged_scenes, is_void
 from pounding_cli.results.histories import History
 from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
 from pounding_cli.solver.response import COLLAPSED
@@ -39,10 +39,15 @@ _ACCURACY = [
     "orders", "seconds",
 ]  # fmt: skip
 _RECORD = ["source", "digest", "scale", "window", "pga", "arias"]
-_DIMS = {
-    "building": ("building",), "case": ("case",), "analysis": ("analysis", "analyses"), "record": ("motion",),
-}  # fmt: skip
+_BUILDING = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear_ratio", "slab", "separation"]
+_BASE = ["sway", "rocking", "isolator_displacement"]
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
+
+Wanted = Mapping[str, Callable[[Any], Any]]
+"""Variable -> whether a row with such values of it is wanted."""
+
+_SOLVED: Wanted = {"status": lambda status: status != ""}
+"""A question need not ask for all scenes."""
 
 
 class Results:
@@ -80,7 +85,7 @@ class Results:
         needed = {v.name for v in VARIABLES.values() if v.always and LINK[-1] not in v.dims}
         if missing := sorted(needed - set(data.variables)):
             raise ValueError(f"no {', '.join(missing)}")
-        self.attrs = {str(name): plain_value(value) for name, value in data.attrs.items() if name != "coordinates"}
+        self.attrs = {str(name): plain_value(value) for name, value in data.attrs.items()}
         self.title, self.workflow = str(self.attrs["title"]), str(self.attrs["workflow"])
         self.answers = tuple(json.loads(self.attrs.get("answers", "[]")))
         self.study_text, self.resolved_text = (str(data[name].item()) for name in ("study_text", "study_resolved"))
@@ -146,12 +151,12 @@ class Results:
     def storey(self, *columns: str) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
         are named."""
-        return self._scenes(("building", "storey"), columns or _OVER[STOREY], self._there)
+        return self._frame(columns or _OVER[STOREY], (*PLACE, "building", "storey"), {"mass": np.isfinite, **_SOLVED})
 
     def floor(self, *columns: str) -> pd.DataFrame:
         """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]; all unless some are
         named."""
-        return self._scenes(("building", "floor"), columns or _OVER[FLOOR], self._there)
+        return self._frame(columns or _OVER[FLOOR], (*PLACE, "building", "floor"), {"mass": np.isfinite, **_SOLVED})
 
     def link(self, *columns: str) -> pd.DataFrame:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
@@ -161,36 +166,31 @@ class Results:
         if "link" not in self.data:
             import pandas as pd
 
-            frame = pd.DataFrame(columns=[*self.axes, *PLACE, "link", *names])
-        else:
-            frame = self._scenes(("link",), names, lambda dims: self._over("kind", dims) != "")
+            return pd.DataFrame(columns=[*self.axes, *PLACE, "link", *(n.removeprefix("link_") for n in names)])
+        frame = self._frame(names, (*PLACE, "link"), {"kind": lambda kind: kind != "", **_SOLVED})
         return frame.rename(columns=lambda name: str(name).removeprefix("link_"))
 
     def base(self) -> pd.DataFrame:
         """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
-        names = [name for name in ("sway", "rocking", "isolator_displacement") if name in self.data]
-        moves = lambda dims: np.any([self._over(name, dims) > 0 for name in names], axis=0)  # noqa: E731
-        return self._scenes(("building",), names, moves)
+        names = [name for name in _BASE if name in self.data]
+        frame = self._frame(names, (*PLACE, "building"), _SOLVED)
+        return frame[(frame[names] > 0).any(axis=1)].reset_index(drop=True)
 
     def struck(self) -> pd.DataFrame:
         """Per row of columns that a slab strikes between floors: building, storey, height of the blow over that of the
         storey [-], who strikes with which floor, shears below and above the blow [N], the larger over the columns'
         share of the yield shear [-], blows, largest force [N]. No row where no slab strikes columns.
         """
-        import pandas as pd
-
         sides = {
             "building": ("left", "right"), "storey": ("floor", "right_floor"), "at": ("left_at", "right_at"),
             "by": ("right", "left"), "by_floor": ("right_floor", "floor"),
         }  # fmt: skip
-        place, more = [*self.axes, *PLACE], ["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]
-        if OF_COLUMNS[0] not in self.data:
-            return pd.DataFrame(columns=[*place, *sides, *more])
         link = self.link()
+        link = link.reindex(columns=[*dict.fromkeys([*link.columns, *OF_COLUMNS])])
         link = link[link["shear_below"].notna()].reset_index(drop=True)
         is_left = link["link"].astype(str).str.contains(", left")
-        found = {name: np.where(is_left, link[left], link[right]) for name, (left, right) in sides.items()}
-        return link[place].assign(**found, **link[more])
+        found = {name: link[left].where(is_left, link[right]) for name, (left, right) in sides.items()}
+        return link[[*self.axes, *PLACE]].assign(**found, **link[["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]])
 
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
@@ -198,7 +198,7 @@ class Results:
 
     @cached_property
     def _scene(self) -> pd.DataFrame:
-        return self._scenes((), _SCENE)
+        return self._frame(_SCENE, PLACE, _SOLVED)
 
     def flagged(self) -> pd.DataFrame:
         """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, meaningless; no row where
@@ -214,7 +214,7 @@ class Results:
         """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
         energy left open [-], steps, events, Taylor orders, seconds in the solver.
         """
-        return self._scenes((), _ACCURACY)
+        return self._frame(_ACCURACY, PLACE, _SOLVED)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
@@ -224,28 +224,24 @@ class Results:
         whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`),
         `records_collapsed` those in whose scene a storey collapsed.
         """
-        import xarray as xr
-
-        data, places = self.data, (*self._dims, "case", "analysis")
-        names = [f"{ratio}_{measure}" for ratio in RATIOS for measure in _MEASURES]
-        found = {}
-        for name in (*names, "V_ratio_count"):
-            v = data[name].variable
-            found[name] = xr.Variable([str(dim).replace("floor", "storey") for dim in v.dims], v.values)
-        found["records_used"] = found.pop("V_ratio_count")
-        flags, status = (data[name].transpose(*places, "record").values for name in ("flags", "status"))
-        counts = counts_of_flags(flags) | {"records_collapsed": (status == COLLAPSED).sum(axis=-1)}
-        found |= {name: xr.Variable(places, count) for name, count in counts.items()}
-        dims = (*places, "building", "storey")
-        return self._frame(list(found), dims, self._there(dims), found)
+        names = [*(f"{ratio}_{measure}" for ratio in RATIOS for measure in _MEASURES), "V_ratio_count"]
+        frame = self._frame(names, ("case", "analysis", "building", "storey"), {"mass": np.isfinite})
+        place = [*self.axes, "case", "analysis"]
+        scenes = self._frame(["flags", "status"], PLACE)
+        counts = scenes[place].assign(
+            records_flagged=scenes["flags"] != "",
+            records_meaningless=scenes["flags"].map(is_void),
+            records_collapsed=scenes["status"] == COLLAPSED,
+        )
+        counts = counts.groupby(place, sort=False).sum()
+        return frame.rename(columns={"V_ratio_count": "records_used"}).merge(counts, on=place)
 
     def records(self) -> pd.DataFrame:
         """Per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.
 
         Swept axes that change a motion come first.
         """
-        dims = [dim for dim in (*self._dims, "record") if dim in self.data["record_scale"].dims]
-        frame = self._frame([f"record_{name}" for name in _RECORD], dims)
+        frame = self._frame([f"record_{name}" for name in _RECORD], ("record",))
         return frame.rename(columns=lambda name: str(name).removeprefix("record_"))
 
     @cached_property
@@ -256,9 +252,7 @@ class Results:
 
         Swept axes that change a building come first.
         """
-        names = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear_ratio", "slab", "separation"]
-        dims = [dim for dim in (*self._dims, "building", "storey") if dim in self.data["mass"].dims]
-        frame = self._frame(names, dims, ~np.isnan(self._over("height", dims)))  # walls have no mass
+        frame = self._frame(_BUILDING, ("building", "storey"), {"height": np.isfinite})  # walls have no mass
         places = {name: place for place, name in enumerate(self.data["building"].values.tolist(), start=1)}
         frame.insert(list(frame.columns).index("storey"), "place", frame["building"].map(places))
         return frame
@@ -267,10 +261,6 @@ class Results:
 
     def histories(self) -> pd.DataFrame:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
-        return self._kept.copy()
-
-    @cached_property
-    def _kept(self) -> pd.DataFrame:
         import pandas as pd
 
         return pd.DataFrame(kept(self.path), columns=[*self.axes, *PLACE, "number", "scene", "every", "times"])
@@ -291,7 +281,7 @@ class Results:
         """
         given = {"case": case, "analysis": analysis, "record": record, **swept}
         given = {key: value for key, value in given.items() if value is not None}
-        places = self._kept.to_dict("records")
+        places = kept(self.path)
         meant = [place for place in places if all(_same(place.get(key), value) for key, value in given.items())]
         if len(meant) == 1:
             return History(opened(self.path, f"histories/{meant[0]['number']}").load())
@@ -303,7 +293,7 @@ class Results:
 
     def first_sample(self) -> Results:
         """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
-        return self.at({self._dims[-1]: 0})
+        return self.at({self.swept[-1][0]: 0})
 
     def at(self, index: Mapping[str, int]) -> Results:
         """The same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
@@ -324,10 +314,16 @@ class Results:
         return self.data.load()
 
     def __repr__(self) -> str:
+        words = {
+            "building": ("building",),
+            "case": ("case",),
+            "analysis": ("analysis", "analyses"),
+            "record": ("motion",),
+        }
         said = []
-        for dim, words in _DIMS.items():
+        for dim, word in words.items():
             names = self.data[dim].values.tolist()
-            said.append(counted(len(names), *words) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
+            said.append(counted(len(names), *word) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
         if self.axes:
             said.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
         failed = f" ({self.attrs['scenes_failed']} failed)" if self.attrs["scenes_failed"] else ""
@@ -335,65 +331,35 @@ class Results:
         return f"Results({self.title!r}: {', '.join(said)}; {self.path})"
 
     def _repr_html_(self) -> str:
-        return f"<p>{escape(repr(self))}</p>{self._worst().to_html(float_format='{:.3f}'.format, max_rows=40)}"
-
-    def _worst(self) -> pd.DataFrame:
-        """The largest mean ratio over the storeys and the sweep by case and building; columns analysis and ratio."""
+        """With the largest mean ratio over the storeys and the sweep by case and building."""
         means = [f"{ratio}_mean" for ratio in RATIOS]
-        return self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
+        worst = self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
+        return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format='{:.3f}'.format, max_rows=40)}"
 
-    # Frames
-
-    @property
-    def _dims(self) -> tuple[str, ...]:
-        return tuple(names[0] for names in self.swept)
-
-    def _scenes(
-        self, inner: tuple[str, ...], names: Sequence[str], wanted: Callable[[Sequence[str]], np.ndarray] | None = None
-    ) -> pd.DataFrame:
-        """Variables of scenes over `inner`, where there is a scene (a question need not ask for all) and as `wanted`
-        says of the dimensions."""
-        dims = (*self._dims, *PLACE, *inner)
-        rows = self._over("status", dims) != ""
-        return self._frame(names, dims, rows if wanted is None else rows & wanted(dims))
-
-    def _over(self, name: str, dims: Sequence[str]) -> np.ndarray:
-        """A variable at every row over `dims`."""
-        return self._ravelled(self.data[name].variable, dims)
-
-    def _ravelled(self, v: xr.Variable, dims: Sequence[str]) -> np.ndarray:
-        return v.set_dims({dim: self.data.sizes[dim] for dim in dims}).transpose(*dims).values.ravel()
-
-    def _there(self, dims: Sequence[str]) -> np.ndarray:
-        """Which rows over `dims` stand for a storey, or its floor, that exists."""
-        return np.isfinite(self._ravelled(self.data["mass"].rename(storey=dims[-1]).variable, dims))
-
-    def _frame(
-        self,
-        names: Sequence[str],
-        dims: Sequence[str],
-        rows: np.ndarray | None = None,
-        more: Mapping[str, xr.Variable] | None = None,
-    ) -> pd.DataFrame:
-        """Variables over `dims`, which come first as columns; an axis gives one for each of its keys.
-
-        rows : which are wanted of all rows; every one unless given
-        more : variables that the file does not have
-        """
+    def _frame(self, names: Sequence[str], places: tuple[str, ...], wanted: Wanted | None = None) -> pd.DataFrame:
+        """Variables over the swept axes that change them and `places`, which come first as columns; an axis gives one
+        for each of its keys.  What is known of a storey is known of its floor."""
         import pandas as pd
+        import xarray as xr
 
-        variables: dict[Any, xr.Variable] = dict(self.data.variables) | dict(more or {})
-        sizes = [self.data.sizes[dim] for dim in dims]
-        at = np.arange(math.prod(sizes)) if rows is None else np.flatnonzero(rows)
-        place: dict[Any, np.ndarray] = dict(zip(dims, np.unravel_index(at, sizes), strict=True))
-        keys = [key for key in self.axes if set(variables[key].dims) <= set(dims)]
+        wanted = wanted or {}
+        variables = {name: self.data[name].variable for name in (*self.axes, *places, *names, *wanted)}
+        changing = {dim for name in (*names, *wanted) for dim in variables[name].dims}
+        dims = (*(keys[0] for keys in self.swept if keys[0] in changing), *places)
+        sizes = {dim: self.data.sizes[dim] for dim in dims}
+
+        def column(v: xr.Variable) -> np.ndarray:
+            own = [dims[-1] if dim in ("storey", "floor") else dim for dim in v.dims]
+            return xr.Variable(own, v.values, fastpath=True).set_dims(sizes).transpose(*dims).values.ravel()
+
+        rows = np.all([is_wanted(column(variables[name])) for name, is_wanted in wanted.items()], axis=0)
+        at = np.flatnonzero(np.broadcast_to(rows, math.prod(sizes.values())))
+        place: dict[Any, np.ndarray] = dict(zip(dims, np.unravel_index(at, tuple(sizes.values())), strict=True))
+        keys = [key for key in self.axes if variables[key].dims[0] in dims]
         found: dict[str, Any] = {}
-        for name in (*keys, *(dim for dim in dims if dim not in self._dims), *names):
-            v = variables[name]
-            if v.ndim == 1:  # texts that repeat are made once
-                found[name] = pd.Series(v.values).array.take(place[v.dims[0]])
-            else:
-                found[name] = self._ravelled(v, dims)[at]
+        for name in (*keys, *places, *names):
+            v = variables[name]  # texts that repeat are made once
+            found[name] = pd.Series(v.values).array.take(place[v.dims[0]]) if v.ndim == 1 else column(v)[at]
         return pd.DataFrame(found)
 
 

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from pounding_cli.solver.response import DONE, OUTCOMES, Response
 from pounding_cli.study.plan import Plan
 
-TEXTS = ("status", "advice", "method")
-SENTENCES = ("flags", "effects", "dropped")
+TEXTS = ("status", "advice", "method", "flags", "effects", "dropped")
+"""Texts of a response; of the last three one sentence a line."""
+
 SCALARS = (
     "accuracy", "time_step", "steps", "events", "orders", "seconds", "error_estimate", "sensitivity", "collapse_time",
     "collapse_building", "collapse_storey",
@@ -26,7 +28,7 @@ LINK = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
 
 Row = tuple[str, bytes]
-"""A response: its kind as JSON (`Kind`), and its numbers, a record of `Kind.layout`."""
+"""A response: TEXTS and the arguments of `layout` as JSON, and its numbers, a record of that layout."""
 
 
 @lru_cache(maxsize=1024)
@@ -43,33 +45,12 @@ def layout(buildings: int, storeys: int, links: int) -> np.dtype:
     return np.dtype([(name, "f8", shape) for name, shape in shapes.items()])
 
 
-class Kind(NamedTuple):
-    """What many responses share.
-
-    texts : TEXTS, and SENTENCES one a line
-    size : arguments of `layout`
-    """
-
-    texts: tuple[str, ...]
-    size: tuple[int, int, int]
-
-    @property
-    def status(self) -> str:
-        """The outcome."""
-        return self.texts[0]
-
-    @property
-    def layout(self) -> np.dtype:
-        """The numbers of a row."""
-        return layout(*self.size)
-
-
 def encode(response: Response) -> Row:
     """A response as a row; its end state is not kept."""
     r = response
-    texts = [str(getattr(r, name)) for name in TEXTS] + ["\n".join(map(str, getattr(r, name))) for name in SENTENCES]
-    kind = Kind(tuple(texts), (len(r.buildings), max(b.shear.size for b in r.buildings), r.links.impacts.size))
-    row = np.full(1, np.nan, kind.layout)[0]
+    texts = [each if isinstance(each, str) else "\n".join(each) for each in (getattr(r, name) for name in TEXTS)]
+    size = len(r.buildings), max(b.shear.size for b in r.buildings), r.links.impacts.size
+    row = np.full(1, np.nan, layout(*size))[0]
     row["scalars"] = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
     if r.has_result:
         for place, building in enumerate(r.buildings):
@@ -77,46 +58,25 @@ def encode(response: Response) -> Row:
             row["bases"][:, place] = [getattr(building, name) for name in BASE]
         row["links"] = [getattr(r.links, name) for name in LINK]
         row["columns"][:, r.columns.link] = [getattr(r.columns, name) for name in COLUMNS]
-    return _said(kind), row.tobytes()
-
-
-@lru_cache(maxsize=1024)
-def _said(kind: Kind) -> str:
-    return json.dumps(kind)
-
-
-@lru_cache(maxsize=1024)
-def kind_of(text: str) -> Kind:
-    """A kind as it was written."""
-    texts, size = json.loads(text)
-    return Kind(tuple(texts), tuple(size))
-
-
-def has_result(row: Row) -> bool:
-    """Whether the scene ended with its motion, or with a collapse."""
-    return kind_of(row[0]).status in OUTCOMES
-
-
-def seconds_of(row: Row) -> float:
-    """Time inside the solver [s]."""
-    return float(np.frombuffer(row[1])[SCALARS.index("seconds")])
+    return json.dumps([texts, size]), row.tobytes()
 
 
 class Solved:
-    """The responses of a plan's scenes as arrays by scene number.  The last place, -1, stands for a scene that nobody
-    asked for: it has no numbers.
+    """The responses of a plan's scenes as arrays by scene number, as they are `put`.  The last place, -1, stands for
+    a scene that nobody asked for: it has no numbers.
 
     there : whether a scene was solved, shape (scenes + 1,)
+    texts : TEXTS by name, "" of a scene that was not solved, shape (scenes + 1,)
     values : "building.drift" (scenes + 1, buildings, storeys), a building alone at place 0; "building.sway" (scenes +
         1, buildings); "link.impacts", "columns.demand" (scenes + 1, links of `plan.links`); "error_estimate",
         "collapse_storey", "energy_input", ... (scenes + 1,); NaN where there is nothing
     """
 
-    def __init__(self, plan: Plan, rows: Mapping[int, Row]) -> None:
+    def __init__(self, plan: Plan) -> None:
         count = len(plan) + 1
-        size = len(plan.buildings), most_storeys(plan), len(plan.links.places)
         self.plan, self.there = plan, np.zeros(count, bool)
-        self._whole = np.full(count, np.nan, layout(*size))
+        self.texts = {name: np.full(count, "", object) for name in TEXTS}
+        self._whole = np.full(count, np.nan, layout(len(plan.buildings), most_storeys(plan), len(plan.links.places)))
         named = {
             "scalars": (*SCALARS, *(f"energy_{name}" for name in ENERGIES)),
             "storeys": [f"building.{name}" for name in STOREYS],
@@ -125,43 +85,36 @@ class Solved:
             "columns": [f"columns.{name}" for name in COLUMNS],
         }
         self.values = {name: self._whole[of][:, k] for of, names in named.items() for k, name in enumerate(names)}
-        self._words = {"": 0}
-        self._codes = {name: np.zeros(count, np.int32) for name in (*TEXTS, *SENTENCES)}
-        alike: dict[str, list[int]] = {}
-        for number, (text, _) in rows.items():
-            alike.setdefault(text, []).append(number)
-        order = _orders(plan)
-        for text, numbers in alike.items():
-            kind = kind_of(text)
-            records = np.frombuffer(b"".join(rows[number][1] for number in numbers), kind.layout)
-            self._put(kind, np.array(numbers), records, order[numbers, None])
+        self._order = _orders(plan)
 
-    def _put(self, kind: Kind, at: np.ndarray, records: np.ndarray, order: np.ndarray) -> None:
-        """Take in scenes of one kind by number; order : of their links, shape (scenes, 1, links of the plan)."""
-        self.there[at] = True
-        for name, text in zip(self._codes, kind.texts, strict=True):
-            self._codes[name][at] = self._words.setdefault(text, len(self._words))
-        buildings, storeys, links = kind.size
-        self._whole["scalars"][at] = records["scalars"]
-        self._whole["storeys"][at, :, :buildings, :storeys] = records["storeys"]
-        self._whole["bases"][at, :, :buildings] = records["bases"]
-        for of in ("links", "columns") if links else ():
-            mine = np.take_along_axis(records[of], np.maximum(order, 0), axis=2)
-            self._whole[of][at] = np.where(order < 0, np.nan, mine)
+    def put(self, rows: Mapping[int, Row]) -> None:
+        """Take in responses by scene number."""
+        alike: dict[tuple[int, ...], list[int]] = {}
+        for number, (kind, _) in rows.items():
+            texts, size = json.loads(kind)
+            alike.setdefault(tuple(size), []).append(number)
+            for name, text in zip(TEXTS, texts, strict=True):
+                self.texts[name][number] = sys.intern(text)  # many say the same
+        for (buildings, storeys, links), at in alike.items():
+            records = np.frombuffer(b"".join(rows[number][1] for number in at), layout(buildings, storeys, links))
+            self.there[at] = True
+            self._whole["scalars"][at] = records["scalars"]
+            self._whole["storeys"][at, :, :buildings, :storeys] = records["storeys"]
+            self._whole["bases"][at, :, :buildings] = records["bases"]
+            order = self._order[at, None]
+            for of in ("links", "columns") if links else ():
+                mine = np.take_along_axis(records[of], np.maximum(order, 0), axis=2)
+                self._whole[of][at] = np.where(order < 0, np.nan, mine)
 
     @property
     def done(self) -> np.ndarray:
         """Scenes that ended with their motion, shape (scenes + 1,)."""
-        return self._codes["status"] == self._words.get(DONE, -1)
+        return self.texts["status"] == DONE
 
     @property
     def ended(self) -> np.ndarray:
         """Scenes that ended with their motion, or with a collapse, shape (scenes + 1,)."""
-        return np.isin(self._codes["status"], [self._words[word] for word in OUTCOMES if word in self._words])
-
-    def texts(self, name: str) -> np.ndarray:
-        """`status`, `advice`, `method`, or of `flags`, `effects`, `dropped` one a line; shape (scenes + 1,)."""
-        return np.array(list(self._words), object)[self._codes[name]]
+        return np.isin(self.texts["status"], OUTCOMES)
 
 
 def _orders(plan: Plan) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
-from pounding_cli.study.quantity import Quantity, said_place, written_unit
+from pounding_cli.study.quantity import Quantity, lacks_unit, said_place, written_unit
 from pounding_cli.study.words import keys_at, quantity_at, value_at
 from pounding_cli.units import factor
 
@@ -140,30 +140,27 @@ def can_vary(
     path, whole = name.split("."), model is schema.Study
     once = schema.ONCE if whole else {"title", "sweep"}
     if path[0] in once or (whole and (path[:2] == ["records", "use"] or path[-1] == "like")):
-        problems.add(
-            mark, f"{what} '{name}' cannot vary: it is one for the whole study", "run one study for each value"
-        )
+        message = f"{what} '{name}' cannot vary: it is one for the whole study"
+        problems.add(mark, message, "run one study for each value")
         return False
     for place, step in enumerate(path):
         above, known = get(root, *path[:place]), _known(path[:place], root, model)
         if isinstance(above, list) and step.isdigit() and int(step) < len(above):
             continue
+        if step in known and (above is None or isinstance(above, dict)):
+            continue
         before = ".".join(path[:place])
-        if above is not None and not isinstance(above, dict) and step in known:
-            shown = "a list" if isinstance(above, list) else f"'{above}'"
-            message = f"{what} '{name}': '{before}' is {shown} in this study and has no key '{step}'"
-            problems.add(mark, message, f"give '{before}' as a mapping with '{step}' in it, or remove it there")
-            return False
-        if step not in known:
-            message = f"{what} '{name}': no key '{step}'{f' under {before!r}' * bool(before)}"
-            whole_key = "" if place else "write the whole key, e.g. `buildings.soft.period`; "
-            problems.add(mark, message, whole_key + nearest(step, known))
-            return False
+        hint = (
+            nearest(step, known) if place else f"write the whole key, `buildings.soft.period`; {nearest(step, known)}"
+        )
+        if step in known:
+            hint = f"give '{before}' as a mapping with '{step}' in it"
+        problems.add(mark, f"{what} '{name}': no key '{step}'{f' under {before!r}' * bool(before)}", hint)
+        return False
     below = _known(path, root, model)
     least = {"buildings": 3, "cases": 3, "laws": 3, "tail": 1}.get(path[0], 2)
     if len(path) < least if whole else below:
-        example = f"{name}.{(below or ['KEY'])[-1 if whole else 0]}"
-        problems.add(mark, f"{what} '{name}' is a whole section", f"name one value in it, e.g. `{example}`")
+        problems.add(mark, f"{what} '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[-1]}`")
         return False
     return True
 
@@ -181,13 +178,11 @@ def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel]
     if isinstance(given, Map) and not given.keys().isdisjoint(_RANGE):
         return _range(name, given, quantity or Quantity("number", "", "5"), problems)
     if isinstance(given, Map) and "values" in given:
-        for key in given.keys() - {*_BRACKET}:
-            problems.add(given.marks[key][0], f"unknown key '{key}' of an axis", nearest(key, _BRACKET))
+        refuse_unknown(given, _BRACKET, f"the axis '{name}'", problems)
         mark, given = given.marks["values"][1], given["values"]
     if not isinstance(given, Items) or not 0 < len(given) <= MOST_VALUES:
-        what = f"has {len(given)} values" if isinstance(given, Items) else "has no list of values"
-        hint = f"write `{name}: [first, second]`, at most {MOST_VALUES}, or a range: `{name}: {FORM}`"
-        problems.add(mark, f"the axis '{name}' {what}", hint)
+        hint = f"write `{name}: [first, second]`, at most {MOST_VALUES} values, or a range: `{name}: {FORM}`"
+        problems.add(mark, f"the axis '{name}' has no list of values, or too long a one", hint)
         return None
     return given, given.marks, unit_of(given, quantity)
 
@@ -200,17 +195,15 @@ def with_middles(root: Map, problems: Problems) -> tuple[Map, tuple[str, ...]]:
         for name, node in holder.items():
             if not isinstance(node, Map) or "middle" not in node:
                 continue
-            steps, middle, mark = name.split("."), node["middle"], node.marks["middle"][1]
             values: Any = node.get("values")
+            steps, middle, mark = name.split("."), node["middle"], node.marks["middle"][1]
             quantity, own = quantity_at(schema.Study, tuple(steps)), get(root, *steps)
             is_odd = isinstance(values, Items) and len(values) >= 3 and len(values) % 2 == 1
             others = [values[len(values) // 2], middle if own is None else own] if is_odd else []
             if not others or any(same(other, quantity) != same(middle, quantity) for other in others):
-                what = (
-                    f"'{name}': {middle} is not the middle of an odd number of values, or not what the study has there"
-                )
+                what = f"{middle} is not the middle of an odd number of values, or not what the study has there"
                 hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"
-                problems.add(mark, what, hint)
+                problems.add(mark, f"'{name}': {what}", hint)
                 continue
             keys.append(name)
             if can_vary(name, holder.marks[name][0], root, Problems("")):  # else the axis says what is wrong
@@ -246,68 +239,80 @@ def in_unit(number: float, unit: Unit) -> Any:
     return f"{plain} {unit.name}" if unit.name else plain
 
 
-# Ranges
+# Mappings of numbers: ranges, distributions
 
 
-def read_number(kind: Quantity, given: Any, mark: Mark, problems: Problems) -> Any:
-    """A number in SI, or a multiple of a storey's stiffness; None where it is wrong, which is noted."""
-    try:
-        value = kind.read(given)
-    except PydanticCustomError as error:
-        context: dict[str, Any] = error.context or {}
-        problems.add(mark, context["message"], context["hint"])
-        return None
-    if isinstance(value, str):
-        problems.add(mark, f"'{value}' is not a number", kind.wanted)
-        return None
-    return value
+def refuse_unknown(node: Map, known: Sequence[str], owner: str, problems: Problems) -> None:
+    """Note the keys that a mapping does not have."""
+    for key in node.keys() - {*known}:
+        problems.add(node.marks[key][0], f"unknown key '{key}' of {owner}", nearest(key, known))
+
+
+def read_numbers(node: Map, kinds: Mapping[str, Quantity], problems: Problems) -> dict[str, Any] | None:
+    """The numbers of a mapping in SI, or as multiples of a storey's stiffness, all with a unit or none; None where
+    something is wrong, which is noted.
+
+    kinds : what stands at each key, and may be absent
+    """
+    found, before = dict[str, Any](), len(problems.found)
+    for key in kinds.keys() & node.keys():
+        try:
+            found[key] = kinds[key].read(node[key])
+        except PydanticCustomError as error:
+            context: dict[str, Any] = error.context or {}
+            problems.add(node.marks[key][1], context["message"], context["hint"])
+    refuse_bare([(node[key], node.marks[key][1], kinds[key]) for key in found], problems)
+    return None if len(problems.found) > before else {key: found[key] for key in kinds if key in found}
+
+
+def refuse_bare(written: Sequence[tuple[Any, Mark, Quantity]], problems: Problems) -> None:
+    """Note numbers without the unit that others beside them have."""
+    for value, mark, quantity in written if any(written_unit(value) for value, _, _ in written) else ():
+        if lacks_unit(value, quantity):
+            what = f"{value} has no unit, but others here have one"
+            problems.add(mark, what, f"write its unit too, e.g. {quantity.example}; it is in {quantity.si}")
 
 
 def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Values | None:
     """The values of `{from, to, count | step, spacing}`; None where something is wrong, which is noted."""
-    before, spacing = len(problems.found), node.get("spacing", "linear")
+    before, spacing, count = len(problems.found), node.get("spacing", "linear"), node.get("count")
 
     def note(key: str, message: str, hint: str) -> None:
-        problems.add(node.marks[key][key in _RANGE] if key else node.mark, message, hint)
+        problems.add(node.marks[key][1], message, hint)
 
-    for key in node:
-        if key not in _RANGE:
-            note(key, f"unknown key '{key}' in a range", nearest(key, _RANGE))
+    refuse_unknown(node, _RANGE, "a range", problems)
     if not {"from", "to"} <= node.keys() or ("count" in node) == ("step" in node):
         what = f"a range has `from`, `to` and either `count` or `step`, not {', '.join(node)}"
-        note("", what, f"write e.g. `{name}: {FORM}`")
-    if spacing not in ("linear", "log") or (spacing == "log" and "step" in node):
+        problems.add(node.mark, what, f"write e.g. `{name}: {FORM}`")
+    elif spacing not in ("linear", "log") or (spacing == "log" and "step" in node):
         note("spacing", f"spacing: '{spacing}' is not known here", "write linear, or log beside `count:`")
-    if len(problems.found) > before:
+    elif "count" in node and (type(count) is not int or not 2 <= count <= MOST_VALUES):
+        note("count", f"count: {count}; a range has 2 to {MOST_VALUES} values", "write how many values, e.g. 15")
+    step = quantity.but(
+        name=f"step of a {quantity.name}", low=-math.inf, high=math.inf, open_low=False, open_high=False
+    )
+    ends = read_numbers(node, {"from": quantity, "to": quantity, "step": step}, problems)
+    if ends is None or len(problems.found) > before:
         return None
-    step_kind = Quantity(f"step of a {quantity.name}", quantity.si, quantity.example)
-    kinds = {"from": quantity, "to": quantity, "step": step_kind}
-    ends = {key: read_number(kinds[key], node[key], node.marks[key][1], problems) for key in kinds if key in node}
     for key, value in ends.items():
-        if value is not None and not isinstance(value, float):
+        if not isinstance(value, float):
             note(key, f"'{node[key]}' is not a number: a range runs between numbers", quantity.wanted)
-    if len(problems.found) > before:
-        return None
-    first, last, log, count = ends["from"], ends["to"], spacing == "log", node.get("count")
-    bare = [key for key, value in ends.items() if value and not written_unit(node[key])]
+            return None
+    first, last = ends["from"], ends["to"]
     steps = (last - first) / ends["step"] if ends.get("step") else -1.0
-    if bare and any(written_unit(node[key]) for key in ends):
-        hint = f"write its unit too; without one it is {node[bare[0]]} {quantity.si}".rstrip()
-        note(bare[0], f"{node[bare[0]]} has no unit, but the other end of the range has one", hint)
-    elif first == last:
+    if first == last:
         note("to", "the range ends where it begins", "write `to:` apart from `from:`, or a single value")
-    elif log and not first * last > 0:
+    elif spacing == "log" and not first * last > 0:
         note("spacing", "a logarithmic range cannot reach zero", "begin above zero, e.g. `from: 0.1 s`")
-    elif count is not None:
-        if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES:
-            note("count", f"count: {count}; a range has 2 to {MOST_VALUES} values", "write how many values, e.g. 15")
-    elif not 0.5 < steps < MOST_VALUES or not math.isclose(steps, round(steps), rel_tol=1e-9):
+    elif count is None and (not 0.5 < steps < MOST_VALUES or not math.isclose(steps, round(steps), rel_tol=1e-9)):
         what = f"steps of {node['step']} do not lead from {node['from']} to {node['to']}: that is {steps:.4g} steps"
         note("step", what, f"change an end or the step, at most {MOST_VALUES} values, or write `count:`")
     if len(problems.found) > before:
         return None
     count = count or round(steps) + 1
     shares = [place / (count - 1) for place in range(count - 1)]
-    values = [first * (last / first) ** s if log else first + (last - first) * s for s in shares]
-    unit = unit_of([node[key] for key in ends], quantity)
-    return [in_unit(number, unit) for number in (*values, last)], [node.mark] * count, unit
+    values = [first * (last / first) ** s if spacing == "log" else first + (last - first) * s for s in shares]
+    written = [node[key] for key in ends]
+    unit = unit_of(written, quantity)
+    own = unit if any(map(written_unit, written)) else Unit()  # without one the values have none either
+    return [in_unit(number, own) for number in (*values, last)], [node.mark] * count, unit

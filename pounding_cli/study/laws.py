@@ -21,7 +21,7 @@ LOSSES = ("damping_ratio", "restitution")
 _ELSEWHERE = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}
 RATIO = Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)
 RESTITUTION = Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)
-_SHARED: dict[str, tuple[Any, Any]] = {
+SHARED_KEYS: dict[str, tuple[Any, Any]] = {
     "gap": (Annotated[float, GAP], key(..., "the distance d at rest [m], `0 cm` of floors in touch", "5 cm")),
     "stiffness": (
         Annotated[Any, LINK_STIFFNESS] | None,
@@ -175,18 +175,13 @@ def law_keys(laws: dict[str, Any]) -> dict[str, tuple[Any, Any]]:
 
 
 def _link_model(name: str, law: Any) -> Any:
-    fields: dict[str, Any] = {n: _SHARED[n] for n in SHARED if n in keys_of(law)}
+    fields: dict[str, Any] = {n: SHARED_KEYS[n] for n in SHARED if n in keys_of(law)}
     for n, declared in own(law).items():
         default = law.parameters()[n].default
         kind = _kind(law, n, declared, ())
         fields[n] = kind, key(... if not isinstance(default, str | float | int) else default, declared.words)
     about = (law.__doc__ or name).strip().split("\n\n")[0]
     return create_model(f"Link_{name}".replace("-", "_"), __base__=Link, __doc__=about, **fields)
-
-
-def link_keys() -> dict[str, tuple[Any, Any]]:
-    """Type and default of all keys that links of any law take, as `create_model` takes them."""
-    return {**_SHARED, **law_keys(link_laws())}
 
 
 class NoLink(Link):
@@ -199,7 +194,7 @@ class NoLink(Link):
 def link_models() -> dict[str, Any]:
     """The model of every law by name; FORMULA stands for a law of the study's own."""
     found = {name: _link_model(name, law) for name, law in link_laws().items()}
-    fields: Any = {"gap": _SHARED["gap"]}
+    fields: Any = {"gap": SHARED_KEYS["gap"]}
     formula = create_model("Link_formula", __base__=Link, __doc__="A law of the study's own (`laws`).", **fields)
     return {**found, "none": NoLink, FORMULA: formula}
 

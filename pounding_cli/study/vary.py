@@ -11,9 +11,18 @@ import numpy as np
 
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
-from pounding_cli.study.axes import can_vary, in_unit, read_number, same, sweep_maps, unit_of
-from pounding_cli.study.file import Items, Map, Mark, Problems, nearest
-from pounding_cli.study.quantity import LINK_STIFFNESS, Quantity, Storey, lacks_unit, said_place
+from pounding_cli.study.axes import (
+    can_vary,
+    in_unit,
+    read_numbers,
+    refuse_bare,
+    refuse_unknown,
+    same,
+    sweep_maps,
+    unit_of,
+)
+from pounding_cli.study.file import Items, Map, Mark, Problems
+from pounding_cli.study.quantity import Quantity, Storey, said_place
 from pounding_cli.study.words import quantity_at
 
 MOTION = "motion"
@@ -214,12 +223,9 @@ def _together(factors: list[Factor], problems: Problems) -> list[Factor]:
         return factors
     first, *others = factors
     for other in others:
-        if MOTION in (other.key, first.key):
-            problems.add(other.mark, "the motion moves by itself", "write `- motion: ...` as an entry of its own")
-            return []
-        if other.options != first.options:
-            what = f"keys that move together need as many options each: {first.key} has {first.options or 'a range'}"
-            problems.add(other.mark, f"{what}, {other.key} {other.options or 'a range'}", "give as many of each")
+        if MOTION in (other.key, first.key) or other.options != first.options:
+            what = "keys that move together need as many options each, or a range each; the motion moves by itself"
+            problems.add(other.mark, what, "give as many of each, or write an entry of its own, `- motion: ...`")
             return []
     return [replace(first, together=tuple(others))]
 
@@ -234,67 +240,66 @@ def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False) -
         node = Map({"uniform": node}, at, {"uniform": (at, at)})
     name = next(iter(node)) if isinstance(node, Map) and len(node) == 1 else ""
     if name not in EXAMPLES:
-        what = f"has no distribution '{name}'" if name else "takes one distribution"
-        hint = f"write one of {', '.join(EXAMPLES)}, e.g. `{key}: {EXAMPLES['uniform']}`"
-        if is_range:
-            what, hint = "takes a range or a choice", f"write `{key}: {RANGE}` or `{key}: {EXAMPLES[CHOICE]}`"
-        problems.add(node.marks[name][0] if name else at, f"'{key}' {what}", hint)
+        known = f"{RANGE} or {EXAMPLES[CHOICE]}" if is_range else f"one distribution: {', '.join(EXAMPLES)}"
+        place, example = node.marks[name][0] if name else at, EXAMPLES[CHOICE if is_range else "uniform"]
+        problems.add(place, f"'{key}' takes {known}", f"write e.g. `{key}: {example}`")
         return []
-    at, below, before = node.marks[name][1], node[name], len(problems.found)
+    below, at = node[name], node.marks[name][1]
     if name == CHOICE:
-        _check_choice(key, below, at, quantity, problems)
-    elif quantity is None:
+        return _chosen(key, mark, below, at, quantity, problems)
+    if quantity is None:
         hint = f"write the values to choose from: `{key}: {{choice: [...]}}`"
         problems.add(at, f"'{key}' takes no number that could be drawn from a range", hint)
-    else:
-        example = f"write `{key}: {RANGE if is_range else EXAMPLES[name]}`"
-        drawn = _distribution(key, name, below, at, quantity, problems, example)
+        return []
+    example = f"write `{key}: {RANGE if is_range else EXAMPLES[name]}`"
+    drawn = _distribution(key, name, below, at, quantity, problems, example)
+    if drawn is None:
+        return []
+    unit = unit_of(list(below.values()), quantity) if drawn.storey is None else Unit(str(drawn.storey)[2:])
+    return [Factor(key, mark, unit, drawn=drawn, quantity=quantity, spacing=below.get("spacing", "linear"))]
+
+
+def _chosen(
+    key: str, mark: Mark, options: Any, at: Mark, quantity: Quantity | None, problems: Problems
+) -> list[Factor]:
+    """A key that takes one of some values; none where something is wrong, which is noted."""
+    before = len(problems.found)
+    if not isinstance(options, Items) or len(options) < 2:
+        what = f"'{key}': a choice is a list of two values or more"
+        problems.add(at, what, f"write `{key}: {EXAMPLES[CHOICE]}`")
+        return []
+    alike = [same(option, quantity) for option in options]
+    for number, place in enumerate(options.marks):
+        if (first := alike.index(alike[number])) != number:
+            what = f"'{key}': {options[number]} and {options[first]} are one value"
+            problems.add(place, what, "remove one of the two")
+    if quantity is not None:
+        refuse_bare([(*each, quantity) for each in zip(options, options.marks, strict=True)], problems)
     if len(problems.found) > before:
         return []
-    if name == CHOICE:
-        return [Factor(key, mark, unit_of(below, quantity), len(below), tuple(below), quantity=quantity)]
-    assert drawn is not None
-    unit, storey = unit_of(list(below.values()), quantity), drawn.storey
-    if storey is not None:
-        unit = Unit(str(storey).removeprefix("1 "))
-    spacing = ("log" if drawn.is_log else "linear") if is_range else ""
-    return [Factor(key, mark, unit, drawn=drawn, quantity=quantity, spacing=spacing)]
-
-
-def _check_choice(key: str, options: Any, at: Mark, quantity: Quantity | None, problems: Problems) -> None:
-    """Note what is wrong with a list of values to choose from."""
-    if not isinstance(options, Items) or len(options) < 2:
-        what, hint = f"'{key}': a choice is a list of two values or more", f"write `{key}: {EXAMPLES[CHOICE]}`"
-        problems.add(at, what, hint)
-        return
-    seen: dict[Any, Any] = {}
-    for option, mark in zip(options, options.marks, strict=True):
-        alike = same(option, quantity)
-        if alike in seen:
-            problems.add(mark, f"'{key}': {option} and {seen[alike]} are one value", "remove one of the two")
-        elif quantity is not None and lacks_unit(option, quantity):
-            problems.add(mark, f"'{key}': {option} has no unit", f"write its unit too, e.g. {quantity.example}")
-        seen.setdefault(alike, option)
+    return [Factor(key, mark, unit_of(options, quantity), len(options), tuple(options), quantity=quantity)]
 
 
 def _distribution(
     key: str, name: str, node: Any, at: Mark, quantity: Quantity, problems: Problems, example: str
 ) -> Distribution | None:
-    """A distribution, or a range as the uniform one; None, or noted, where something is wrong."""
-    before, known = len(problems.found), (*NEEDED[name], *_MORE[name])
-    missing = [word for word in NEEDED[name] if not isinstance(node, Map) or word not in node]
-    for word in node if isinstance(node, Map) else ():
-        if word not in known:
-            problems.add(node.marks[word][0], f"unknown key '{word}' of {name}", nearest(word, known))
-            missing = []
-    if missing:
-        problems.add(at, f"'{key}' lacks '{missing[0]}'", example)
-    elif node.get("spacing", "linear") not in ("linear", "log"):
-        problems.add(node.marks["spacing"][1], f"spacing: '{node['spacing']}' is not known", "write linear or log")
+    """A distribution, or a range as the uniform one; None where something is wrong, which is noted."""
+    before, needed, spacing = len(problems.found), NEEDED[name], ""
+    missing = [word for word in needed if not isinstance(node, Map) or word not in node]
+    if isinstance(node, Map):
+        refuse_unknown(node, (*needed, *_MORE[name]), f"{name}", problems)
+        spacing = node.get("spacing", "linear")
     if len(problems.found) > before:
         return None
-    read = {word: _number(key, word, node, quantity, problems) for word in node if word != "spacing"}
-    if any(value is None for value in read.values()):
+    if missing:
+        problems.add(at, f"'{key}' lacks '{missing[0]}'", example)
+        return None
+    if spacing not in ("linear", "log"):
+        problems.add(node.marks["spacing"][1], f"spacing: '{spacing}' is not known", "write linear or log")
+    own = quantity.but(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
+    kinds = {"sd": own, "spread": Quantity("spread", "", "0.2", 0.0, open_low=True)}
+    read = read_numbers(node, {word: kinds.get(word, quantity) for word in node if word != "spacing"}, problems)
+    if read is None or len(problems.found) > before:
         return None
     storey, *others = {_base(value): None for word, value in read.items() if word != "spread"}
     if others:
@@ -302,31 +307,15 @@ def _distribution(
         problems.add(at, f"'{key}': {', '.join(map(str, node.values()))} are not multiples of the same", hint)
         return None
     fields = {word: value.factor if isinstance(value, Storey) else value for word, value in read.items()}
-    found = Distribution(name, fields, node.get("spacing") == "log", storey)
+    found = Distribution(name, fields, spacing == "log", storey)
     for word, message, hint in _wrong(key, found, quantity if storey is None else _MULTIPLE):
         problems.add(node.marks[word][1] if word in node else at, message, hint)
-    return found
+    return found if len(problems.found) == before else None
 
 
 def _base(value: Any) -> Storey | None:
     """The storey whose stiffness a value is a multiple of."""
     return replace(value, factor=1.0) if isinstance(value, Storey) else None
-
-
-def _number(key: str, word: str, node: Map, quantity: Quantity, problems: Problems) -> Any:
-    """A field in SI, or a multiple of a storey's stiffness; None where it is wrong, which is noted."""
-    kind, mark, given = quantity, node.marks[word][1], node[word]
-    if word == "sd":
-        is_multiple = isinstance(given, str) and "stor" in given
-        own = Quantity("standard deviation", kind.si, kind.example, 0.0, open_low=True)
-        kind = LINK_STIFFNESS if is_multiple else own
-    elif word == "spread":
-        kind = Quantity("spread", "", "0.2", 0.0, open_low=True)
-    if lacks_unit(given, kind):
-        hint = f"write its unit too, e.g. {quantity.example}; without one it would be {given} {kind.si}"
-        problems.add(mark, f"'{key}': {given} has no unit", hint)
-        return None
-    return read_number(kind, given, mark, problems)
 
 
 def _wrong(key: str, drawn: Distribution, quantity: Quantity) -> Iterator[tuple[str, str, str]]:

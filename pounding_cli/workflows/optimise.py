@@ -16,7 +16,7 @@ import pandas as pd
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.reading import shortened
 from pounding_cli.results.dataset import dataset
-from pounding_cli.results.flags import counts_of_flags, parted
+from pounding_cli.results.flags import is_void, parted
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
@@ -228,8 +228,8 @@ class _Solved:
     @cached_property
     def is_void(self) -> np.ndarray:
         """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
-        meaningless = counts_of_flags(self.one["flags"].values)["records_meaningless"]
-        return np.asarray((self.by_point(meaningless) > 0).any(axis=0))
+        void = np.vectorize(is_void, otypes=[bool])(self.one["flags"].values)
+        return np.asarray(self.by_point(void.any(axis=-1)).any(axis=0))
 
     @cached_property
     def _sought(self) -> np.ndarray:

@@ -74,7 +74,7 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
 
 def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     asked = ["--quantity", "mu_ratio", "--case", "touching", "--building", "soft", "--where", "storey=2"]
-    assert pound("report", made / "swept.h5", "-q", "--format", "svg", "--no-page", "-o", "asked", *asked)[0] == 0
+    assert pound("report", made / "swept.h5", "-q", "--format", "svg", "-o", "asked", *asked)[0] == 0
     drawn = Path("asked/soft-mu_ratio-sweep.svg").read_text(encoding="utf-8")
     for words in (">restitution<", "impact.restitution"):  # in words, and the key in small
         assert words in drawn
@@ -95,7 +95,6 @@ def test_keys_that_move_together_are_fixed_together(folder, pound):
         "-q",
         "--format",
         "svg",
-        "--no-page",
         "--quantity",
         "drift",
         "--where",
@@ -119,7 +118,7 @@ def test_what_cannot_be_drawn_is_refused(made, folder, pound, arguments, message
     """Nothing is written; where one of several files is bad, neither."""
     name, *options = arguments
     for files in ([made / name], [made / "two.h5", made / name]) if not options else ([made / name],):
-        code, out, err = pound("report", *files, *options, "-q", "--no-page", "--format", "svg", "-o", "out")
+        code, out, err = pound("report", *files, *options, "-q", "--format", "svg", "-o", "out")
         assert (code, out) == (2, "")
         assert message in err
         assert "Traceback" not in err

@@ -38,7 +38,7 @@ def test_figures_for_a_paper_are_vectors_without_title_and_caption(solved, folde
 
 
 def test_figures_have_their_title_and_caption_otherwise(solved, folder):
-    solved("-o", "usual", "--format", "svg", "--no-page")
+    solved("-o", "usual", "--format", "svg")
     text = (folder / "usual" / "soft-sweep.svg").read_text()
     assert TITLE in text
     assert "cases.gap.gap" in text

@@ -93,7 +93,7 @@ def test_json_lines_and_nothing_else(folder, pound):
     code, out, err = pound("run", "two.yaml", "--log-json")
     assert (code, err) == (1, "")
     lines = [json.loads(line) for line in out.splitlines()]
-    assert [line["event"] for line in lines if line["event"] != "progress"] == ["start", "stop", *["failed"] * 4, "end"]
+    assert [line["event"] for line in lines if line["event"] != "progress"] == ["start", *["failed"] * 4, "end"]
     assert {line["scene"] for line in lines if line["event"] == "failed"} >= {"gap, elastic, taft"}
     end = lines[-1]
     assert (end["done"], end["failed"], end["reused"]) == (4, 4, 0)

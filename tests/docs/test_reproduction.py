@@ -25,7 +25,7 @@ def judged(request, tmp_path_factory) -> tuple[str, dict[str, str], pounding_cli
         study = (ROOT / "configs" / f"{request.param}.yaml").read_text(encoding="utf-8")
         (folder / "study.yaml").write_text(re.sub(r"^estimate:.*$", "", study, flags=re.MULTILINE) + "estimate: none\n")
         results = pounding_cli.run(folder / "study.yaml", folder / "r.h5", engine="serial")
-    words = ["report", str(results.path), "-o", str(folder / "out"), "--no-figures", "--no-page"]
+    words = ["report", str(results.path), "-o", str(folder / "out"), "--no-figures"]
     said = CliRunner().invoke(cli, words, catch_exceptions=False).output
     return request.param, dict(re.findall(r"^  ([a-z-]+) {2,}(.+)$", said, re.MULTILINE)), results
 

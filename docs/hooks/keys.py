@@ -1,53 +1,22 @@
-"""Every key of a study file as tables for reading: what it takes, its default, what it is; from the schema alone."""
+"""The keys of a study as tables for reading, from the schema alone: what each takes, its default, what it is."""
 
 from __future__ import annotations
 
-import inspect
 import typing
 from collections.abc import Iterator
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, create_model
 
-from pounding_cli.study.laws import Link, link_keys
+from pounding_cli.laws import link_laws
+from pounding_cli.study.laws import SHARED_KEYS, Link, law_keys
 from pounding_cli.study.models import Case
 from pounding_cli.study.quantity import Read
-from pounding_cli.study.schema import Study
 from pounding_cli.study.words import fields_of, leaves
 
-_LINK_KEYS: Any = link_keys()
+_LINK_KEYS: Any = {**SHARED_KEYS, **law_keys(link_laws())}
 _AllLinks = create_model("_AllLinks", __base__=Link, **_LINK_KEYS)
 _WORDS = {str: "text", int: "whole number", bool: "`true`, `false`", float: "number", Any: "mapping or list"}
-
-
-def key_tables() -> str:
-    """All tables under their headings, as Markdown."""
-    parts = []
-    for path, model in sections("", Study, set()):
-        heading = f"`{path}`" if path else "The file"
-        parts += [f"## {heading}", inspect.getdoc(model) or "", "\n".join(table(model))]
-    return "\n\n".join(parts)
-
-
-def sections(path: str, model: type[BaseModel], seen: set[Any]) -> Iterator[tuple[str, type[BaseModel]]]:
-    """A mapping and those below it, each once, with the dotted path it is first met at; "" for the file."""
-    seen.add(model)
-    yield path, model
-    for name, (hint, _) in fields_of(model).items():
-        for where, below in _models(f"{path}.{name}".lstrip("."), hint):
-            if below not in seen and not issubclass(below, Link):
-                yield from sections(where, below, seen)
-
-
-def _models(path: str, hint: Any) -> Iterator[tuple[str, type[BaseModel]]]:
-    """The mappings that may stand at a path; names that are free are written NAME."""
-    for kind in leaves(hint):
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            yield path, kind
-        elif get_origin(kind) is tuple:
-            yield from _models(path, get_args(kind)[0])
-        elif get_origin(kind) is dict:
-            yield from _models(f"{path}.NAME", get_args(kind)[1])
 
 
 def table(model: type[BaseModel]) -> list[str]:
