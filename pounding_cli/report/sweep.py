@@ -5,8 +5,8 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,14 +17,13 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
 from pounding_cli.report.figures import RESPONSES as PANELS
 from pounding_cli.report.figures import framed
-from pounding_cli.report.style import finish, key_words, looks, name_axis, styled
+from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.report.table import column_of, digits
 from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.variables import RESPONSES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
     from pounding_cli.results.results import Results
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
 WORST = "worst"
 """What is said in place of a case or building for the largest over all of them."""
-MOST_CASES, MOST_BUILDINGS = 12, 6
+MOST_CASES, MOST_BUILDINGS = 6, 6
 """Cases of one figure, and buildings that get one of their own; further ones are drawn when asked for."""
 LARGE_RANGE = 20.0
 """Largest over smallest value above which an axis, or the colours of a map, are logarithmic."""
@@ -41,60 +40,44 @@ MOST_TICKS = 12
 COLOURS = "viridis"  # equal steps of a number are equal steps to the eye, also printed in grey
 
 
-@dataclass(frozen=True, eq=False)
-class SweptAxis:
+class SweptAxis(NamedTuple):
     """One axis of a sweep.
 
     keys : the swept keys; more than one where they move together
     points : one tuple a point, as long as `keys`: SI numbers or texts, as in the tables
     units : per key the unit the study wrote it in
+    coordinates : where the points stand: the first key's numbers in its unit; 1, 2, ... for texts
+    names : the points as ticks, without units: "5"; of keys that move together all values
     """
 
     keys: tuple[str, ...]
-    points: tuple[tuple[Any, ...], ...]
-    units: tuple[Unit, ...]
-
-    def __len__(self) -> int:
-        return len(self.points)
+    points: list[tuple[Any, ...]]
+    units: list[Unit]
+    coordinates: np.ndarray
+    names: list[str]
 
     @property
     def numeric(self) -> bool:
         """Whether the points stand on a scale: the first key's values are numbers."""
         return not any(isinstance(point[0], str) for point in self.points)
 
-    @property
-    def words(self) -> str:
-        """What the keys are, with their units, and the keys in brackets."""
-        named = zip(self.keys, self.units, strict=True)
-        return ", ".join(f"{unit.label(key_words(key))} ({key})" for key, unit in named)
-
-    @cached_property
-    def coordinates(self) -> np.ndarray:
-        """Where the points stand: the first key's numbers in its unit; 1, 2, ... for texts."""
-        if not self.numeric:
-            return np.arange(1.0, len(self) + 1)
-        return np.array([self.units[0].number(float(point[0])) for point in self.points])
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """The points as ticks, without units: "5"; of keys that move together all values."""
-        bare = [Unit("", unit.factor) for unit in self.units]
-        return tuple(", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in self.points)
-
-    def number(self, given: Mapping[str, Any]) -> int:
-        """Of the point where some keys have given values.  Raises InputError: there is none."""
-        for number, values in enumerate(self.points):
-            if given.items() <= dict(zip(self.keys, values, strict=True)).items():
-                return number
-        raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
+    def take(self, numbers: Sequence[int]) -> SweptAxis:
+        """Some of its points, in this order."""
+        points, names = [self.points[n] for n in numbers], [self.names[n] for n in numbers]
+        return SweptAxis(self.keys, points, self.units, self.coordinates[list(numbers)], names)
 
 
-def swept_axes(results: Results) -> tuple[SweptAxis, ...]:
+def swept_axes(results: Results) -> list[SweptAxis]:
     """The axes of a results file in the order of the study; none where nothing is swept."""
-    return tuple(
-        SweptAxis(tuple(keys), tuple(points_of(results, keys)), tuple(results.units[key] for key in keys))
-        for keys in results.swept
-    )
+    found = []
+    for keys in results.swept:
+        points, units = points_of(results, keys), [results.units[key] for key in keys]
+        bare = [Unit("", unit.factor) for unit in units]
+        names = [", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in points]
+        is_text = any(isinstance(point[0], str) for point in points)
+        numbers = [n + 1.0 if is_text else units[0].number(float(point[0])) for n, point in enumerate(points)]
+        found.append(SweptAxis(tuple(keys), points, units, np.array(numbers), names))
+    return found
 
 
 # numbers over the sweep
@@ -187,31 +170,29 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
     InputError : something asked for is not there
     """
     asked, every = asked or Asked(), swept_axes(results)
-    free = [axis for axis in every if len(axis) > 1 and asked.at.keys().isdisjoint(axis.keys)]
-    axes = sorted(sorted(free, key=len, reverse=True)[:2], key=len)
-    if not axes:
-        if asked.quantities:
-            hint = "leave --quantity out, or one of the swept keys free"
-            raise InputError(Problem(f"no swept key is left to draw {asked.quantities[0]} over", hint))
-        return []
-    index: dict[str, Any] = {axis.keys[0]: np.argsort(axis.coordinates, kind="stable") for axis in axes}
-    cut = dict[str, str]()
-    for axis in (axis for axis in every if axis not in axes):
-        given = {key: asked.at[key] for key in axis.keys if key in asked.at}
-        number = axis.number(given or {key: shown.point[key] for key in axis.keys})
-        index[axis.keys[0]] = number
-        cut |= {key: results.value_label(key, v) for key, v in zip(axis.keys, axis.points[number], strict=True)}
-    drawn = [SweptAxis(axis.keys, tuple(axis.points[n] for n in index[axis.keys[0]]), axis.units) for axis in axes]
+    free = [axis for axis in every if len(axis.points) > 1 and asked.at.keys().isdisjoint(axis.keys)]
+    free = sorted(sorted(free, key=lambda axis: -len(axis.points))[:2], key=lambda axis: len(axis.points))
+    if asked.quantities and not free:
+        hint = "leave --quantity out, or one of the swept keys free"
+        raise InputError(Problem(f"no swept key is left to draw {asked.quantities[0]} over", hint))
+    index: dict[str, Any] = {axis.keys[0]: np.argsort(axis.coordinates, kind="stable").tolist() for axis in free}
+    axes, cut, found = [axis.take(index[axis.keys[0]]) for axis in free], dict[str, Any](), list[Picture]()
+    for axis in (axis for axis in every if axis.keys[0] not in index):
+        given = {key: asked.at[key] for key in axis.keys if key in asked.at} or {k: shown.point[k] for k in axis.keys}
+        points = [dict(zip(axis.keys, point, strict=True)) for point in axis.points]
+        meant = [number for number, point in enumerate(points) if given.items() <= point.items()]
+        if not meant:
+            raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
+        index[axis.keys[0]] = meant[0]
+        cut |= points[meant[0]]
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_curves)
-    found = []
-    for name, building, wanted in _figures(shown, asked):
-        places, panels = {**asked.places, **({"building": building} if building else {})}, list[Any]()
+    for name, building, wanted in _figures(shown, asked) if axes else ():
+        places, panels = dict(asked.places) | ({"building": building} if building else {}), Panels()
         for analysis, quantity in wanted:
-            by_case = _by_case(results, shown, quantity, {**places, "analysis": analysis}, index)
-            panels += [(quantity, analysis, by_case)] if by_case else []
+            if by_case := _by_case(results, shown, quantity, {**places, "analysis": analysis}, index):
+                panels.append((quantity, analysis, by_case))
         if panels:
-            title = f"Over the sweep: {building}: {shown.title}" if building else f"Over the sweep: {shown.title}"
-            drawing = partial(draw, shown, building, title, drawn, panels, _said(shown, places, cut))
+            drawing = partial(draw, shown, building, axes, panels, _said(shown, places, cut))
             text, heading = "Means over the motions at their largest place, case by case.", name.replace("-", ", ")
             found.append(Picture(f"{name}-{kind}", f"{heading}: over the sweep", text, drawing, kind == "map"))
     return found
@@ -243,124 +224,111 @@ def _by_case(
     return found
 
 
-def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, str]) -> str:
+def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any]) -> str:
     """What is drawn, in a sentence without its full stop."""
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
+    where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
     what = f"Mean over the {counted(len(shown.records), 'motion')}, at the place where it is largest"
-    others = [f"{key} = {value}" for key, value in cut.items()]
-    return "; ".join([f"{motion_sentence(shown.records)} {what}", *where, *others])
+    return "; ".join([f"{motion_sentence(shown.records)} {what}", *where])
 
 
-def _marks(panels: Panels, mark: str) -> str:
-    """What a mark of numbers without meaning says, in a sentence; "" where there are none."""
-    void = any(over["void"].any() for *_, by_case in panels for over in by_case.values())
-    return f" {mark}: not meaningful for some motions." if void else ""
+def _finish(figure: Figure, shown: Evidence, building: str, panels: Panels, words: str, mark: str) -> Figure:
+    """Title and caption; `mark` : of numbers without meaning, where there are some."""
+    if any(over["void"].any() for *_, by_case in panels for over in by_case.values()):
+        words += f" {mark}: not meaningful for some motions."
+    finish(figure, ": ".join(filter(None, ("Over the sweep", building, shown.title))), words)
+    return figure
 
 
-def _set_axis(ax: Axes, side: str, axis: SweptAxis, names: Sequence[str], room: int = 80) -> None:
-    """Title of one side of a panel, and its ticks: `names` at 1, 2, ..., every so many where there are too many."""
+def _set_axis(ax: Axes, side: str, axis: SweptAxis, width: int, room: int = 80) -> None:
+    """Title of one side of a panel, and its ticks at 1, 2, ..., every so many where there are too many.
+
+    width, room : characters in a line of a tick, and of the title
+    """
+    step = -(-len(axis.names) // MOST_TICKS)
+    names = [textwrap.fill(name, width) for name in axis.names[::step]] if width else []
     if names:
-        step = -(-len(names) // MOST_TICKS)
-        ax.set(**{f"{side}ticks": range(1, len(names) + 1, step), f"{side}ticklabels": names[::step]})
+        ax.set(**{f"{side}ticks": range(1, len(axis.names) + 1, step), f"{side}ticklabels": names})
     name_axis(ax, side, axis.keys, axis.units, room=room)
 
 
 @styled
-def draw_curves(
-    shown: Evidence, building: str, title: str, axes: Sequence[SweptAxis], panels: Panels, words: str
-) -> Figure:
+def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
     """The swept axis across: the mean over the motions with its spread, a line a case.
 
     building : filled in the drawing of the group; words : what is drawn, for the caption
     """
     cases = list(dict.fromkeys(case for *_, by_case in panels for case in by_case))
     (axis,), look, columns = axes, looks(cases), min(len(panels), 2)
+    x, is_scale = axis.coordinates, axis.numeric
     figure, lines = framed(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
     flat = [ax for line in lines for ax in line]
-    names = [] if axis.numeric else [textwrap.fill(name, max(34 // len(axis), 9)) for name in axis.names]
     for ax, (quantity, analysis, by_case) in zip(flat, panels, strict=False):
         for case, over in by_case.items():
-            x, mean, std, void = axis.coordinates, *(over[name].values for name in ("mean", "std", "void"))
-            how, line = look[case], look[case].line if axis.numeric else "none"
-            if axis.numeric:
+            (mean, std, void), how = (over[name].values for name in ("mean", "std", "void")), look[case]
+            if is_scale:
                 ax.fill_between(x, mean - std, mean + std, color=how.color, alpha=0.13, lw=0, zorder=1.5)
             else:
                 ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=how.color, elinewidth=0.8, capsize=2)
-            size = 5 if len(x) <= 25 else 2.5
+            line, size = how.line if is_scale else "none", 5 if len(x) <= 25 else 2.5
             ax.plot(x, mean, color=how.color, ls=line, marker=how.marker, ms=size, lw=1.6, zorder=2.5)
             ax.plot(x[void], mean[void], how.marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
         ax.set_title(analysis.capitalize(), loc="left")
         ax.set_ylabel(label := column_of(quantity, shown.results.units).head)
         if "₀" in label:  # 1 stands for the building alone
             ax.axhline(1, color="0.35", lw=1.0, zorder=1)
-        _set_axis(ax, "x", axis, names)
-        if axis.numeric and 0 < LARGE_RANGE * axis.coordinates[0] < axis.coordinates[-1]:
+        _set_axis(ax, "x", axis, 0 if is_scale else max(34 // len(x), 9))
+        if is_scale and 0 < LARGE_RANGE * x[0] < x[-1]:
             ax.set_xscale("log")
     for ax in flat[len(panels) :]:
         ax.axis("off")
-    text = f"{words}; bands: one standard deviation either way.{_marks(panels, 'Open grey markers')}"
-    finish(figure, title, text)
-    return figure
+    words = f"{words}; bands: one standard deviation either way."
+    return _finish(figure, shown, building, panels, words, "Open grey markers")
 
 
 @styled
-def draw_maps(
-    shown: Evidence, building: str, title: str, axes: Sequence[SweptAxis], panels: Panels, words: str
-) -> Figure:
-    """One panel for every case of each quantity; its second axis is across. Points are cells of one size.
+def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
+    """A line of panels for each quantity, a panel for each case; the second axis is across. Points are cells of one
+    size, with their numbers where all have room; hatched where they mean nothing.
 
     building : filled in the drawing of the group; words : what is drawn, for the caption
     """
     from matplotlib.cm import ScalarMappable
-
-    columns = min(max(len(by_case) for *_, by_case in panels), 4)
-    lines = [
-        (quantity, analysis, by_case, list(by_case)[start : start + columns])
-        for quantity, analysis, by_case in panels
-        for start in range(0, len(by_case), columns)
-    ]
-    few = max(map(len, axes)) <= MOST_TICKS
-    along, across = (1.4 + 0.34 * max(len(axis), 3) if few else (5.0 if columns == 1 else 3.7) for axis in axes)
-    figure, rows = framed(shown, building, len(lines), columns, (across, along))
-    for row, (quantity, analysis, by_case, cases) in zip(rows, lines, strict=True):
-        norm = _norm(np.concatenate([over["mean"].values.ravel() for over in by_case.values()]))
-        for ax, case in zip(row, cases, strict=False):
-            _map(ax, axes, by_case[case], norm, few)
-            ax.set_title(f"{case}, {analysis}", loc="left")
-            ax.label_outer()
-        for ax in row[len(cases) :]:
-            ax.axis("off")
-        bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=row[: len(cases)], pad=0.02, aspect=18)
-        bar.set_label(column_of(quantity, shown.results.units).head)
-    finish(figure, title, f"{words}. Grey: no number.{_marks(panels, 'Hatched')}")
-    return figure
-
-
-def _norm(values: np.ndarray) -> Normalize:
-    """The colour scale of all panels of a quantity."""
     from matplotlib.colors import LogNorm, Normalize
 
-    low, high = np.nanmin(values), np.nanmax(values)
-    if low > 0 and high > LARGE_RANGE * low:
-        return LogNorm(low, high)
-    return Normalize(low, high if high > low else low + 1e-3 * max(abs(low), 1.0))
+    columns, sizes = max(len(by_case) for *_, by_case in panels), [len(axis.points) for axis in axes]
+    few = max(sizes) <= MOST_TICKS
+    along, across = (1.4 + 0.34 * max(size, 3) if few else 3.7 for size in sizes)
+    figure, lines = framed(shown, building, len(panels), columns, (across, along))
+    for line, (quantity, analysis, by_case) in zip(lines, panels, strict=True):
+        values = np.concatenate([over["mean"].values.ravel() for over in by_case.values()])
+        low, high = np.nanmin(values), np.nanmax(values)
+        scaled: Any = LogNorm if 0 < LARGE_RANGE * low < high else Normalize
+        colours = ScalarMappable(scaled(low, high if high > low else low + 1e-3 * max(abs(low), 1.0)), COLOURS)
+        for ax, (case, over) in zip(line, by_case.items(), strict=False):
+            _map(ax, over, colours, few)
+            _set_axis(ax, "x", axes[1], 9)
+            _set_axis(ax, "y", axes[0], 12, room=24)
+            ax.set_title(f"{case}, {analysis}", loc="left")
+            ax.label_outer()
+        for ax in line[len(by_case) :]:
+            ax.axis("off")
+        bar = figure.colorbar(colours, ax=line[: len(by_case)], pad=0.02, aspect=18)
+        bar.set_label(column_of(quantity, shown.results.units).head)
+    return _finish(figure, shown, building, panels, f"{words}. Grey: no number.", "Hatched")
 
 
-def _map(ax: Axes, axes: Sequence[SweptAxis], over: xr.Dataset, norm: Normalize, few: bool) -> None:
-    """The map of one case: colours, hatched where they mean nothing; numbers in their cells where all have room."""
-    from matplotlib import colormaps
-
+def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
+    """The map of one case; `few` : whether its cells have room for their numbers."""
     mean, void = over["mean"].values, over["void"].values
-    y, x = (np.arange(1, len(axis) + 1) for axis in axes)
+    y, x = (np.arange(1, size + 1) for size in mean.shape)
     ax.grid(False)
     ax.set_facecolor("0.87")
-    _set_axis(ax, "x", axes[1], [textwrap.fill(name, 9) for name in axes[1].names])
-    _set_axis(ax, "y", axes[0], [textwrap.fill(name, 12) for name in axes[0].names], room=24)
-    ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=norm, cmap=COLOURS, shading="nearest", rasterized=True)
+    ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=colours.norm, cmap=COLOURS, shading="nearest", rasterized=True)
     ax.pcolor(x, y, np.ma.masked_equal(void, False), shading="nearest", hatch="//", alpha=0)
     for row, column in np.argwhere(np.isfinite(mean)) if few else ():
-        colour = colormaps[COLOURS](norm(mean[row, column]))
-        ink = "white" if float(np.dot(colour[:3], (0.299, 0.587, 0.114))) < 0.5 else "black"
+        colour = colours.to_rgba(mean[row, column])
+        ink = "white" if np.dot(colour[:3], (0.299, 0.587, 0.114)) < 0.5 else "black"
         box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
         text = digits(float(mean[row, column]), 3)
         ax.text(x[column], y[row], text, ha="center", va="center", fontsize=7, color=ink, bbox=box)

@@ -13,7 +13,8 @@ import xarray as xr
 from pounding_cli.laws import drawn
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
 from pounding_cli.report.figures import by_floor
-from pounding_cli.report.sweep import meaningless, swept_axes
+from pounding_cli.report.style import key_words
+from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
 from pounding_cli.report.table import column_of
 from pounding_cli.variables import RESPONSES
 
@@ -54,7 +55,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
     return {
         "axes": [
             {
-                "label": axis.words, "numeric": axis.numeric, "names": axis.names,
+                "label": axis_words(axis), "numeric": axis.numeric, "names": axis.names,
                 "values": [rounded(value) for value in axis.coordinates.tolist()],
             }
             for axis in axes
@@ -63,8 +64,13 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
         "cases": data["case"].values.tolist(), "analyses": shown.analyses,
         "motions": [MEAN, *(motions if whole and len(motions) > 1 else [])], "void": void.values.ravel().tolist(),
         "cut": cut, "heights": whole, "building": shown.main,
-        "point": [axis.number({key: shown.point[key] for key in axis.keys}) for axis in axes],
+        "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
     }  # fmt: skip
+
+
+def axis_words(axis: SweptAxis) -> str:
+    """What the keys of an axis are, with their units, and the keys in brackets."""
+    return ", ".join(f"{u.label(key_words(key))} ({key})" for key, u in zip(axis.keys, axis.units, strict=True))
 
 
 def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], results: Results) -> dict[str, Any]:
