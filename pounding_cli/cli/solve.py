@@ -195,8 +195,6 @@ def _points(name: str, about: str, example: str) -> click.Command:
         file = file if file.suffix else file.with_suffix(".h5")
         check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
         check_folder(file.with_suffix(""))
-        for warning in sweep.warnings:
-            click.echo(f"warning: {warning}", err=True)
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
             points = [solved(sweep, point) for point in waiting]
         report, files = write(sweep, points, file)
@@ -272,7 +270,6 @@ def accuracy(
 
 def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subject]:
     """The linked scenes of the study's first point, each once.  Raises `InputError` for names that it does not have."""
-    from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import expand
 
     plan = expand(study)
@@ -280,7 +277,7 @@ def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subjec
         for name in set(wanted) - set(known):
             raise InputError(Problem(f"the study has no {what} {name}", f"write one of {', '.join(known)}"))
     return [
-        Subject(row.case, row.analysis, row.record, plan.scene(row.scene))
+        ({"case": row.case, "analysis": row.analysis, "record": row.record}, plan.scene(row.scene))
         for row in map(plan.row, range(math.prod(plan.shape[-3:])))
         if row.case in (cases or plan.cases) and row.record in (records or plan.records)
     ]

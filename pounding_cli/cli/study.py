@@ -78,8 +78,6 @@ def check(study: Path) -> None:
     name, kind = shortened(study), kind_of_file(study)
     if kind in QUESTIONS:
         sweep = load(study, kind)
-        for warning in sweep.warnings:
-            click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
@@ -145,7 +143,7 @@ def _lines(plan: Plan) -> list[str]:
         lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
     if found.looked_at < 1:
         lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
-    lines.append("meetings (at the first point of the sweep)" if any(study.touching("buildings")) else "meetings")
+    lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]
     lines += _isolators(group, study.unit("gap"))

@@ -20,7 +20,7 @@ from typing import Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.motion import GRAVITY, Motion, arias
-from pounding_cli.records.reading import read_motion
+from pounding_cli.records.reading import read_file
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def find(name: str) -> Motion:
     Raises `InputError` for an unknown name (with the nearest) or a file that cannot be read.
     """
     path, source, options = locate(name)
-    return read_motion(path, name=name, source=source, **options)
+    return read_file(path, name=name, source=source, **options).motion
 
 
 def keep(name: str, motion: Motion, origin: Path) -> Path:

@@ -4,26 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from pounding_cli.records import columns, formats
+from pounding_cli.records.formats import COLUMNS, NETWORKS, read_columns
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.text import Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
 
-_NETWORKS = {
-    "at2": formats.at2,
-    "cosmos": formats.cosmos,
-    "csmip": formats.csmip,
-    "smc": formats.smc,
-    "knet": formats.knet,
-    "esm": formats.esm,
-}
-
-FORMATS = (*_NETWORKS, *columns.FORMATS)
-"""The formats, as users name them; the plain ones need not state a unit: g is taken."""
+FORMATS = (*NETWORKS, *COLUMNS)
+"""The formats, as users name them."""
 
 _STRONGEST = 5.0 * GRAVITY
 # The strongest ground accelerations ever recorded lie between 3 and 5 g; above that the unit is wrong.
@@ -44,11 +34,6 @@ class Reading:
     words: str
     heading: str = ""
     stated: str = ""
-
-
-def read_motion(path: str | Path, **options: Any) -> Motion:
-    """The motion of a text file; arguments and errors as `read_file`."""
-    return read_file(path, **options).motion
 
 
 def read_file(
@@ -98,13 +83,13 @@ def read_file(
 
 def _samples(text: Text, format: str | None) -> tuple[str, Samples]:
     """The format of a file and what it holds; raises `InputError` for channels and columns that it does not have."""
-    tried = ((name, read(text)) for name, read in _NETWORKS.items() if format in (None, name))
+    tried = ((name, read(text)) for name, read in NETWORKS.items() if format in (None, name))
     kind, found = next(((name, found) for name, found in tried if found), ("", None))
-    if found is None and format not in (None, *columns.FORMATS):
+    if found is None and format not in (None, *COLUMNS):
         hint = f"leave 'format' out, or write one of {', '.join(FORMATS)}"
         raise text.refuse(f"its first lines are not those of a file of format '{format}'", hint, 1)
     if found is None:
-        kind, found = columns.read_columns(text, format)
+        kind, found = read_columns(text, format)
     for given, what, kinds in ((text.channel, "channel", ("cosmos", "csmip")), (text.column, "column", ("table",))):
         if given is not None and kind not in kinds:
             raise text.refuse(f"a file of format '{kind}' has no {what}s to choose from", f"leave '{what}' out")
@@ -118,7 +103,7 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
     """
     stated, line = samples.unit, samples.unit_line
     if stated is None:
-        if given is None and kind in _NETWORKS:
+        if given is None and kind in NETWORKS:
             raise text.refuse("the file does not state its unit", "give it: unit: cm/s2, or --unit cm/s2", samples.line)
         unclear = f"'{samples.unclear}' in the file is no unit" if samples.unclear else "the file states no unit"
         return (given, "as given") if given else ("g", f"assumed: {unclear}")
@@ -135,7 +120,7 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
         raise text.refuse(f"the file's unit '{stated}' is none of acceleration", hint, line)
     if given is None or abs((acceleration_unit(given) or 0.0) / factor - 1.0) <= 1e-4:
         return stated, "as the file says"
-    if kind in _NETWORKS:
+    if kind in NETWORKS:
         hint = "leave the unit out, or correct the file's"
         raise text.refuse(f"the unit is given as {given}, but the file says {stated}", hint, line)
     return given, f"as given, although the file says {stated}"

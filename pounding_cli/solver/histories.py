@@ -146,5 +146,5 @@ def _evaluated(run: Prepared) -> History:
         ),
         buildings=names,
         links=tuple(link_label(names, place) for place in link_places(scene.links)),
-        closing=of_links[..., 0] + layout.elements["offset"][layout.of_links],
+        closing=of_links[..., 0] + run.data.elements["offset"][layout.of_links],
     )
