@@ -212,12 +212,6 @@ class Study:
             self.problems.at(self.tree(point), path, str(error), hint)
         return None
 
-    @property
-    def defined(self) -> list[str]:
-        """The names of all building types, sound or not."""
-        buildings = self.root.get("buildings")
-        return list(buildings) if isinstance(buildings, Map) else []
-
     def types(self, point: Point) -> dict[str, Building]:
         """The building types by name, those that are sound."""
         found = ((name, self.type(point, name)) for name in self._buildings(self.base))
@@ -226,12 +220,12 @@ class Study:
     @answer(lambda: ("buildings", "group"))
     def group(self, point: Point) -> build.Group | None:
         """The buildings by place and what meets between them; None where it is not sound."""
-        names, types, defined = self.section(point, "group"), self.types(point), self.defined
-        if names is None or not defined or not build.check_group(names, defined, self.root, self.problems):
+        names, types, defined = self.section(point, "group"), self.types(point), get(self.root, "buildings")
+        if names is None or not defined or not build.check_group(names, list(defined), self.root, self.problems):
             return None
-        if any(name not in types for name in names):
+        if any(name not in types for name in defined):
             return None
-        group = build.Group.of(names, types, defined)
+        group = build.Group.of(names, types)
         return group if build.check_meetings(group, self.root, self.problems) else None
 
     @answer(lambda: ("laws",))
@@ -259,10 +253,8 @@ class Study:
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong with them."""
         case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
-        if case is None or impact is None or laws is None:
+        if case is None or impact is None or laws is None or group is None:
             return None
-        if group is None:  # so that what is wrong with the links is told beside what is wrong with the group
-            group = build.Group((), self.types(point), (), (), self.defined)
         root, key = self.at(point), content(case, group, impact, laws)
         if key is not None and key in self._alike:
             return self._alike[key]
