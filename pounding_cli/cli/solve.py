@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.cli.options import FILE, Time, output_option, quiet_option, study_argument, together
+from pounding_cli.cli.options import FILE, output_option, quiet_option, seconds, study_argument, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted, time_text
 
@@ -233,7 +233,7 @@ def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
 @click.option("--methods", metavar="NAME,...", default="", callback=_names, help="Methods to compare. Default: all.")
 @click.option("--cases", metavar="NAME,...", default="", callback=_names, help="Cases to run. Default: all.")
 @click.option("--records", metavar="NAME,...", default="", callback=_names, help="Motions to use. Default: all.")
-@click.option("--budget", type=Time(), default="60 s", show_default=True, help="Time for the runs, uncompiled.")
+@click.option("--budget", type=seconds, default="60 s", show_default=True, help="Time for the runs, uncompiled.")
 @click.option("-o", "--output", type=FILE, metavar="DIR", help="Folder. Default: results/STUDY-accuracy.")
 @quiet_option
 def accuracy(

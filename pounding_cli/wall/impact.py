@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Any
@@ -12,17 +12,8 @@ import numpy as np
 import scipy.sparse as sp
 import xarray as xr
 from scipy.sparse.linalg import SuperLU, splu
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementQuad0,
-    ElementQuad1,
-    ElementQuad2,
-    ElementVector,
-    FacetBasis,
-    LinearForm,
-    MeshQuad,
-)
+from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshQuad
+from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVector
 from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
@@ -55,15 +46,11 @@ def solve(study: Study) -> xr.Dataset:
     steps = max(10, math.ceil(end / wished - 1e-9))
     history, largest, then, at_peak = list[tuple[float, ...]](), dict[str, Any](), dict[str, Any](), 0.0
     for instant, u in integrate(system, study, steps):
-        now = {
-            "elements": von_mises(system.elements @ u),
-            "cells": von_mises(system.cells @ u),
-            "rows": np.abs(system.resultants @ u).reshape(-1, 2),
-            "members": np.abs(system.members @ u),
-        }
+        now = {name: each @ u for name, each in system.read.items()}
+        now |= {name: von_mises(now[name]) for name in ("elements", "cells")}
         if not history or now["elements"].max() > then["elements"].max():
             then, at_peak = now, instant[0]
-        largest = {name: np.maximum(values, largest.get(name, values)) for name, values in now.items()}
+        largest = {name: np.maximum(np.abs(values), largest.get(name, 0.0)) for name, values in now.items()}
         history.append(instant)
     run = dict(zip(HISTORIES, np.array(history).T, strict=True))
     time, force = run["time"], run["force"]
@@ -79,7 +66,7 @@ def solve(study: Study) -> xr.Dataset:
         notes.append(f"still in contact at {time[-1]:.3g} s: give a later `time.end`")
     if off > 5e-3:
         notes.append("the energy balance is open by more than 0.5 %: give a smaller `time.step`")
-    averaged, (shear, moment) = largest["cells"], largest["rows"].max(axis=0)
+    averaged, (shear, moment) = largest["cells"], largest["rows"].reshape(-1, 2).max(axis=0)
     distance = np.abs(system.cell_height - 0.5 * (low + high))
     found = {
         "peak_force": value("N", "largest contact force", force.max()),
@@ -95,7 +82,7 @@ def solve(study: Study) -> xr.Dataset:
         text = f"largest edge stress of the {name}s"
         found[f"{name}_stress"] = value("N/m2", text, largest["members"][members].max())
         text = f"{text} at the instant of the wall's peak"
-        found[f"{name}_stress_then"] = value("N/m2", text, then["members"][members].max())
+        found[f"{name}_stress_then"] = value("N/m2", text, np.abs(then["members"][members]).max())
     found |= {
         "wall_shear": value("N", "largest shear force in a cross-section of the wall", shear),
         "wall_moment": value("N m", "largest bending moment in a cross-section of the wall", moment),
@@ -215,22 +202,21 @@ class System:
 
     K : stiffness [N/m], sparse (n, n); M : lumped masses [kg], shape (n,), zero where there is none
     p : shares of the contact force [-], shape (n,): p.u is the displacement that works with the force
-    members : edge stresses of beams, then of columns [N/m3], sparse (4 members, n); beams : how many are of beams
-    elements : mean (s_x, s_y, t_xy) of each of the e elements [N/m3], sparse (3 e, n), rows grouped by three
-    cells : the same of square cells at the struck face, of side `averaging_length`; cell_height : of their centres [m]
-    resultants : shear force and moment of each row of elements, mean over its height, sparse (2 r, n)
+    beams : how many of the edge stresses below are of beams; cell_height : of the centres of cells [m]
+    read : sparse (..., n), by name:
+        members : edge stresses of beams, then of columns [N/m3], four a member
+        elements : mean (s_x, s_y, t_xy) of each element [N/m3], rows grouped by three
+        cells : the same of square cells at the struck face, of side `averaging_length`
+        rows : shear force and moment of each row of elements, mean over its height
     """
 
     mesh: MeshQuad
     K: sp.csc_matrix
     M: np.ndarray
     p: np.ndarray
-    members: sp.csr_matrix
     beams: int
-    elements: sp.csr_matrix
-    cells: sp.csr_matrix
     cell_height: np.ndarray
-    resultants: sp.csr_matrix
+    read: dict[str, sp.csr_matrix]
 
 
 def build(study: Study) -> System:
@@ -238,37 +224,28 @@ def build(study: Study) -> System:
     (low, high), floors = study.patch, study.frame.floors
     breaks = sorted({0.0, *floors, low, high})
     breaks = [y for place, y in enumerate(breaks) if place == 0 or y - breaks[place - 1] > 1e-9]
-    x = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0))
     y = _grid_lines(breaks, study, (low, high))
-    mesh = MeshQuad.init_tensor(x, y)
+    mesh = MeshQuad.init_tensor(_grid_lines([0.0, study.wall.length], study, (0.0, 0.0)), y)
     linear = study.mesh.element == "linear"
     basis = Basis(mesh, ElementVector(ElementQuad1() if linear else ElementQuad2()), intorder=2 if linear else 4)
-    wall = basis.N
-    young, nu, thickness = study.concrete.young, study.concrete.poisson, study.wall.thickness
+    wall, thickness = basis.N, study.wall.thickness
+    young, nu = study.concrete.young, study.concrete.poisson
     # Plane stress has the Lame parameters E nu / (1 - nu^2) and E / (2 (1 + nu)).
     elasticity = linear_elasticity(young * nu / (1 - nu**2), young / (2 * (1 + nu)))
     frame, members, mass = _frame(study, basis)
-    total = frame.shape[0]
+    total = mass.size
     stiffness = frame + sp.block_diag([thickness * elasticity.assemble(basis), sp.csr_matrix((total - wall,) * 2)])
     mass[:wall] += study.concrete.density * thickness * LinearForm(lambda v, _: v[0] + v[1]).assemble(basis)
     push = np.zeros(total)
     push[:wall] = _contact(study, basis, mass[:wall])
+    elements, rows = _stresses(study, basis, y)
+    height, share = _cells(study, mesh)
     free = np.setdiff1d(np.arange(total), basis.get_dofs(lambda at: np.abs(at[1]) < 1e-9).all())
     pick = sp.eye_array(total, format="csr")[:, free]
-    elements, resultants = _stresses(study, basis, y)
-    height, share = _cells(study, mesh)
-    return System(
-        mesh,
-        (pick.T @ stiffness @ pick).tocsc(),
-        mass[free],
-        push[free],
-        (members @ pick).tocsr(),
-        4 * len(study.frame.bays) * study.frame.storeys,
-        (elements @ pick[:wall]).tocsr(),
-        (sp.kron(share, sp.eye_array(3)) @ elements @ pick[:wall]).tocsr(),
-        height,
-        (resultants @ pick[:wall]).tocsr(),
-    )
+    read = {"elements": elements, "cells": sp.kron(share, sp.eye_array(3)) @ elements, "rows": rows}
+    read = {name: (each @ pick[:wall]).tocsr() for name, each in read.items()} | {"members": (members @ pick).tocsr()}
+    beams = 4 * len(study.frame.bays) * study.frame.storeys
+    return System(mesh, (pick.T @ stiffness @ pick).tocsc(), mass[free], push[free], beams, height, read)
 
 
 def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) -> np.ndarray:
@@ -288,9 +265,11 @@ def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) 
     return np.array(lines)
 
 
-def _spread(basis: Basis, where: Callable[[np.ndarray], np.ndarray], part: int = 0) -> np.ndarray:
-    """Integrals of the displacements in x (`part` 0) or y (1) over the edges whose middles are at `where` [m]."""
-    facets = basis.mesh.facets_satisfying(where)
+def _spread(basis: Basis, left: float, low: float, high: float, part: int = 0) -> np.ndarray:
+    """Integrals of the displacements in x (`part` 0) or y (1) over the edges with middles at x < `left` between two
+    heights [m]."""
+    x, y = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
+    facets = np.flatnonzero((x < left) & (y > low) & (y < high))
     return LinearForm(lambda v, _: v[part]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
@@ -307,7 +286,7 @@ def _contact(study: Study, basis: Basis, mass: np.ndarray) -> np.ndarray:
         shares = np.zeros(basis.N)
         shares[nodes[np.argmin(np.abs(basis.doflocs[1, nodes] - study.height))]] = 1.0
     else:
-        shares = _spread(basis, lambda at: (np.abs(at[0]) < 1e-9) & (at[1] > low) & (at[1] < high)) / (high - low)
+        shares = _spread(basis, 1e-9, low, high) / (high - low)
     struck = np.flatnonzero(shares)
     beside = basis.element_dofs[:, np.isin(basis.element_dofs, struck).any(axis=0)]
     around = np.setdiff1d(np.intersect1d(beside, horizontal), struck)
@@ -323,47 +302,39 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
     weighted mean of the floor line (a distributing coupling): it carries force and moment into the whole line without
     stiffening it, so it has a limit as the mesh is refined.
     """
-    frame, young, lines, length = study.frame, study.concrete.young, len(study.frame.bays), study.wall.length
-    total = basis.N + 3 * lines * frame.storeys
-    x = length + np.concatenate([[0.0], np.cumsum(frame.bays)])
+    frame, length, lines = study.frame, study.wall.length, len(study.frame.bays)
+    x, y = length + np.concatenate([[0.0], np.cumsum(frame.bays)]), np.append(0.0, frame.floors)
     # Every point of a floor belongs to the nearer end of its beam; the wall's own length to the wall.
     tributary = np.convolve(np.diff(x), [0.5, 0.5])
     tributary[0] += length
-    floor_mass, mass = frame.floor_mass * tributary / x[-1], np.zeros(total)
-    stiffness, stresses = sp.csr_matrix((total, total)), []
-
-    def at_column(line: int, floor: int) -> sp.csr_matrix:
-        """Motion of a joint, which is fixed below the first floor, from all displacements; shape (3, total)."""
-        start = basis.N + 3 * (line + lines * (floor - 1))
-        return sp.eye_array(3, total, k=start, format="csr") if floor > 0 else sp.csr_matrix((3, total))
-
-    def at_wall(y: float) -> sp.csr_matrix:
-        across, up = (_spread(basis, lambda at: np.abs(at[1] - y) < 1e-9, part) for part in (0, 1))
+    floor_mass = frame.floor_mass * tributary / x[-1]
+    total = basis.N + 3 * lines * frame.storeys
+    stiffness, stresses, mass = sp.csr_matrix((total, total)), [], np.zeros(total)
+    # Motions (u, v, theta) of joints from all displacements, by floor and line: line 0 is the wall's, floor 0 is fixed.
+    joints = {(0, line): sp.csr_matrix((3, total)) for line in range(1, lines + 1)}
+    for floor in range(1, frame.storeys + 1):
+        across, up = (_spread(basis, np.inf, y[floor] - 1e-9, y[floor] + 1e-9, part) for part in (0, 1))
         across, up, at = across / across.sum(), up / up.sum(), basis.doflocs[0]
         mass[: basis.N] += floor_mass[0] * (across + up)
         tilt = up * (at - up @ at) / (up @ (at - up @ at) ** 2)
         motion = np.array([across, up + tilt * (length - up @ at), tilt])
-        return sp.csr_matrix(np.pad(motion, ((0, 0), (0, total - basis.N))))
-
-    def member(motions: list[sp.csr_matrix], section: Section, along: np.ndarray) -> None:
-        nonlocal stiffness
-        turn, local = _beam(young, section, along)
-        area, modulus = section.width * section.depth, section.width * section.depth**2 / 6
-        motion = sp.vstack(motions, format="csr")
+        joints[floor, 0] = sp.csr_matrix(np.pad(motion, ((0, 0), (0, total - basis.N))))
+        for line in range(1, lines + 1):
+            start = basis.N + 3 * (line - 1 + lines * (floor - 1))
+            joints[floor, line] = sp.eye_array(3, total, k=start, format="csr")
+            mass[start : start + 2] += floor_mass[line]
+    floors = range(1, frame.storeys + 1)
+    beams = [((floor, line), (floor, line + 1), frame.beam) for floor, line in product(floors, range(lines))]
+    columns = [((floor - 1, line), (floor, line), frame.column) for floor, line in product(floors, range(1, lines + 1))]
+    for one, other, section in beams + columns:
+        along = np.array([x[other[1]] - x[one[1]], y[other[0]] - y[one[0]]])
+        turn, local = _beam(study.concrete.young, section, along)
+        motion = sp.vstack([joints[one], joints[other]], format="csr")
         stiffness = stiffness + motion.T @ sp.csr_matrix(turn.T @ local @ turn) @ motion
         # Edge stresses N/A +- M/W at both ends: the moment of a member loaded at its ends alone is linear.
-        axial, moments = local[3] / area, local[[2, 5]] / modulus
+        axial = local[3] / (section.width * section.depth)
+        moments = local[[2, 5]] / (section.width * section.depth**2 / 6)
         stresses.append(sp.csr_matrix(np.array([axial + s * m for m in moments for s in (1, -1)]) @ turn) @ motion)
-
-    for floor, y in enumerate(frame.floors, 1):
-        ends = [at_wall(y), *(at_column(line, floor) for line in range(lines))]
-        for line in range(lines):
-            member(ends[line : line + 2], frame.beam, np.array([x[line + 1] - x[line], 0.0]))
-            start = basis.N + 3 * (line + lines * (floor - 1))
-            mass[start : start + 2] += floor_mass[line + 1]
-    for floor, line in product(range(1, frame.storeys + 1), range(lines)):
-        ends = [at_column(line, floor - 1), at_column(line, floor)]
-        member(ends, frame.column, np.array([0.0, frame.storey_height]))
     return stiffness, sp.vstack(stresses, format="csr"), mass
 
 
