@@ -192,35 +192,32 @@ class _Builder:
         if tag_of(link) == FORMULA:
             mine = self.laws.get(word)
             return self._made(lambda: mine(link.gap), path) if mine is not None else None
-        kind, impact = link_laws()[word], self.impact
-        values: dict[str, Any] = {"gap": link.gap, "dashpot": DashpotLaw(impact.dashpot)}
-        for name, given in (
-            ("stiffness", getattr(link, "stiffness", None)),
-            ("impact_stiffness", impact.stiffness),
-            *((name, getattr(link, name)) for name in own(kind)),
-        ):
-            at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
-            if name == "stiffness" and given is None:
-                given = LINK_STIFFNESS.read(kind.stiffness_default) if kind.stiffness_default else impact.stiffness
-            if name in kind.parameters() and (value := self._stiffness(given, at)) is None:
-                return None
-            values[name] = value if name in kind.parameters() else None
-        values |= self._losses(link, kind)
+        kind, impact, stiffness = link_laws()[word], self.impact, getattr(link, "stiffness", None)
+        if stiffness is None:
+            stiffness = LINK_STIFFNESS.read(kind.stiffness_default) if kind.stiffness_default else impact.stiffness
         cut = getattr(link, "tension_cut", None)
-        values["tension_cut"] = impact.tension_cut if cut is None else cut
+        values: dict[str, Any] = {
+            "gap": link.gap,
+            "stiffness": stiffness,
+            "impact_stiffness": impact.stiffness,
+            "dashpot": DashpotLaw(impact.dashpot),
+            "tension_cut": impact.tension_cut if cut is None else cut,
+            **self._losses(link, kind),
+            **{name: getattr(link, name) for name in own(kind)},
+        }
         wanted = {name: typed(kind, name, values[name]) for name in kind.parameters() if name in values}
+        for name, value in wanted.items():
+            try:
+                wanted[name] = self.group.stiffness(value)
+            except KeyError:
+                at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
+                known = nearest(value.building, self.group.types)
+                self.note(at, f"no building '{value.building}' is defined", known)
+                return None
         if conflict := kind.conflict(**{name: value for name, value in wanted.items() if isinstance(value, float)}):
             self.note((*path, conflict[0]), *conflict[1:])
             return None
         return self._made(lambda: kind(**wanted), path)
-
-    def _stiffness(self, given: Any, path: Steps) -> Any:
-        """A value as the law takes it, stiffnesses in N/m; None where its building is not defined or not sound."""
-        try:
-            return self.group.stiffness(given)
-        except KeyError:
-            self.note(path, f"no building '{given.building}' is defined", nearest(given.building, self.group.types))
-        return None
 
     def _losses(self, link: Any, kind: type[LinkLaw]) -> dict[str, float | None]:
         """Damping ratio and coefficient of restitution: one of them is given, the other follows."""

@@ -155,20 +155,22 @@ class Study:
                     root = put(root, path, value, mark)
         return root
 
-    def tree(self, point: Point) -> Map:
-        """The whole tree at a point, `like:` and links as the schema takes them; made to place problems."""
-        root = self._patched(point)
-        found = Map(root, root.mark, root.marks)
-        if "buildings" in found:
-            found["buildings"] = inherited(root["buildings"], Problems(""))
-        if isinstance(cases := root.get("cases"), Map):
-            impact, laws = root.get("impact"), root.get("laws") or ()
-            found["cases"] = Map({n: links_of(c, impact, laws) for n, c in cases.items()}, cases.mark, cases.marks)
-        return found
-
     def at(self, point: Point) -> Callable[[], Map]:
-        """As `tree`, made when it is first asked for: most points have no problems."""
-        return functools.cache(lambda: self.tree(point))
+        """The whole tree at a point, `like:` and links as the schema takes them, to place problems; made when it is
+        first asked for: most points have none."""
+
+        @functools.cache
+        def tree() -> Map:
+            root = self._patched(point)
+            found = Map(root, root.mark, root.marks)
+            if "buildings" in found:
+                found["buildings"] = inherited(root["buildings"], Problems(""))
+            if isinstance(cases := root.get("cases"), Map):
+                impact, laws = root.get("impact"), root.get("laws") or ()
+                found["cases"] = Map({n: links_of(c, impact, laws) for n, c in cases.items()}, cases.mark, cases.marks)
+            return found
+
+        return tree
 
     def _valid(self, kind: Any, value: Any, path: tuple[str, ...], point: Point) -> Any:
         """A part of the file validated; None where it is faulty."""
@@ -204,12 +206,9 @@ class Study:
         spec, path = self.building_spec(point, name), ("buildings", name)
         try:
             return None if spec is None else build.building(name, spec)
-        except UnstableError as error:
-            hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
-            self.problems.at(self.tree(point), (*path, "p_delta"), str(error), hint)
         except (ValueError, ArithmeticError) as error:
-            hint = "check the building's masses, heights, period and stiffness"
-            self.problems.at(self.tree(point), path, str(error), hint)
+            at = (*path, "p_delta") if isinstance(error, UnstableError) else path
+            self.problems.at(self.at(point), at, str(error), "check its masses, heights, period, stiffness and P-Delta")
         return None
 
     def types(self, point: Point) -> dict[str, Building]:
@@ -343,7 +342,7 @@ class Study:
 
     def _checked(self) -> Any:
         """The study as written, validated there and at every value of every axis.  Raises `InputError`."""
-        root, problems = self.tree(self.base), self.problems
+        root, problems = self.at(self.base)(), self.problems
         model = None
         try:
             model = schema.Study.model_validate(root)
@@ -394,9 +393,9 @@ class Study:
         for place, case in enumerate(model.report.plot or ()):
             if case not in model.cases:
                 problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
-        known, wanted = dict.fromkeys((*build.places(model.group), *model.group)), model.report.building
-        if wanted is not None and wanted not in known:
-            problems.at(root, ("report", "building"), f"no building '{wanted}' in the group", nearest(wanted, known))
+        known, name = dict.fromkeys((*build.places(model.group), *model.group)), model.report.building
+        if name not in (None, *known):
+            problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
 
 
 def load_study(path: str | Path) -> Study:
