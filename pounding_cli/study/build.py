@@ -65,11 +65,9 @@ def meetings_in_words(group: Sequence[Building]) -> list[str]:
             columns, slab = (left, right)[strike.side], (right, left)[strike.side]
             said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
             said += f", at {100 * strike.at:.3g} % of its height"
-            if columns.columns is None:
-                said = f"left out: {said}; write `columns:` in {columns.name}"
-            else:
-                said = f"{said}, {100 * columns.columns:.3g} % of the storey"
-            found.append((slab.level(strike.slab), said))
+            left_out = f"left out: {said}; write `columns:` in {columns.name}"
+            share = f"{said}, {100 * (columns.columns or 0.0):.3g} % of the storey"
+            found.append((slab.level(strike.slab), left_out if columns.columns is None else share))
         lines += [f"{pair}{height:g} m: {said}" for height, said in sorted(found)]
     return lines
 
