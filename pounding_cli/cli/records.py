@@ -62,13 +62,12 @@ def list_() -> None:
 @records.command()
 @click.argument("motion")
 @click.option("--window", type=seconds, metavar="TIME", help="Use only the first part. Default for a name: Table 1.")
-@click.option("--whole", is_flag=True, help="Use the whole motion, also for a catalogue name.")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
     help="Draw acceleration, velocity, displacement, Husid curve and spectrum to FILE.png, .svg or .pdf.",
 )  # fmt: skip
 @reading_options
-def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
+def show(motion: str, window: float | None, output: Path | None, **options: Any) -> None:
     """Show intensity measures and the 5 % response spectrum of MOTION, a name of the catalogue or a file.
 
     \b
@@ -79,14 +78,14 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
     if motion in motions.names() or (not os.path.exists(motion) and not Path(motion).suffix):
         known = motions.entry(motion)
         found, title, place, read_as = motions.find(motion), known.title, str(motions.locate(motion)[0]), None
-        window = None if whole else window or known.duration
+        window = window or known.duration
     else:
         reading = motions.read_file(motion, **options)
         found, title, place, read_as = reading.motion, Path(motion).name, motion, f"{reading.format}, {reading.words}"
     if window is not None:
         found = found.windowed(window)
         if found.pga == 0.0:
-            raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window, or --whole"))
+            raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window"))
     if output is not None:
         check_output(output, [Path(place)])
     _print_measures(found, title, place, read_as)

@@ -17,6 +17,7 @@ import click
 from pounding_cli.cli.options import FILE, output_option, quiet_option, seconds, study_argument, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted, time_text
+from pounding_cli.workflows import TITLES
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import Outcome
@@ -46,14 +47,7 @@ solving_options = together(
 )  # fmt: skip
 """How scenes are solved; keyword arguments of `solve_study`."""
 
-_ABOUT = {
-    "run": "Run STUDY, write one results file and print a summary.",
-    "gap": "Compute how wide the gaps of STUDY must be, so that its buildings do not touch (docs/how-to/gap.md).",
-    "fragility": "Compute how likely the limits of STUDY are passed over an intensity (docs/how-to/fragility.md).",
-    "sensitivity": "Compute which uncertain keys of STUDY matter most (docs/how-to/sensitivity.md).",
-    "optimise": "Find the values of chosen keys of STUDY that make a number least or most (docs/how-to/optimise.md).",
-}
-_HELP = """{about}
+_HELP = """{title}{more}
 
 Scenes of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run the same
 command again to resume. Exit code 0: all scenes done; 1: some failed; 2: the study or the output was refused.
@@ -67,7 +61,9 @@ Example:
 def _question(name: str, *options: Callable[..., Any]) -> click.Command:
     """The command of a question, with further options of its own."""
 
-    @click.command(name, help=_HELP.format(about=_ABOUT[name], name=name))
+    more = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
+
+    @click.command(name, help=_HELP.format(title=TITLES[name], more=more, name=name))
     @study_argument
     @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
     @together(*options, solving_options, click.pass_context)

@@ -15,14 +15,11 @@ from pounding_cli.numbers import counted
 from pounding_cli.records.text import Samples, Text, number, tokens
 from pounding_cli.records.units import BRACKETS, acceleration_unit, quantity_of, unit_in
 
-_AT2_NEWER = re.compile(r"(?i)NPTS\s*=?\s*(\d{1,9})\s*,?\s*DT\s*=?\s*([-+.\dE]+)")
-_AT2_OLDER = re.compile(r"(?i)\s*(\d{1,9})\s+([-+.\dE]+)\s+NPTS")
 _COSMOS = re.compile(r"(?i)\(\s*format\s+v\s*[\d.]+")
 _COSMOS_LABEL = re.compile(r"(?i)\Asta chan? ?:? ?(.*?) ?(?:\(|location|\Z)")
 _COSMOS_DATA = re.compile(
     r"(?i)\A(\d{1,9}) (\w+) (?:data )?(?:pts|points).*?units? ?= ?([^,(]+?) ?(?:\( ?\d+ ?\))? ?,.*?(format.*)"
 )
-_REALS = re.compile(r"(?i)\A(\d{1,6}) real[- ]*header.*?(\(.*)")
 _CSMIP = re.compile(r"\s*(UN|R)?(?:CORRECTED\s+ACCELEROGRAM|ESPONSE\s+AND\s+FOURIER)")
 _CSMIP_LABEL = re.compile(r"(?i)\bchan(?:nel)? ?(\d+ ?: ?.+)")
 _CSMIP_DATA = re.compile(r"(?i)\A(\d{1,9}) points of (?:\w+ )?(accel|veloc|displ)\w* .*?at (\d*\.?\d+) ?sec(.*)")
@@ -34,20 +31,19 @@ def at2(text: Text) -> Samples | None:
 
     Chiou, Darragh, Gregor and Silva (2008), NGA project strong-motion database, Earthquake Spectra 24(1), 23-44.
     """
-    sizes = enumerate((_AT2_NEWER.search(line) or _AT2_OLDER.match(line) for line in text.lines[:8]), 1)
-    line, size = next(((line, size) for line, size in sizes if size), (0, None))
+    size, line = text.search(r"NPTS ?=? ?(\d{1,9}) ?,? ?DT ?=? ?([-+.\dE]+)", range(8))
+    if size is None:
+        size, line = text.search(r"^(\d{1,9}) ([-+.\dE]+) NPTS", range(8))
     if size is None:
         return None
-    unit, unit_line = None, 0
-    for place, words in enumerate(text.lines[: line - 1], 1):
-        if other := re.search(r"(?i)(VELOCITY|DISPLACEMENT)\s+TIME\s+(?:SERIES|HISTORY)", words):
-            raise text.wrong_quantity(other[1].lower(), place)
-        if found := re.search(r"(?i)IN\s+UNITS?\s+OF\s+(\S+)", words):
-            unit, unit_line = found[1].rstrip(",;"), place
+    other, place = text.search("(velocity|displacement) time (?:series|history)", range(line - 1))
+    if other:
+        raise text.wrong_quantity(other[1].lower(), place)
+    unit, unit_line = text.search(r"in units? of ([^\s,;]+)", range(line - 1))
     step = text.step(size[2], line)
     values, start = text.values(line)
     text.check_count(size[1], len(values), line)
-    return Samples(step, values, start, unit, unit_line)
+    return Samples(step, values, start, unit[1] if unit else None, unit_line)
 
 
 def knet(text: Text) -> Samples | None:
@@ -59,16 +55,16 @@ def knet(text: Text) -> Samples | None:
     header = range(text.first, text.first + 17)
     if not text.lines[header.start].startswith("Origin Time"):
         return None
-    rate, line = text.find(r"^Sampling Freq\S*\s+([1-9][\d.]*)", header, "Sampling Freq(Hz), e.g. 100Hz")
+    rate, line = text.find(r"^Sampling Freq\S* ([1-9][\d.]*)", header, "Sampling Freq(Hz), e.g. 100Hz")
     step = text.step(1.0 / float(rate[1]), line)
-    scale = r"^Scale Factor\s+([\d.]+) *\( *gal *\) */ *([1-9][\d.]*)"
+    scale = r"^Scale Factor ([\d.]+) ?\( ?gal ?\) ?/ ?([1-9][\d.]*)"
     gal, scale_line = text.find(scale, header, "Scale Factor, e.g. 3920(gal)/6182761: its counts have no unit")
     counts, start = text.values(header.stop)
-    duration, line = text.find(r"^Duration Time\S*\s+(\d[\d.]*)", header, "Duration Time(s), e.g. 60")
+    duration, line = text.find(r"^Duration Time\S* (\d[\d.]*)", header, "Duration Time(s), e.g. 60")
     text.check_count(f"{float(duration[1]) * float(rate[1]):.0f}", len(counts), line, "duration x frequency")
     mean, one = sum(counts) / len(counts), float(gal[1]) / float(gal[2])
     values = [(each - mean) * one for each in counts]
-    _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))?\s+(\S+)", header, "gal")
+    _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))? (\S+)", header, "gal")
     return Samples(step, values, start, "gal", scale_line)
 
 
@@ -83,7 +79,7 @@ def esm(text: Text) -> Samples | None:
     while re.match(r"[A-Z][A-Z0-9_/^]*\s*:", text.line(end)):
         end += 1
     keys = ("SAMPLING_INTERVAL_S", "DATA_TYPE", "UNITS", "NDATA")
-    said = [text.find(rf"^{key}:\s*(\S+)", range(first, end), key) for key in keys]
+    said = [text.find(rf"^{key}: ?(\S+)", range(first, end), key) for key in keys]
     (interval, line), (kind, kind_line), (unit, unit_line), (count, count_line) = ((each[1], at) for each, at in said)
     step = text.step(interval, line)
     if not kind.upper().startswith("ACC"):
@@ -91,7 +87,7 @@ def esm(text: Text) -> Samples | None:
     values, start = text.values(end)
     text.check_count(count, len(values), count_line, "NDATA")
     if unit.startswith("cm"):
-        _check_peak(text, values, r"^PGA_CM/S\^2:\s*(\S+)", range(first, end), "cm/s2")
+        _check_peak(text, values, r"^PGA_CM/S\^2: ?(\S+)", range(first, end), "cm/s2")
     return Samples(step, values, start, unit, unit_line)
 
 
@@ -132,13 +128,10 @@ def cosmos(text: Text) -> Samples | None:
         return None
     example = "12091 acceleration pts, approx 120 secs, units=cm/s2 (4),Format=(8F10.5)"
     at, data = _channel(text, _COSMOS_LABEL, _COSMOS_DATA, example)
-    above = ((index, _REALS.match(_one_blank(text.lines[index]))) for index in range(at, -1, -1))
-    reals = next(((index, found) for index, found in above if found), None)
-    if reals is None:
-        raise text.damaged("the header does not say its values, e.g. 100 Real-header values (5F15.6)", at + 1)
-    index, found = reals
+    example = "its values, e.g. 100 Real-header values (5F15.6)"
+    reals, line = text.find(r"^(\d{1,6}) real[- ]*header.*?(\(.*)", range(at, -1, -1), example)
     # The data's own step [ms], number 62 in the documentation, comes before the recorder's [s].
-    said = text.fixed(index + 1, int(found[1]), found[2])[0] + [-999.0] * 62
+    said = text.fixed(line, int(reals[1]), reals[2])[0] + [-999.0] * 62
     step = text.step(float(f"{said[61] / 1000.0 if said[61] > 0 else said[33]:.9g}"), at + 1)
     values, _ = text.fixed(at + 1, int(data[1]), data[4], last=True)
     return Samples(step, values, at + 2, data[3], at + 1)
@@ -169,7 +162,8 @@ def _channel(text: Text, label: re.Pattern[str], data: re.Pattern[str], example:
     Raises `InputError` where there is none, or there are several and none was named.
     """
     named, series, others = "unnamed", dict[int, tuple[str, re.Match[str]]](), list[tuple[str, int]]()
-    for index, line in enumerate(map(_one_blank, text.lines)):
+    for index in range(len(text.lines)):
+        line = text.words(index)
         if found := label.search(line):
             named = found[1] or "unnamed"
         if found := data.match(line):
@@ -195,17 +189,10 @@ def _channel(text: Text, label: re.Pattern[str], data: re.Pattern[str], example:
 
 def _check_peak(text: Text, values: list[float], pattern: str, header: range, unit: str) -> None:
     """Refuse samples whose peak is not the one that the header states, to 2 % and the last digit of what is printed."""
-    peak = max(map(abs, values))
-    for index in header:
-        stated = abs(number(said[1]) or 0.0) if (said := re.search(pattern, text.line(index))) else 0.0
-        if stated and abs(peak - stated) > 0.02 * stated + 0.01:
-            message = f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}"
-            raise text.damaged(message, index + 1)
-
-
-def _one_blank(line: str) -> str:
-    """A line with one blank between its words: patterns with several optional blanks need time by their power."""
-    return " ".join(line.split())
+    said, line = text.search(pattern, header)
+    stated, peak = abs(number(said[1]) or 0.0) if said else 0.0, max(map(abs, values))
+    if stated and abs(peak - stated) > 0.02 * stated + 0.01:
+        raise text.damaged(f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line)
 
 
 NETWORKS = {"at2": at2, "cosmos": cosmos, "csmip": csmip, "smc": smc, "knet": knet, "esm": esm}

@@ -37,9 +37,9 @@ def test_list_and_import(records):
     assert " stand-in " in listed["eureka"]
     code, _, err = records("import", "sine.txt", "--as", "taft", "--dt", "0.02")
     assert (code, "--force" in err) == (2, True)
-    assert "1201 at 0.01 s" in records("show", "taft", "--whole")[1]
+    assert "1201 at 0.01 s" in records("show", "taft", "--window", "100")[1]
     assert records("import", "sine.txt", "--as", "taft", "--dt", "0.02", "--force")[0] == 0
-    assert "1201 at 0.02 s" in records("show", "taft", "--whole")[1]
+    assert "1201 at 0.02 s" in records("show", "taft", "--window", "100")[1]
     assert "parkfield" in records("import", "sine.txt", "--as", "parkfild", "--dt", "0.01")[2]
 
 
