@@ -181,7 +181,7 @@ def test_scenes_that_points_share_are_counted_once(folder):
     assert re.search(
         r"^OK: two.yaml: 2 cases x 1 analysis x 2 records x 72 sweep points = 288 rows from 170 scenes", said
     )
-    assert re.search(r"scenes +170, on", said)
+    assert re.search(r"scenes +170, with estimate", said)
     assert re.search(r"run +14 of a building alone", said)
 
 
