@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pounding_cli.points import Point
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import caption, entitle, new_figure, styled
+from pounding_cli.report.style import finish, new_figure, styled
 from pounding_cli.study.axes import Axis
 from pounding_cli.wall.study import Study
 
@@ -74,9 +74,8 @@ def draw_stress(title: str, point: Point) -> Figure:
     whole.hlines(study.frame.floors, length, length + 0.5, color="0.5", lw=2)
     near.set(xlim=(-0.2, 2 * half + 0.2), ylim=(contact - half, contact + half))
     figure.colorbar(patches, ax=near, label="von Mises stress [N/mm²]", shrink=0.6)
-    entitle(figure, title, "bold")
     where = f"{point.label}. " if point.label else ""
-    caption(figure, f"{where}Element means. Grey stubs: beams.")
+    finish(figure, title, f"{where}Element means. Grey stubs: beams.")
     return figure
 
 
@@ -101,7 +100,7 @@ def draw_histories(title: str, points: Sequence[Point]) -> Figure:
     energy.legend(loc="lower right", frameon=True)
     if point.label:
         force.legend(fontsize=6.5)
-    entitle(figure, title, "bold")
+    finish(figure, title)
     return figure
 
 
@@ -121,5 +120,5 @@ def draw_sweep(title: str, points: Sequence[Point], axis: Axis) -> Figure:
         ax.set(xlabel=unit.label(key), ylabel=label, ylim=(0, None))
     if len(curves) > 1:
         figure.axes[0].legend(fontsize=7)
-    entitle(figure, title, "bold")
+    finish(figure, title)
     return figure

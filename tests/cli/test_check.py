@@ -69,11 +69,9 @@ def test_values_are_shown_in_the_unit_of_the_study(folder, old, new, said):
         assert words in shown
 
 
-def test_gaps_that_never_close_are_told(folder, pound):
+def test_gaps_that_never_close_are_simulated_once(folder, pound):
     (folder / "two.yaml").write_text(WIDE + "sweep: {cases.gap.gap: [50 cm, 80 cm, 60 cm, 0 cm]}\n")
-    code, out, _ = pound("run", "two.yaml", "-o", "a.h5")
-    assert code == 0
-    assert "12 runs have a gap that never closes" in out
+    assert pound("run", "two.yaml", "-o", "a.h5")[0] == 0
     scene = open_results("a.h5").scene()
     gap = scene[scene.case == "gap"]
     assert gap[gap["cases.gap.gap"] > 0].dropped.str.contains("the gap never closes, ").all()
