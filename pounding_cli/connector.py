@@ -14,8 +14,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from pounding_cli.points import Point, value
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import caption, entitle, new_figure, styled
-from pounding_cli.study.axes import Axis
+from pounding_cli.report.style import finish, new_figure, styled
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
 
@@ -203,7 +202,7 @@ def cites(study: Study) -> dict[str, str]:
     return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if study.connector.damping_ratio else {})
 
 
-def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
+def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points), has_scale=True)]
@@ -231,7 +230,6 @@ def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
     for ax in panels[len(drawn) :]:
         ax.axis("off")
     panels[0].legend(loc="upper right")
-    entitle(figure, title, "bold")
     left = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
-    caption(figure, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
+    finish(figure, title, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
     return figure
