@@ -240,9 +240,6 @@ def _notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
     def count(name: str) -> int:
         return sum(int(rows[f"{name}{end}"].fillna(0).sum()) for end in _BOTH)
 
-    if returns := count("returns"):
-        which = counted(returns, "motion holds", "motions hold")
-        said.append(f"{which} again above the first intensity that passes; the first one counts.")
     for name, what in (("failed", "failed"), ("undecided", "ended with a collapse before the limit was passed")):
         if number := count(name):
             said.append(

@@ -1,4 +1,4 @@
-"""The report of `pound optimise`: the optimum, the number sought along every key, its map over the two that matter."""
+"""The report of `pound optimise`: the optimum, and the number sought along every key."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
@@ -20,7 +19,6 @@ from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, nominal
 from pounding_cli.report.references import Use
 from pounding_cli.report.style import caption, entitle, name_axis, new_figure, styled
-from pounding_cli.report.sweep import COLOURS
 from pounding_cli.report.table import NOTHING, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.optimise import DESIGN, OPTIMUM, POINTS, UNSETTLED
@@ -33,7 +31,7 @@ MOST_KEYS = 8
 """Keys that are drawn."""
 _AT_END = 1e-6
 """Of a range: nearer to its end than that, the optimum lies at it [-]."""
-_LINE, _BEST, _WRITTEN, _FLAT = "#0072B2", "#AA2211", "#E69F00", "0.9"
+_LINE, _BEST, _WRITTEN, _GOOD = "#0072B2", "#AA2211", "#E69F00", "0.9"
 
 Key = dict[Any, Any]
 """A row of the table of keys."""
@@ -80,11 +78,11 @@ class Optimum:
         """What is sought least or most, with its unit."""
         return self.units["value"].label(str(self.first["sought"]).partition(" ")[2])
 
-    def through(self, *free: Key) -> pd.DataFrame:
-        """The points with a number that differ from the optimum in some keys alone."""
+    def through(self, free: Key) -> pd.DataFrame:
+        """The points with a number that differ from the optimum in one key alone."""
         here = self.tried["value"].notna()
         for key in self.keys:
-            if key not in free:
+            if key is not free:
                 here &= self.tried[key["key"]] == (key["option"] or key["value"])
         return self.tried[here]
 
@@ -118,12 +116,12 @@ def _optimum(found: Optimum) -> Table:
 
     rows = []
     for key in found.keys:
-        spans = [text(key[f"{name}_from"], key[f"{name}_to"]) for name in ("flat", "together", "range")]
+        spans = [text(key[f"{name}_from"], key[f"{name}_to"]) for name in ("good", "range")]
         if key["option"]:
-            spans[2] = ", ".join(dict.fromkeys(map(str, found.tried[key["key"]])))
+            spans[1] = ", ".join(dict.fromkeys(map(str, found.tried[key["key"]])))
         values = [key["option"] or text(key["value"]), key["written_option"] or text(key["written"])]
         rows.append([found.units[key["key"]].label(key["key"]), *values, *spans])
-    heads = ("key", "best", "as written", "as good by itself", "as good with others", "searched")
+    heads = ("key", "best", "as written", "as good", "searched")
     return from_rows("The optimum", heads, rows)
 
 
@@ -194,23 +192,21 @@ def notes(found: Optimum) -> Iterator[str]:
 
 @styled
 def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
-    """A panel for each key, and the map."""
-    keys, mapped = found.keys[:MOST_KEYS], [key for key in found.keys if key["mapped"]]
-    count = len(keys) + bool(mapped)
+    """A panel for each key."""
+    keys = found.keys[:MOST_KEYS]
+    count = len(keys)
     columns = 2 if count == 4 else min(count, 3)
     lines = -(-count // columns)
     figure = new_figure(3.3 * columns + 0.6, 2.7 * lines + 0.9)
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
-    near = found.tried[found.tried["stage"].isin(["slices", "map", "as written"])]["value"].dropna()
+    near = found.tried[found.tried["stage"].isin(["slices", "as written"])]["value"].dropna()
     values = [*(near if len(near) else found.tried["value"].dropna()), found.first["optimum"]]
     room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values[-1]) or 1.0
     for number, (ax, key) in enumerate(zip(axes, keys, strict=False)):
-        _along(ax, found, key, shown)
+        _along(ax, found, key)
         ax.set_ylim(min(values) - room, max(values) + room)
         if number % columns == 0:
             ax.set_ylabel(found.sought, fontsize=7.5)
-    if mapped:
-        _map(figure, axes[len(keys)], found, mapped, shown)
     for ax in axes[count:]:
         ax.axis("off")
     handles = {h.get_label(): h for ax in axes[:count] for h in ax.get_legend_handles_labels()[0]}
@@ -221,12 +217,7 @@ def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
     return figure
 
 
-def _name(ax: Axes, which: str, found: Optimum, key: Key, shown: Evidence) -> None:
-    name_axis(ax, which, [key["key"]], [found.units[key["key"]]], 7.5, 32)
-    ax.tick_params(labelsize=7.5)
-
-
-def _along(ax: Axes, found: Optimum, key: Key, shown: Evidence) -> None:
+def _along(ax: Axes, found: Optimum, key: Key) -> None:
     """The number sought along one key through the optimum, every point behind it."""
     name, frame, line = key["key"], found.tried, found.through(key)
     dots: dict[str, Any] = {"ls": "", "marker": ".", "ms": 2.5, "color": "0.65", "label": "point tried"}
@@ -240,8 +231,8 @@ def _along(ax: Axes, found: Optimum, key: Key, shown: Evidence) -> None:
         ax.set_xticks(range(len(options)), options)
         at, written = float(number[key["option"]]), float(number.get(key["written_option"], np.nan))
     else:
-        if key["flat_from"] == key["flat_from"]:
-            ax.axvspan(key["flat_from"], key["flat_to"], color=_FLAT, lw=0, label="as good by itself")
+        if key["good_from"] == key["good_from"]:
+            ax.axvspan(key["good_from"], key["good_to"], color=_GOOD, lw=0, label="as good")
         ax.plot(frame[name], frame["value"], **dots)
         line = line.sort_values(name)
         ax.plot(line[name], line["value"], lw=1.6, **through)
@@ -251,26 +242,8 @@ def _along(ax: Axes, found: Optimum, key: Key, shown: Evidence) -> None:
         mark: dict[str, Any] = {"marker": "D", "ms": 6, "color": _WRITTEN, "mec": "k", "label": "as written"}
         ax.plot([written], [found.first["as_written"]], ls="", **mark)
     ax.plot([at], [found.first["optimum"]], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6, label="optimum")
-    _name(ax, "x", found, key, shown)
-
-
-def _map(figure: Figure, ax: Axes, found: Optimum, keys: list[Key], shown: Evidence) -> None:
-    """Contours of the number over two keys, the others at the optimum; every point that lies there."""
-    frame = found.through(*keys)
-    frame = frame[frame["stage"].isin(["map", "slices"])]
-    x, y = (frame[key["key"]].to_numpy(float) for key in keys)
-    on_paper = [np.log(v) if key["spacing"] == "log" else v for v, key in zip((x, y), keys, strict=True)]
-    corners = Triangulation(x, y, Triangulation(*((v - v.min()) / np.ptp(v) for v in on_paper)).triangles)
-    drawn = ax.tricontourf(corners, frame["value"].to_numpy(float), levels=14, cmap=COLOURS)
-    bar = figure.colorbar(drawn, ax=ax, pad=0.02, aspect=22)
-    bar.ax.tick_params(labelsize=7.5)
-    bar.set_label(found.sought, fontsize=7.5)
-    ax.plot(x, y, ls="", marker=".", ms=1.5, color="0.85")
-    ax.plot(keys[0]["value"], keys[1]["value"], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6)
-    ax.set(xscale=keys[0]["spacing"], yscale=keys[1]["spacing"])
-    ax.grid(False)
-    for which, key in zip("xy", keys, strict=True):
-        _name(ax, which, found, key, shown)
+    name_axis(ax, "x", [name], [found.units[name]], 7.5, 32)
+    ax.tick_params(labelsize=7.5)
 
 
 def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:
