@@ -35,48 +35,39 @@ ALONE, GROUP = "of a building alone", "of the group"
 class Forecast:
     """What will run.
 
-    scenes, seconds : ALONE or GROUP -> number of scenes and their expected time on one core [s]
+    scenes : ALONE or GROUP -> number of scenes
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
     looked_at : share of the scenes whose effects were looked at
-    timed : scenes that were run to see how long they take
     """
 
     scenes: dict[str, int]
-    seconds: dict[str, float]
     kept: Counter[str] = field(default_factory=Counter)
     dropped: Counter[str] = field(default_factory=Counter)
     looked_at: float = 1.0
-    timed: int = 0
-
-    @property
-    def total(self) -> float:
-        """Expected time of the scenes on one core [s]."""
-        return sum(self.seconds.values())
 
 
 def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
-    """Look at scenes of a plan by number, and run one of each kind (case or building, analysis, motion) to see how long
-    it takes."""
-    rows, columns = (each[numbers] for each in plan.first)
-    *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
-    kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
-    _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
-    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(numbers[first])])[kind.ravel()]
-    seconds = RUNS[plan.estimate] * seconds + BESIDE
-    which = {ALONE: columns > 0, GROUP: columns == 0}
-    found = Forecast(
-        {name: int(mine.sum()) for name, mine in which.items()},
-        {name: float(seconds[mine].sum()) for name, mine in which.items()},
-        timed=len(first),
-    )
-    group = numbers[which[GROUP]]
+    """Look at scenes of a plan by number; none is solved."""
+    _, columns = (each[numbers] for each in plan.first)
+    group = numbers[columns == 0]
     step = max(1, len(group) // MOST_SCENES)
-    found.looked_at = 1 / step
+    found = Forecast({ALONE: int((columns > 0).sum()), GROUP: len(group)}, looked_at=1 / step)
     for scene in plan.scenes(group[::step]):
         effects = effects_of(scene)
         found.kept.update(dict.fromkeys(effects.kept, step))
         found.dropped.update(dict.fromkeys(effects.dropped, step))
     return found
+
+
+def expected(plan: Plan, numbers: np.ndarray) -> tuple[float, int]:
+    """The time that a run of scenes takes on one core [s], from one scene of each kind (case or building, analysis,
+    motion) that is solved for it; how many were."""
+    rows, columns = (each[numbers] for each in plan.first)
+    *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
+    kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
+    _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
+    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(numbers[first])])[kind.ravel()]
+    return START + float((RUNS[plan.estimate] * seconds + BESIDE).sum()), len(first)
 
 
 def _timed(plan: Plan, scene: Scene) -> float:

@@ -378,7 +378,7 @@ def test_a_rule_without_its_factors_is_not_evaluated(pound):
 @pytest.mark.parametrize(
     ("line", "place", "words"),
     [
-        ("yield: {code: UBC-1991, Cd: 5.5}", "4:58", "'Cd' and 'code' cannot both be given"),
+        ("yield: {code: UBC-1991, Cd: 5.5}", "4:42", "'code' does not go with the other keys here"),
         ("yield: {Cd: 5.5, Ie: 1}", "4:41", "'base_shear' is missing"),
         ("yield: {base_shear: 0.1, Cd: 0.5}", "4:63", "must be at least 1"),
         ("yield: {base_shear: 0.1, qd: q}", "4:63", "write a displacement behaviour factor q_d"),
