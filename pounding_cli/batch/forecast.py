@@ -8,45 +8,37 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding_cli.batch.solve import BESIDE
 from pounding_cli.errors import InputError
 from pounding_cli.model.effects import effects_of
 
 if TYPE_CHECKING:
-    from pounding_cli.model.scene import Scene
     from pounding_cli.study.plan import Plan
 
 MOST_SCENES = 2000
-"""Scenes whose effects are looked at; of more, as many spread evenly."""
+"""Scenes whose effects are looked at; of more, as many spread evenly, each for as many as it stands for."""
 
 START = 1.0
 """Time of a run besides its scenes [s]: imports, compiled kernels loaded, a file with its summary."""
 
-BESIDE = 0.4e-3
-"""Time a scene spends outside the solver [s]: laid out, peaks out, kept on disk, written."""
-
 RUNS = {"none": 1.0, "sample": 1.2, "all": 2.4}
 """Runs of a scene by `estimate`: one whose error and sensitivity are asked for is run again, more finely."""
-
-ALONE, GROUP = "of a building alone", "of the group"
-"""What is solved: baselines, and rows of buildings."""
 
 
 @dataclass
 class Forecast:
     """What will run.
 
-    scenes, seconds : ALONE or GROUP -> number of scenes and their expected time on one core [s]
-    kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
-    looked_at : share of the scenes whose effects were looked at
+    scenes, seconds : "of a building alone", "of the group" -> number of scenes, and their expected time on one core [s]
     timed : scenes that were run to see how long they take
+    kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
     """
 
     scenes: dict[str, int]
     seconds: dict[str, float]
+    timed: int
     kept: Counter[str] = field(default_factory=Counter)
     dropped: Counter[str] = field(default_factory=Counter)
-    looked_at: float = 1.0
-    timed: int = 0
 
     @property
     def total(self) -> float:
@@ -61,17 +53,13 @@ def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
     *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
     kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
     _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
-    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(numbers[first])])[kind.ravel()]
-    seconds = RUNS[plan.estimate] * seconds + BESIDE
-    which = {ALONE: columns > 0, GROUP: columns == 0}
-    found = Forecast(
-        {name: int(mine.sum()) for name, mine in which.items()},
-        {name: float(seconds[mine].sum()) for name, mine in which.items()},
-        timed=len(first),
-    )
-    group = numbers[which[GROUP]]
+    timed = np.array([_timed(plan, number) for number in numbers[first]])
+    seconds = RUNS[plan.estimate] * timed[kind.ravel()] + BESIDE
+    which = {"of a building alone": columns > 0, "of the group": columns == 0}
+    scenes = {name: int(mine.sum()) for name, mine in which.items()}
+    found = Forecast(scenes, {name: float(seconds[mine].sum()) for name, mine in which.items()}, len(first))
+    group = numbers[columns == 0]
     step = max(1, len(group) // MOST_SCENES)
-    found.looked_at = 1 / step
     for scene in plan.scenes(group[::step]):
         effects = effects_of(scene)
         found.kept.update(dict.fromkeys(effects.kept, step))
@@ -79,12 +67,12 @@ def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
     return found
 
 
-def _timed(plan: Plan, scene: Scene) -> float:
+def _timed(plan: Plan, number: int) -> float:
     """The time that a scene takes [s]; nothing where it is refused."""
     from pounding_cli.solver.solve import solve
 
     told: dict[str, Any] = {} if plan.time_step is None else {"time_step": plan.time_step}
     try:
-        return solve(scene, plan.accuracy, plan.method, **told).seconds
+        return solve(plan.scene(number), plan.accuracy, plan.method, **told).seconds
     except InputError:
         return 0.0

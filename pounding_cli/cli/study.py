@@ -143,8 +143,6 @@ def _lines(plan: Plan) -> list[str]:
     ]
     for what, count in sorted(found.scenes.items()):
         lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
-    if found.looked_at < 1:
-        lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
     lines.append("meetings (at the first point of the sweep)" if any(study.touching("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]
