@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links")
 LARGEST = ("displacement", "drift", "total_acceleration", "shear", "closing", "link_force")
 """Quantities whose largest values are told."""
 
@@ -53,8 +54,7 @@ class History:
     @property
     def energy(self) -> dict[str, np.ndarray]:
         """Of every kind, shape (times,) [J]; the first is the sum of the others."""
-        names = [str(name) for name in self.dataset if str(name).startswith("energy_")]
-        return {name.removeprefix("energy_"): self.dataset[name].values for name in names}
+        return {kind: self.dataset[f"energy_{kind}"].values for kind in ENERGIES}
 
     def frame(self, quantity: str = "displacement") -> pd.DataFrame:
         """One quantity over time, a column each for the floors, storeys or links that there are.
