@@ -17,10 +17,10 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.style import caption, entitle, new_figure, styled
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import MASS, RANGES, STIFFNESS, TIME, Quantity, Text, Whole
+from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
 
 FINEST = 4001
-"""Grid on which peaks are searched at least."""
+"""Grid on which peaks and bands are searched at least."""
 
 _JOINT = STIFFNESS.but(example="0.2 k1", open_low=False)
 
@@ -33,27 +33,21 @@ def _read_joint(given: Any) -> float | str:
 
 Mass = Annotated[float, MASS]
 Stiffness = Annotated[float, STIFFNESS]
-Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0, usual=RANGES["period"])]
+Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0)]
 Joint = Annotated[float | str, Text(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
-Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0, usual=RANGES["damping ratio"])]
+Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
 Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
 
 
-class First(Model):
-    """System 1."""
+class System(Model):
+    """One of the two systems."""
 
-    mass: Mass = key(200e3, "mass m1", "200 t")
-    period: Period | None = key(None, "period alone; 0.5 s unless stiffness is given", "0.5 s")
-    stiffness: Stiffness | None = key(None, "stiffness k1, in place of the period")
+    mass: Mass = key(200e3, "mass", "200 t")
+    period: Period | None = key(None, "period alone; 0.5 s of the first unless stiffness is given", "0.5 s")
+    stiffness: Stiffness | None = key(None, "stiffness, in place of the period")
+    frequency_ratio: Ratio | None = key(None, "p = omega20 / omega10 of the second, in place of the period", 0.6)
     damping: Damping | None = key(None, "damping ratio; the study's unless given", "5 %")
-
-
-class Second(First):
-    """System 2."""
-
-    mass: Mass = key(200e3, "mass m2", "200 t")
-    frequency_ratio: Ratio | None = key(None, "p = omega20 / omega10, in place of the period", 0.6)
 
 
 class Connector(Model):
@@ -76,8 +70,8 @@ class Study(Model):
     """A study of two connected oscillators (paper, Figs 4 and 5)."""
 
     title: str = key(..., "one line that says what is studied", "Two connected oscillators")
-    first: First = First()
-    second: Second = Second(frequency_ratio=0.6)
+    first: System = System(period=0.5)
+    second: System = System(frequency_ratio=0.6)
     connector: Connector = Connector()
     damping: Damping = key(0.05, "damping ratio of both systems", "5 %")
     frequencies: Frequencies = Frequencies()
@@ -85,13 +79,15 @@ class Study(Model):
 
     def wrong(self) -> Iterator[Wrong]:
         """Keys that say one thing in two ways, or not at all, and a range without extent."""
-        either = {"first": ("period", "stiffness"), "second": ("period", "stiffness", "frequency_ratio")}
-        for name, keys in {**either, "connector": ("damping_ratio", "dashpot")}.items():
+        kinds = ("period", "stiffness", "frequency_ratio")
+        for name, keys in {"first": kinds, "second": kinds, "connector": ("damping_ratio", "dashpot")}.items():
             given = [each for each in keys if getattr(getattr(self, name), each) is not None]
             if len(given) > 1:
                 yield (name, given[1]), f"'{given[0]}' and '{given[1]}' cannot both be given", "remove one", True
             if name == "second" and not given:
                 yield (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period"
+        if self.first.frequency_ratio is not None:
+            yield ("first", "frequency_ratio"), "the ratio is that of the second system", "write a period", True
         if self.frequencies.low >= self.frequencies.high:
             yield ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}"
 
@@ -117,33 +113,25 @@ class Study(Model):
     @property
     def c(self) -> float:
         """Dashpot of the connector [N s/m]: as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
-        if self.connector.dashpot is not None:
-            return self.connector.dashpot
-        m1, m2 = self.first.mass, self.second.mass
-        return 2 * (self.connector.damping_ratio or 0.0) * math.sqrt(self.k * m1 * m2 / (m1 + m2))
-
-    @property
-    def omegas(self) -> tuple[float, float]:
-        """Circular frequencies of the two alone [rad/s]."""
-        return math.sqrt(self.k1 / self.first.mass), math.sqrt(self.k2 / self.second.mass)
+        m1, m2, xi = self.first.mass, self.second.mass, self.connector.damping_ratio or 0.0
+        given = self.connector.dashpot
+        return 2 * xi * math.sqrt(self.k * m1 * m2 / (m1 + m2)) if given is None else given
 
 
 def coupled_frequencies(study: Study) -> tuple[float, float]:
     """The two undamped circular frequencies of the connected systems [rad/s], lower first.
 
-    With a = (k1 + K) / m1, b = (k2 + K) / m2, the characteristic equation is
-    (a - w^2) (b - w^2) = K^2 / (m1 m2). The lower root comes from the product of the roots,
-    (k1 k2 + K (k1 + k2)) / (m1 m2), a sum of positive terms: nothing cancels for a stiff connector.
+    They are the roots of (a - w^2) (b - w^2) = K^2 / (m1 m2) with a = (k1 + K) / m1, b = (k2 + K) / m2. The lower one
+    comes from their product, a sum of positive terms: nothing cancels for a stiff connector.
     """
     m1, m2, k1, k2, k = study.first.mass, study.second.mass, study.k1, study.k2, study.k
     a, b = (k1 + k) / m1, (k2 + k) / m2
     high = 0.5 * (a + b) + math.hypot(0.5 * (a - b), k / math.sqrt(m1 * m2))
-    product = (k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)
-    return math.sqrt(product / high), math.sqrt(high)
+    return math.sqrt(((k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)) / high), math.sqrt(high)
 
 
-def response_ratios(study: Study, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Steady-state displacement, connected over alone, of both systems under a_g = exp(i Omega t), complex, shape (n,).
+def response_ratios(study: Study, omega: np.ndarray) -> np.ndarray:
+    """Steady displacement, connected over alone, of both systems under a_g = exp(i Omega t), complex, shape (2, n).
 
     With D_j = k_j - m_j Omega^2 + i Omega c_j and Z = K + i Omega c, Cramer's rule gives
 
@@ -152,13 +140,14 @@ def response_ratios(study: Study, omega: np.ndarray) -> tuple[np.ndarray, np.nda
     and R2 by exchanging the indices, so that m1 R1 + m2 R2 = m1 + m2 whatever K, c, p and Omega are. Their absolute
     values are the paper's Fig. 5. omega : circular frequencies of the ground motion [rad/s], shape (n,), > 0
     """
-    m1, m2, w1, w2 = study.first.mass, study.second.mass, *study.omegas
-    zeta1, zeta2 = (study.damping if one.damping is None else one.damping for one in (study.first, study.second))
-    d1 = study.k1 - m1 * omega**2 + 2j * zeta1 * w1 * m1 * omega
-    d2 = study.k2 - m2 * omega**2 + 2j * zeta2 * w2 * m2 * omega
-    z = study.k + 1j * omega * study.c
-    determinant = d1 * d2 + z * (d1 + d2)
-    return d1 * (d2 + z * (m1 + m2) / m1) / determinant, d2 * (d1 + z * (m1 + m2) / m2) / determinant
+    z, d = study.k + 1j * omega * study.c, []
+    for one, k in ((study.first, study.k1), (study.second, study.k2)):
+        zeta = study.damping if one.damping is None else one.damping
+        d.append(k - one.mass * omega**2 + 2j * zeta * math.sqrt(k * one.mass) * omega)
+    whole = study.first.mass + study.second.mass
+    determinant = d[0] * d[1] + z * (d[0] + d[1])
+    first = d[0] * (d[1] + z * whole / study.first.mass) / determinant
+    return np.array([first, d[1] * (d[0] + z * whole / study.second.mass) / determinant])
 
 
 def solve(study: Study) -> xr.Dataset:
@@ -166,14 +155,14 @@ def solve(study: Study) -> xr.Dataset:
 
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
     """
-    low, high, alone = study.frequencies.low, study.frequencies.high, study.omegas[0]
+    low, high, alone = study.frequencies.low, study.frequencies.high, math.sqrt(study.k1 / study.first.mass)
     ratio = np.linspace(low, high, study.frequencies.points)
     grid = np.linspace(low, high, max(ratio.size, FINEST))
-    found = {}
 
     def sizes(x: Any) -> np.ndarray:
         return np.abs(response_ratios(study, np.asarray(x) * alone))
 
+    found = {}
     for which, each in enumerate(response_ratios(study, ratio * alone)):
         best, number = int(np.argmax(sizes(grid)[which])), which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
@@ -195,10 +184,11 @@ def solve(study: Study) -> xr.Dataset:
         edges.append(float(x))
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
     lower, upper = coupled_frequencies(study)
+    p = math.sqrt(study.k2 / study.second.mass) / alone
     found |= {
         "frequency_low": value("1", "lower coupled frequency over omega10", lower / alone),
         "frequency_high": value("1", "higher coupled frequency over omega10", upper / alone),
-        "p": value("1", "omega20 / omega10", study.omegas[1] / alone),
+        "p": value("1", "omega20 / omega10", p),
         "frequency": value("1", "Omega / omega10", ratio, "frequency"),
         "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
     }

@@ -21,11 +21,10 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import InputError
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
-from pounding_cli.study.plausible import doubt_values, few
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
 QUESTIONS = ("connector", "wall")
 """The modules."""
 
-MESH = ("corner", "element", "axis", "side")
+MESH = ("element", "side", "axis")
 """Dimensions of fields on a mesh, which are drawn and not kept in the results file."""
 
 _UNITS = {
@@ -68,7 +67,6 @@ class Sweep:
     text: str
     axes: tuple[Axis, ...]
     points: tuple[Point, ...]
-    warnings: tuple[Problem, ...]
 
 
 def value(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
@@ -81,7 +79,7 @@ def load(path: Path, name: str) -> Sweep:
     asked: Any = importlib.import_module(f"pounding_cli.{name}")
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
-    problems, notes = Problems(str(path)), Problems(str(path))
+    problems = Problems(str(path))
     axes = read_axes(root, problems, asked.Study)
     problems.check()
     points = []
@@ -94,11 +92,10 @@ def load(path: Path, name: str) -> Sweep:
         label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
         try:
             points.append(Point(label, asked.Study.model_validate(tree), swept))
-            doubt_values(points[-1].study, tree, (), notes)
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
     problems.check()
-    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), few(notes.found))
+    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points))
 
 
 def solved(sweep: Sweep, point: Point) -> Point:
@@ -118,20 +115,19 @@ def solved(sweep: Sweep, point: Point) -> Point:
 
 def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
     """Every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
+    import pandas as pd
     import xarray as xr
 
     every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in points]
-    most = {dim: max(each.sizes.get(dim, 0) for each in every) for each in every for dim in each.sizes}
-    padded = [
-        each.pad({dim: (0, most[dim] - size) for dim, size in each.sizes.items() if dim not in each.coords})
-        for each in every
-    ]
-    names = [axis.names[0] for axis in sweep.axes]
-    nested: list[Any] = padded
-    for axis in reversed(sweep.axes[1:]):
-        nested = [nested[at : at + len(axis)] for at in range(0, len(nested), len(axis))]
-    how: Any = {"join": "outer", "data_vars": "all", "combine_attrs": "override"}
-    whole = xr.combine_nested(nested, names, **how) if names else padded[0]
+    numbered = {dim for each in every for dim in each.sizes if dim not in each.coords}
+    every = [each.assign_coords({dim: range(each.sizes[dim]) for dim in numbered & {*each.sizes}}) for each in every]
+    whole = xr.concat(every, "point", join="outer", data_vars="all", combine_attrs="override")
+    whole, names = whole.drop_vars(numbered), [axis.names[0] for axis in sweep.axes]
+    if not names:
+        whole = whole.isel(point=0)
+    else:
+        places = pd.MultiIndex.from_product([range(len(axis)) for axis in sweep.axes], names=names)
+        whole = whole.assign_coords(xr.Coordinates.from_pandas_multiindex(places, "point")).unstack("point")  # noqa: PD010
     for axis in sweep.axes:
         columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
         whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
@@ -157,14 +153,14 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
     from pounding_cli.results.tables import Column, Table
 
     asked, done = sweep.asked, [point for point in points if point.data["status"] == "done"]
-    scalars = [{str(name): each for name, each in point.data.data_vars.items() if not each.dims} for point in points]
+    scalars = [[(str(n), each) for n, each in point.data.data_vars.items() if not each.dims] for point in points]
     frame = pd.DataFrame([
-        {**point.swept, **{name: each.item() for name, each in of_point.items()}}
+        {**point.swept, **{name: each.item() for name, each in of_point}}
         for point, of_point in zip(points, scalars, strict=True)
     ])  # fmt: skip
     swept = {name: unit for axis in sweep.axes for name, unit in zip(axis.names, axis.units, strict=True)}
     columns = {name: Column("swept", unit, name) for name, unit in swept.items()}
-    for name, each in max(scalars, key=len).items():
+    for name, each in max(scalars, key=len):
         unit = _UNITS.get(each.attrs["units"], Unit(each.attrs["units"], 1.0, each.attrs["units"]))
         columns[name] = Column(each.attrs["long_name"], unit, name.replace("_", " "))
     shown = frame[[name for name in (*swept, *asked.SHOWN) if name in frame]]
@@ -177,7 +173,7 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         sweep.title,
         Section("", said, [Table("", shown, columns)], pictures[:1], notes),
         lambda: [
-            *([Section("Further figures", pictures=pictures[1:])] if pictures[1:] else []),
+            Section("Further figures", pictures=pictures[1:]),
             Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),
             Section("References", tables=[from_rows("", ("reference", "for"), cited)]),
             Section("Study", widget="study"),

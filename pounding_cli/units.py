@@ -24,7 +24,12 @@ _UNITS = {
     "Gal": ("0.01", (0.0, 1.0, -2.0)), "gal": ("0.01", (0.0, 1.0, -2.0)),
     "%": ("0.01", _PLAIN), "rad": ("1", _PLAIN),
 }  # fmt: skip
-_PREFIXES = {"": "1", "m": "0.001", "c": "0.01", "k": "1000", "M": "1000000", "G": "1000000000"}
+_PREFIXES = {"G": "1000000000", "M": "1000000", "k": "1000", "c": "0.01", "m": "0.001", "": "1"}
+_ONE = {
+    prefix + name: (Fraction(value) * Fraction(size), dimension)
+    for prefix, size in _PREFIXES.items() for name, (value, dimension) in _UNITS.items()
+}  # fmt: skip
+# Where a name is two, as `min`, the one without prefix counts.
 _FACTOR = re.compile(r"\s*([*/·.]?)\s*([A-Za-z]+|%)(?:(?:\*\*|\^)?(-?[1-9](?:\.5)?)|([²³]))?\s*")
 
 
@@ -40,10 +45,10 @@ def measure(unit: str) -> tuple[float, Dimension]:
         raise ValueError(unit)
     while at < len(text):
         found = _FACTOR.match(text, at)
-        if found is None or (at == 0 and found[1]):
+        if found is None or (at == 0 and found[1]) or found[2] not in _ONE:
             raise ValueError(unit)
         power = float(found[3] or {"²": 2, "³": 3}.get(found[4], 1)) * (-1 if found[1] == "/" else 1)
-        one, (mass, length, time) = _one(found[2])
+        one, (mass, length, time) = _ONE[found[2]]
         if power.is_integer():
             exact *= one ** int(power)
         else:
@@ -51,15 +56,6 @@ def measure(unit: str) -> tuple[float, Dimension]:
         dimension = dimension[0] + power * mass, dimension[1] + power * length, dimension[2] + power * time
         at = found.end()
     return float(exact) * rounded, dimension
-
-
-def _one(word: str) -> tuple[Fraction, Dimension]:
-    """A single unit with its prefix, as `km`."""
-    for prefix, size in _PREFIXES.items():
-        if word.startswith(prefix) and word.removeprefix(prefix) in _UNITS:
-            value, dimension = _UNITS[word.removeprefix(prefix)]
-            return Fraction(value) * Fraction(size), dimension
-    raise ValueError(word)
 
 
 @cache

@@ -167,4 +167,4 @@ def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.entry(word)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
-    return records.read_motion(Path(word).expanduser(), dt=step, unit=unit)
+    return records.read_file(Path(word).expanduser(), dt=step, unit=unit).motion

@@ -64,11 +64,9 @@ class Task:
 
     def without(self, scene: Scene, status: str, advice: str) -> Response:
         """The response of a scene that gave none."""
-        buildings, links, columns = nothing([building.storeys for building in scene.buildings], len(scene.links), 0)
+        peaks = nothing([building.storeys for building in scene.buildings], len(scene.links))
         accuracy, step = (self.accuracy, math.nan) if self.time_step is None else (math.nan, self.time_step)
-        return Response(
-            buildings, links, status, advice, self.method, accuracy, 0, 0, 0.0, time_step=step, columns=columns
-        )
+        return Response(*peaks, status, advice, self.method, accuracy, 0, 0, 0.0, time_step=step)
 
     def _caught(self, scene: Scene) -> Response:
         try:

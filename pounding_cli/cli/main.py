@@ -87,30 +87,33 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads a file of every package
-    code = 0
+    _end(_run())
+
+
+def _run() -> int:
+    """The exit code of the command."""
     try:
         found = cli(standalone_mode=False)
-        code = found if isinstance(found, int) else 0
         sys.stdout.flush()
+        return found if isinstance(found, int) else 0
     except InputError as refused:
-        code = REFUSED
         for problem in refused.problems:
             click.echo(f"error: {problem}", err=True)
+        return REFUSED
     except click.ClickException as error:
-        code = REFUSED
         error.show()
+        return REFUSED
     except (click.Abort, KeyboardInterrupt) as stop:
         if isinstance(stop.__cause__, EOFError):  # click takes one for Ctrl-D; nothing here asks a question
-            _end(_unforeseen(stop.__cause__))
+            return _unforeseen(stop.__cause__)
         click.echo("stopped; run the same command again to resume.", err=True)
-        code = STOPPED
+        return STOPPED
     except BrokenPipeError:
-        code = NOBODY_READS
+        return NOBODY_READS
     except SystemExit as ended:  # click ends with 1 where nobody reads what it writes, and with 0 behind a completion
-        code = NOBODY_READS if ended.code else 0
+        return NOBODY_READS if ended.code else 0
     except Exception as error:
-        code = _unforeseen(error)
-    _end(code)
+        return _unforeseen(error)
 
 
 def _end(code: int) -> NoReturn:

@@ -27,19 +27,14 @@ def output_option(default: str, text: str = "Results file.") -> Decorator:
     return click.option("-o", "--output", type=FILE, metavar="FILE.h5", help=f"{text} Default: {default}.")
 
 
-class Time(click.ParamType):
-    """A time as a study writes it, in s."""
+def seconds(text: str) -> float:
+    """A time as a study writes it, in s: the type of an option."""
+    from pydantic_core import PydanticCustomError
 
-    name = "time"
+    from pounding_cli.study.quantity import TIME
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """As click's."""
-        from pydantic_core import PydanticCustomError
-
-        from pounding_cli.study.quantity import TIME
-
-        try:
-            return float(TIME.read(value))
-        except PydanticCustomError as refused:
-            said = refused.context or {}
-            self.fail(f"{said.get('message', refused)}; {said.get('hint', '')}", param, ctx)
+    try:
+        return float(TIME.read(text))
+    except PydanticCustomError as refused:
+        said = refused.context or {}
+        raise click.BadParameter(f"{said.get('message', refused)}; {said.get('hint', '')}") from None

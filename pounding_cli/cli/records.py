@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 import pounding_cli.records as motions
-from pounding_cli.cli.options import Time, together
+from pounding_cli.cli.options import seconds, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
 
@@ -30,7 +30,7 @@ def records() -> None:
 
 reading_options = together(
     click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file has none."),
-    click.option("--dt", type=Time(), metavar="TIME", help="Time step, 0.01 s, for a file with one column."),
+    click.option("--dt", type=seconds, metavar="TIME", help="Time step, 0.01 s, for a file with one column."),
     click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
     click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
     click.option("--format", type=click.Choice(motions.FORMATS), help="File format, if it is not detected."),
@@ -61,14 +61,13 @@ def list_() -> None:
 
 @records.command()
 @click.argument("motion")
-@click.option("--window", type=Time(), metavar="TIME", help="Use only the first part. Default for a name: Table 1.")
-@click.option("--whole", is_flag=True, help="Use the whole motion, also for a catalogue name.")
+@click.option("--window", type=seconds, metavar="TIME", help="Use only the first part. Default for a name: Table 1.")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False),
     help="Draw acceleration, velocity, displacement, Husid curve and spectrum to FILE.png, .svg or .pdf.",
 )  # fmt: skip
 @reading_options
-def show(motion: str, window: float | None, whole: bool, output: Path | None, **options: Any) -> None:
+def show(motion: str, window: float | None, output: Path | None, **options: Any) -> None:
     """Show intensity measures and the 5 % response spectrum of MOTION, a name of the catalogue or a file.
 
     \b
@@ -79,14 +78,14 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
     if motion in motions.names() or (not os.path.exists(motion) and not Path(motion).suffix):
         known = motions.entry(motion)
         found, title, place, read_as = motions.find(motion), known.title, str(motions.locate(motion)[0]), None
-        window = None if whole else window or known.duration
+        window = window or known.duration
     else:
         reading = motions.read_file(motion, **options)
         found, title, place, read_as = reading.motion, Path(motion).name, motion, f"{reading.format}, {reading.words}"
     if window is not None:
         found = found.windowed(window)
         if found.pga == 0.0:
-            raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window, or --whole"))
+            raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window"))
     if output is not None:
         check_output(output, [Path(place)])
     _print_measures(found, title, place, read_as)
@@ -103,8 +102,8 @@ def show(motion: str, window: float | None, whole: bool, output: Path | None, **
 @click.option("--force", is_flag=True, help="Replace an imported motion of this name.")
 @reading_options
 def import_(file: Path, name: str, force: bool, **options: Any) -> None:
-    """Copy a real motion into your own folder, so that every study uses it instead of the stand-in, and tell how it
-    differs from the catalogue.
+    """Copy a real motion into your own folder, so that every study uses it instead of the stand-in, and tell what the
+    catalogue knows of it.
 
     \b
     Example:
@@ -119,9 +118,7 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     motions.keep(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, read {reading.words}")
-    told = [f"  - {line}" for line in known.differences(motion)]
-    agrees = "It agrees with the catalogue in peak, Arias intensity and time step."
-    click.echo("\n".join(["Differences from the catalogue:", *told]) if told else agrees)
+    click.echo("\n".join(f"  {line}" for line in known.compared(motion)))
     if (used := motions.locate(name)[0]) != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
 

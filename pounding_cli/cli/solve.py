@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.cli.options import FILE, Time, output_option, quiet_option, study_argument, together
+from pounding_cli.cli.options import FILE, output_option, quiet_option, seconds, study_argument, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted, time_text
+from pounding_cli.workflows import TITLES
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import Outcome
@@ -46,14 +47,7 @@ solving_options = together(
 )  # fmt: skip
 """How scenes are solved; keyword arguments of `solve_study`."""
 
-_ABOUT = {
-    "run": "Run STUDY, write one results file and print a summary.",
-    "gap": "Compute how wide the gaps of STUDY must be, so that its buildings do not touch (docs/how-to/gap.md).",
-    "fragility": "Compute how likely the limits of STUDY are passed over an intensity (docs/how-to/fragility.md).",
-    "sensitivity": "Compute which uncertain keys of STUDY matter most (docs/how-to/sensitivity.md).",
-    "optimise": "Find the values of chosen keys of STUDY that make a number least or most (docs/how-to/optimise.md).",
-}
-_HELP = """{about}
+_HELP = """{title}{more}
 
 Scenes of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run the same
 command again to resume. Exit code 0: all scenes done; 1: some failed; 2: the study or the output was refused.
@@ -67,7 +61,9 @@ Example:
 def _question(name: str, *options: Callable[..., Any]) -> click.Command:
     """The command of a question, with further options of its own."""
 
-    @click.command(name, help=_HELP.format(about=_ABOUT[name], name=name))
+    more = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
+
+    @click.command(name, help=_HELP.format(title=TITLES[name], more=more, name=name))
     @study_argument
     @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
     @together(*options, solving_options, click.pass_context)
@@ -195,8 +191,6 @@ def _points(name: str, about: str, example: str) -> click.Command:
         file = file if file.suffix else file.with_suffix(".h5")
         check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
         check_folder(file.with_suffix(""))
-        for warning in sweep.warnings:
-            click.echo(f"warning: {warning}", err=True)
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
             points = [solved(sweep, point) for point in waiting]
         report, files = write(sweep, points, file)
@@ -235,7 +229,7 @@ def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
 @click.option("--methods", metavar="NAME,...", default="", callback=_names, help="Methods to compare. Default: all.")
 @click.option("--cases", metavar="NAME,...", default="", callback=_names, help="Cases to run. Default: all.")
 @click.option("--records", metavar="NAME,...", default="", callback=_names, help="Motions to use. Default: all.")
-@click.option("--budget", type=Time(), default="60 s", show_default=True, help="Time for the runs, uncompiled.")
+@click.option("--budget", type=seconds, default="60 s", show_default=True, help="Time for the runs, uncompiled.")
 @click.option("-o", "--output", type=FILE, metavar="DIR", help="Folder. Default: results/STUDY-accuracy.")
 @quiet_option
 def accuracy(
@@ -272,7 +266,6 @@ def accuracy(
 
 def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subject]:
     """The linked scenes of the study's first point, each once.  Raises `InputError` for names that it does not have."""
-    from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import expand
 
     plan = expand(study)
@@ -280,7 +273,7 @@ def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subjec
         for name in set(wanted) - set(known):
             raise InputError(Problem(f"the study has no {what} {name}", f"write one of {', '.join(known)}"))
     return [
-        Subject(row.case, row.analysis, row.record, plan.scene(row.scene))
+        ({"case": row.case, "analysis": row.analysis, "record": row.record}, plan.scene(row.scene))
         for row in map(plan.row, range(math.prod(plan.shape[-3:])))
         if row.case in (cases or plan.cases) and row.record in (records or plan.records)
     ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,8 +15,6 @@ from pounding_cli.numbers import counted, time_text
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
-    from pounding_cli.laws.law import LinkLaw
-    from pounding_cli.model.building import Building
     from pounding_cli.numbers import Unit
     from pounding_cli.study import Plan, Study
 
@@ -78,8 +76,6 @@ def check(study: Path) -> None:
     name, kind = shortened(study), kind_of_file(study)
     if kind in QUESTIONS:
         sweep = load(study, kind)
-        for warning in sweep.warnings:
-            click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
@@ -143,10 +139,9 @@ def _lines(plan: Plan) -> list[str]:
     ]
     for what, count in sorted(found.scenes.items()):
         lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
-    lines.append("meetings (at the first point of the sweep)" if any(study.touching("buildings")) else "meetings")
+    lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]
-    lines += _isolators(group, study.unit("gap"))
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
@@ -161,19 +156,6 @@ def _lines(plan: Plan) -> list[str]:
     return lines
 
 
-def _isolators(group: Sequence[Building], width: Unit) -> list[str]:
-    """Period and damping ratio of isolators as a linear oscillator has them at their capacity, or at 10 cm."""
-    lines = []
-    for building in group:
-        isolation = building.foundation.isolation if building.foundation is not None else None
-        if isolation is not None:
-            at = isolation.capacity if isolation.capacity < math.inf else 0.1
-            period, damping = isolation.effective(building.weight, at)
-            told = f"period {period:.2f} s, damping {100 * damping:.1f} %"
-            lines.append(f"  {building.name:<16} at {width.text(at)}: {told}")
-    return ["isolators  (as a linear oscillator)", *lines] if lines else []
-
-
 def _effects(found: Forecast) -> Iterator[str]:
     """In how many scenes each effect is simulated, and why it is left out in the others."""
     from pounding_cli.model.effects import told
@@ -185,22 +167,12 @@ def _effects(found: Forecast) -> Iterator[str]:
 
 def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """The links of a case at the first point of the sweep, in words."""
-    links = plan.build(case * len(plan.analyses) * len(plan.records)).links
-    said = Counter(
-        f"slab against columns, gap {width.text(link.gap)}" if link.columns
-        else f"{link.kind}, gap {width.text(link.gap)}, {_stiffness(link.law, strength)}"
-        for link in links
-    )  # fmt: skip
+    said = Counter[str]()
+    for link in plan.build(case * len(plan.analyses) * len(plan.records)).links:
+        kind, stiffness = "slab against columns" if link.columns else link.kind, link.law.initial_stiffness
+        stiff = f", {strength.text(stiffness, 4)}" if stiffness > 0 and not link.columns else ""
+        said[f"{kind}, gap {width.text(link.gap)}{stiff}"] += 1
     return "; ".join(f"{count} x {what}" for what, count in said.items()) or "no links: runs as buildings alone"
-
-
-def _stiffness(law: LinkLaw, unit: Unit) -> str:
-    """The stiffness of a law; of one that has none in N/m, its first parameter besides the gap that has a unit."""
-    units = {name: each.metadata["parameter"].unit for name, each in law.parameters().items()}
-    other = next((name for name, of in units.items() if name != "gap" and of != "-"), None)
-    if "stiffness" in units or other is None:
-        return unit.text(law.initial_stiffness, 4)
-    return f"{getattr(law, other):.4g} {units[other]}"
 
 
 @click.command()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import functools
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,12 +19,10 @@ import numpy as np
 from pounding_cli.laws import pounding
 from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw
+from pounding_cli.units import Dimension
 
 LONGEST, MOST_OPERATIONS = 500, 200
 """Characters and operations of a formula."""
-
-Dimension = tuple[float, float, float]
-"""Powers of kg, m and s."""
 
 PLAIN: Dimension = (0.0, 0.0, 0.0)
 FORCE: Dimension = (1.0, 1.0, -2.0)
@@ -138,19 +137,22 @@ def in_units(dimension: Dimension) -> str:
 
 
 class _Reader:
-    """Reads one formula with these values and dimensions; `rows` are the operations so far, each once."""
+    """Reads one formula with these values and dimensions; `rows` are the operations so far."""
 
     def __init__(self, text: str, known: Mapping[str, tuple[float, Dimension]], closings: tuple[float, ...]) -> None:
         self.text, self.known, self.closings, self.rows = text, known, closings, list[Row]()
 
+    def source(self, node: ast.expr) -> str:
+        """What a node is in the text."""
+        return f"'{ast.get_source_segment(self.text, node)}'"
+
     def wrong(self, node: ast.expr, message: str, hint: str = _SAYS) -> FormulaError:
-        said = f"'{ast.get_source_segment(self.text, node)}' {message}"
-        return FormulaError(said, hint, node.lineno - 1, node.col_offset)
+        return FormulaError(f"{self.source(node)} {message}", hint, node.lineno - 1, node.col_offset)
 
     def term(self, node: ast.expr) -> Term:
         """What a node says; only what is named here is taken."""
         match node:
-            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
+            case ast.Constant(value=int() | float() as number):
                 return self.made(node, PLAIN, 0, NUMBER, a=float(number))
             case ast.Name(id="v" | "r" as name):
                 return Term(0 if name == "v" else 1, GIVEN[name], 1)
@@ -160,14 +162,15 @@ class _Reader:
             case ast.Name():
                 names = ", ".join(dict.fromkeys((*GIVEN, *self.known)))
                 raise self.wrong(node, "is not known", f"give it under `parameters`; known: {names}")
-            case ast.UnaryOp(op=ast.UAdd(), operand=inner):
-                return self.term(inner)
             case ast.UnaryOp(op=ast.USub(), operand=inner):
-                return self.negative(node, inner)
-            case ast.BinOp(left=left, op=ast.Add(), right=right):
-                return self.plus(node, self.term(left), self.term(right))
-            case ast.BinOp(left=left, op=ast.Sub(), right=right):
-                return self.plus(node, self.term(left), self.negative(node, right))
+                return self.times(node, self.term(inner), -1.0)
+            case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
+                one, other = self.term(left), self.term(right)
+                if one.dimension != other.dimension:
+                    units = f"is in {in_units(one.dimension)}, {self.source(right)} in {in_units(other.dimension)}"
+                    raise self.wrong(left, units, "add what has one unit")
+                other = self.times(node, other, -1.0) if isinstance(node.op, ast.Sub) else other
+                return self.made(node, one.dimension, max(one.degree, other.degree), PLUS, one.at, other.at)
             case ast.BinOp(left=left, op=ast.Mult(), right=right):
                 return self.times(node, self.term(left), self.term(right))
             case ast.BinOp(left=left, op=ast.Div(), right=right):
@@ -185,30 +188,21 @@ class _Reader:
         self, node: ast.expr, dimension: Dimension, degree: int, code: int, x: int = 0, y: int = 0, a: float = 0.0
     ) -> Term:
         """What an operation makes of registers x and y: of constants a constant."""
-        row: Row = (float(code), float(x), float(y), a)
+        self.rows.append((float(code), float(x), float(y), a))
+        at = 1 + len(self.rows)
         if not degree:
-            number = Formula((*self.rows, row), 2 + len(self.rows)).at(0.0, 0.0)
+            number = Formula(tuple(self.rows), at).at(0.0, 0.0)
             if not math.isfinite(number):
                 raise self.wrong(node, "does not give a finite number", "correct it")
-            row = (float(NUMBER), 0.0, 0.0, number)
-        if row not in self.rows:
-            self.rows.append(row)
+            self.rows[-1] = (float(NUMBER), 0.0, 0.0, number)
         if len(self.rows) > MOST_OPERATIONS:
             raise FormulaError(f"the formula has more than {MOST_OPERATIONS} operations", "write a shorter one")
-        return Term(2 + self.rows.index(row), dimension, degree)
+        return Term(at, dimension, degree)
 
-    def plus(self, node: ast.BinOp, one: Term, other: Term) -> Term:
-        if one.dimension != other.dimension:
-            left, right = (ast.get_source_segment(self.text, each) for each in (node.left, node.right))
-            message = f"'{left}' is in {in_units(one.dimension)}, '{right}' in {in_units(other.dimension)}"
-            raise FormulaError(message, "add what has one unit", node.lineno - 1, node.col_offset)
-        degree = max(one.degree, other.degree)
-        return self.made(node, one.dimension, degree, PLUS, one.at, other.at)
-
-    def negative(self, node: ast.expr, inner: ast.expr) -> Term:
-        return self.times(node, self.term(inner), self.made(node, PLAIN, 0, NUMBER, a=-1.0))
-
-    def times(self, node: ast.expr, one: Term, other: Term) -> Term:
+    def times(self, node: ast.expr, one: Term, other: Term | float) -> Term:
+        """A product of two terms, or of a term and a number."""
+        if isinstance(other, float):
+            other = self.made(node, PLAIN, 0, NUMBER, a=other)
         dimension, degree = _sum(one.dimension, other.dimension), min(one.degree + other.degree, 2)
         return self.made(node, dimension, degree, TIMES, one.at, other.at)
 
@@ -219,12 +213,11 @@ class _Reader:
         of_closing = base.at == 0 and exponent > 0.0 and min(self.closings) >= 0.0
         if not of_closing and (not exponent.is_integer() or (base.degree and exponent < 0.0)):
             formula = Formula(tuple(self.rows), base.at)
-            for v in self.closings:
-                for r in (-3.0, -0.1, 0.0, 0.1, 3.0):
-                    if not formula.at(v, r) > 0.0:
-                        message = f"is not above zero at v = {v:g} m, r = {r:g} m/s"
-                        hint = "divisors and arguments of roots and fractional powers must stay above zero"
-                        raise self.wrong(node, message, f"{hint}; of v itself write v**1.5")
+            for v, r in itertools.product(self.closings, (-3.0, -0.1, 0.0, 0.1, 3.0)):
+                if not formula.at(v, r) > 0.0:
+                    message = f"is not above zero at v = {v:g} m, r = {r:g} m/s"
+                    hint = "divisors and arguments of roots and fractional powers must stay above zero"
+                    raise self.wrong(node, message, f"{hint}; of v itself write v**1.5")
         dimension, degree = _sum(PLAIN, base.dimension, exponent), 2 if base.degree else 0
         return self.made(node, dimension, degree, POWER, base.at, a=exponent)
 
@@ -290,7 +283,7 @@ class WrittenLaw(LinkLaw):
             k, c = force.at(1.0, 0.0) - f0, force.at(0.0, 1.0) - f0
         return k, c, float(self.tension_cut), f0, float(not force.is_straight), float(self.joins)
 
-    @property
+    @functools.cached_property
     def damped(self) -> bool:
         """Where its force depends on the rate."""
         force = self.force(1.0)

@@ -73,6 +73,9 @@ K, ZETA = range(2)
 FASTEST = 0
 """History variable of a damped contact: largest approach speed so far, v0 [m/s]."""
 
+SLOWEST = 1e-12
+"""An approach below this speed is rounding: of floors that move alike [m/s]."""
+
 OPEN, GAINING, DAMPED, CUT = range(4)
 """Branches: floors that approach ever faster, so that v0 is the speed; that do not; whose force would pull."""
 
@@ -123,7 +126,7 @@ def damped_force(e: Any, v: float, r: float) -> float:
     if v <= 0.0:
         return 0.0
     spring = e.p[K] * v * math.sqrt(v)
-    return spring * (1.0 + e.p[ZETA] * (1.0 if e.branch == GAINING else r / e.h[FASTEST]))
+    return spring * (1.0 + e.p[ZETA] * (1.0 if e.branch == GAINING else r / max(e.h[FASTEST], SLOWEST)))
 
 
 @dataclass(frozen=True)

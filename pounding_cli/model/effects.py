@@ -10,7 +10,7 @@ import numpy as np
 
 from pounding_cli.laws import link_laws
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import APART, Link
+from pounding_cli.model.links import APART
 from pounding_cli.model.scene import Analysis, Scene
 
 EXPECTED = ("yielding storeys", "foundation motions", "P-Delta")
@@ -55,11 +55,15 @@ class Effects:
 
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
-    return _effects_of(scene.buildings, scene.links, scene.analysis)
+    links = {(e.kind, e.law.damped, e.law.cut, getattr(e.law, "tension_cut", False)) for e in scene.links}
+    return _effects_of(scene.buildings, tuple(sorted(links)), scene.analysis)
 
 
-@functools.lru_cache(maxsize=256)  # a run asks five times about one scene; it is the same for every motion
-def _effects_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analysis: Analysis) -> Effects:
+@functools.lru_cache(maxsize=256)  # the same for every motion and gap
+def _effects_of(
+    buildings: tuple[Building, ...], links: tuple[tuple[str, bool, bool, bool], ...], analysis: Analysis
+) -> Effects:
+    """Of links the kind, whether they have a dashpot, whether their tension is cut, whether that is asked."""
     kept, dropped = list[str](), list[str]()
 
     def decide(needed: bool, effect: str, reason: str) -> bool:
@@ -85,12 +89,12 @@ def _effects_of(buildings: tuple[Building, ...], links: tuple[Link, ...], analys
     )
     decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(building.beta > 0 for building in buildings), "stiffness-proportional damping", "beta is 0")
-    kinds = sorted({link.kind for link in links})
+    kinds = sorted({kind for kind, _, _, _ in links})
     for kind in (*link_laws(), *(kind for kind in kinds if kind not in link_laws() and kind != APART)):
         decide(kind in kinds, f"{kind} links", "the case has none")
     if kinds:
-        decide(any(link.law.damped for link in links), "link dashpots", "restitution is 1")
-        asked = any(getattr(link.law, "tension_cut", False) for link in links)
+        decide(any(damped for _, damped, _, _ in links), "link dashpots", "restitution is 1")
+        asked = any(asked for _, _, _, asked in links)
         reason = "without a dashpot no link can pull" if asked else "links may pull, as printed"
-        decide(any(link.law.cut for link in links), "tension cut-off", reason)
+        decide(any(cut for _, _, cut, _ in links), "tension cut-off", reason)
     return Effects(yielding, collapse, tuple(kept), tuple(dropped))

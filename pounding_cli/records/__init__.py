@@ -5,6 +5,6 @@ Importing this package is cheap: scipy and yaml are imported by the functions th
 
 from pounding_cli.records.catalogue import Entry, catalogue, entry, find, keep, locate, names, user_folder
 from pounding_cli.records.motion import GRAVITY, Motion, arias, displacement, pgv, significant_duration, spectrum
-from pounding_cli.records.reading import FORMATS, Reading, read_file, read_motion
+from pounding_cli.records.reading import FORMATS, Reading, read_file
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum, arias_factor, scale_factor, spectrum_factors
 from pounding_cli.records.units import UNITS, acceleration_unit

@@ -20,7 +20,7 @@ from typing import Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.motion import GRAVITY, Motion, arias
-from pounding_cli.records.reading import read_motion
+from pounding_cli.records.reading import read_file
 
 
 @dataclass(frozen=True)
@@ -46,20 +46,14 @@ class Entry:
     sources: Sequence[str]
     files: Sequence[Mapping[str, Any]]
 
-    def differences(self, motion: Motion) -> Iterator[str]:
-        """What of a motion differs from the catalogue, in words: length, time step, peak, Arias intensity."""
-        facts, window, seconds = self.facts, motion.windowed(self.duration), f"{self.duration:g} s"
-        if motion.duration < self.duration - 0.5 * motion.dt:
-            yield f"length: {motion.duration:g} s, shorter than Table 1's {seconds}: all is used"
-        if abs(motion.dt / facts.get("dt_s", motion.dt) - 1.0) > 1e-6:
-            yield f"time step: {motion.dt:g} s, against {facts['dt_s']:g} s: another digitisation"
+    def compared(self, motion: Motion) -> Iterator[str]:
+        """Length, time step, peak and Arias intensity of a motion in its window, beside those known, in words."""
+        facts, window, length = self.facts, motion.windowed(self.duration), f"{self.duration:g} s"
         known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
-        for name, found, fact, unit in (
-            ("peak", window.pga / GRAVITY, facts["peak_g"], "g"),
-            ("Arias intensity", arias(window), facts["arias"], "m/s"),
-        ):
-            if abs(found / fact - 1.0) > 0.02:
-                yield f"{name}: {found:.3f} {unit} in the first {seconds}, against {fact:.3f} {unit} {known}"
+        yield f"length: {motion.duration:g} s, of which Table 1 uses {length}"
+        yield f"time step: {motion.dt:g} s" + (f"; {facts['dt_s']:g} s {known}" if "dt_s" in facts else "")
+        yield f"peak: {window.pga / GRAVITY:.3f} g in the first {length}; {facts['peak_g']:.3f} g {known}"
+        yield f"Arias intensity: {arias(window):.3f} m/s in the first {length}; {facts['arias']:.3f} m/s {known}"
 
 
 def shipped_folder() -> Path:
@@ -148,7 +142,7 @@ def find(name: str) -> Motion:
     Raises `InputError` for an unknown name (with the nearest) or a file that cannot be read.
     """
     path, source, options = locate(name)
-    return read_motion(path, name=name, source=source, **options)
+    return read_file(path, name=name, source=source, **options).motion
 
 
 def keep(name: str, motion: Motion, origin: Path) -> Path:

@@ -1,4 +1,4 @@
-"""The file formats of the strong-motion networks, one function each.
+"""The file formats of the strong-motion networks, one function each, and plain columns.
 
 Each returns the samples of a file, or None of another format, and raises `InputError` for a file of its format that is
 damaged, holds no acceleration, or several channels and none was named.
@@ -7,18 +7,19 @@ damaged, holds no acceleration, or several channels and none was named.
 from __future__ import annotations
 
 import re
+from itertools import chain, islice
 
-from pounding_cli.records.text import Samples, Text, number
-from pounding_cli.records.units import quantity_of, unit_in
+import numpy as np
 
-_AT2_NEWER = re.compile(r"(?i)NPTS\s*=?\s*(\d{1,9})\s*,?\s*DT\s*=?\s*([-+.\dE]+)")
-_AT2_OLDER = re.compile(r"(?i)\s*(\d{1,9})\s+([-+.\dE]+)\s+NPTS")
+from pounding_cli.numbers import counted
+from pounding_cli.records.text import Samples, Text, number, tokens
+from pounding_cli.records.units import BRACKETS, acceleration_unit, quantity_of, unit_in
+
 _COSMOS = re.compile(r"(?i)\(\s*format\s+v\s*[\d.]+")
 _COSMOS_LABEL = re.compile(r"(?i)\Asta chan? ?:? ?(.*?) ?(?:\(|location|\Z)")
 _COSMOS_DATA = re.compile(
     r"(?i)\A(\d{1,9}) (\w+) (?:data )?(?:pts|points).*?units? ?= ?([^,(]+?) ?(?:\( ?\d+ ?\))? ?,.*?(format.*)"
 )
-_REALS = re.compile(r"(?i)\A(\d{1,6}) real[- ]*header.*?(\(.*)")
 _CSMIP = re.compile(r"\s*(UN|R)?(?:CORRECTED\s+ACCELEROGRAM|ESPONSE\s+AND\s+FOURIER)")
 _CSMIP_LABEL = re.compile(r"(?i)\bchan(?:nel)? ?(\d+ ?: ?.+)")
 _CSMIP_DATA = re.compile(r"(?i)\A(\d{1,9}) points of (?:\w+ )?(accel|veloc|displ)\w* .*?at (\d*\.?\d+) ?sec(.*)")
@@ -30,20 +31,19 @@ def at2(text: Text) -> Samples | None:
 
     Chiou, Darragh, Gregor and Silva (2008), NGA project strong-motion database, Earthquake Spectra 24(1), 23-44.
     """
-    sizes = enumerate((_AT2_NEWER.search(line) or _AT2_OLDER.match(line) for line in text.lines[:8]), 1)
-    line, size = next(((line, size) for line, size in sizes if size), (0, None))
+    size, line = text.search(r"NPTS ?=? ?(\d{1,9}) ?,? ?DT ?=? ?([-+.\dE]+)", range(8))
+    if size is None:
+        size, line = text.search(r"^(\d{1,9}) ([-+.\dE]+) NPTS", range(8))
     if size is None:
         return None
-    unit, unit_line = None, 0
-    for place, words in enumerate(text.lines[: line - 1], 1):
-        if other := re.search(r"(?i)(VELOCITY|DISPLACEMENT)\s+TIME\s+(?:SERIES|HISTORY)", words):
-            raise text.wrong_quantity(other[1].lower(), place)
-        if found := re.search(r"(?i)IN\s+UNITS?\s+OF\s+(\S+)", words):
-            unit, unit_line = found[1].rstrip(",;"), place
+    other, place = text.search("(velocity|displacement) time (?:series|history)", range(line - 1))
+    if other:
+        raise text.wrong_quantity(other[1].lower(), place)
+    unit, unit_line = text.search(r"in units? of ([^\s,;]+)", range(line - 1))
     step = text.step(size[2], line)
     values, start = text.values(line)
     text.check_count(size[1], len(values), line)
-    return Samples(step, values, start, unit, unit_line)
+    return Samples(step, values, start, unit[1] if unit else None, unit_line)
 
 
 def knet(text: Text) -> Samples | None:
@@ -55,16 +55,16 @@ def knet(text: Text) -> Samples | None:
     header = range(text.first, text.first + 17)
     if not text.lines[header.start].startswith("Origin Time"):
         return None
-    rate, line = text.find(r"^Sampling Freq\S*\s+([1-9][\d.]*)", header, "Sampling Freq(Hz), e.g. 100Hz")
+    rate, line = text.find(r"^Sampling Freq\S* ([1-9][\d.]*)", header, "Sampling Freq(Hz), e.g. 100Hz")
     step = text.step(1.0 / float(rate[1]), line)
-    scale = r"^Scale Factor\s+([\d.]+) *\( *gal *\) */ *([1-9][\d.]*)"
+    scale = r"^Scale Factor ([\d.]+) ?\( ?gal ?\) ?/ ?([1-9][\d.]*)"
     gal, scale_line = text.find(scale, header, "Scale Factor, e.g. 3920(gal)/6182761: its counts have no unit")
     counts, start = text.values(header.stop)
-    duration, line = text.find(r"^Duration Time\S*\s+(\d[\d.]*)", header, "Duration Time(s), e.g. 60")
+    duration, line = text.find(r"^Duration Time\S* (\d[\d.]*)", header, "Duration Time(s), e.g. 60")
     text.check_count(f"{float(duration[1]) * float(rate[1]):.0f}", len(counts), line, "duration x frequency")
     mean, one = sum(counts) / len(counts), float(gal[1]) / float(gal[2])
     values = [(each - mean) * one for each in counts]
-    _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))?\s+(\S+)", header, "gal")
+    _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))? (\S+)", header, "gal")
     return Samples(step, values, start, "gal", scale_line)
 
 
@@ -79,7 +79,7 @@ def esm(text: Text) -> Samples | None:
     while re.match(r"[A-Z][A-Z0-9_/^]*\s*:", text.line(end)):
         end += 1
     keys = ("SAMPLING_INTERVAL_S", "DATA_TYPE", "UNITS", "NDATA")
-    said = [text.find(rf"^{key}:\s*(\S+)", range(first, end), key) for key in keys]
+    said = [text.find(rf"^{key}: ?(\S+)", range(first, end), key) for key in keys]
     (interval, line), (kind, kind_line), (unit, unit_line), (count, count_line) = ((each[1], at) for each, at in said)
     step = text.step(interval, line)
     if not kind.upper().startswith("ACC"):
@@ -87,7 +87,7 @@ def esm(text: Text) -> Samples | None:
     values, start = text.values(end)
     text.check_count(count, len(values), count_line, "NDATA")
     if unit.startswith("cm"):
-        _check_peak(text, values, r"^PGA_CM/S\^2:\s*(\S+)", range(first, end), "cm/s2")
+        _check_peak(text, values, r"^PGA_CM/S\^2: ?(\S+)", range(first, end), "cm/s2")
     return Samples(step, values, start, unit, unit_line)
 
 
@@ -128,13 +128,10 @@ def cosmos(text: Text) -> Samples | None:
         return None
     example = "12091 acceleration pts, approx 120 secs, units=cm/s2 (4),Format=(8F10.5)"
     at, data = _channel(text, _COSMOS_LABEL, _COSMOS_DATA, example)
-    above = ((index, _REALS.match(_one_blank(text.lines[index]))) for index in range(at, -1, -1))
-    reals = next(((index, found) for index, found in above if found), None)
-    if reals is None:
-        raise text.damaged("the header does not say its values, e.g. 100 Real-header values (5F15.6)", at + 1)
-    index, found = reals
+    example = "its values, e.g. 100 Real-header values (5F15.6)"
+    reals, line = text.find(r"^(\d{1,6}) real[- ]*header.*?(\(.*)", range(at, -1, -1), example)
     # The data's own step [ms], number 62 in the documentation, comes before the recorder's [s].
-    said = text.fixed(index + 1, int(found[1]), found[2])[0] + [-999.0] * 62
+    said = text.fixed(line, int(reals[1]), reals[2])[0] + [-999.0] * 62
     step = text.step(float(f"{said[61] / 1000.0 if said[61] > 0 else said[33]:.9g}"), at + 1)
     values, _ = text.fixed(at + 1, int(data[1]), data[4], last=True)
     return Samples(step, values, at + 2, data[3], at + 1)
@@ -165,7 +162,8 @@ def _channel(text: Text, label: re.Pattern[str], data: re.Pattern[str], example:
     Raises `InputError` where there is none, or there are several and none was named.
     """
     named, series, others = "unnamed", dict[int, tuple[str, re.Match[str]]](), list[tuple[str, int]]()
-    for index, line in enumerate(map(_one_blank, text.lines)):
+    for index in range(len(text.lines)):
+        line = text.words(index)
         if found := label.search(line):
             named = found[1] or "unnamed"
         if found := data.match(line):
@@ -191,14 +189,185 @@ def _channel(text: Text, label: re.Pattern[str], data: re.Pattern[str], example:
 
 def _check_peak(text: Text, values: list[float], pattern: str, header: range, unit: str) -> None:
     """Refuse samples whose peak is not the one that the header states, to 2 % and the last digit of what is printed."""
-    peak = max(map(abs, values))
-    for index in header:
-        stated = abs(number(said[1]) or 0.0) if (said := re.search(pattern, text.line(index))) else 0.0
-        if stated and abs(peak - stated) > 0.02 * stated + 0.01:
-            message = f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}"
-            raise text.damaged(message, index + 1)
+    said, line = text.search(pattern, header)
+    stated, peak = abs(number(said[1]) or 0.0) if said else 0.0, max(map(abs, values))
+    if stated and abs(peak - stated) > 0.02 * stated + 0.01:
+        raise text.damaged(f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line)
 
 
-def _one_blank(line: str) -> str:
-    """A line with one blank between its words: patterns with several optional blanks need time by their power."""
-    return " ".join(line.split())
+NETWORKS = {"at2": at2, "cosmos": cosmos, "csmip": csmip, "smc": smc, "knet": knet, "esm": esm}
+"""The formats of the networks by name."""
+
+
+# Plain columns: time and acceleration, one column of a table, or values with a time step beside them. Blanks, tabs,
+# commas or semicolons part them, with a comma as decimal sign where the file shows it. Above them may stand headings
+# with units (`t [s]; a [cm/s2]`), comments behind `#`, `%` or `!`, and lines `# dt:`, `# unit:`.
+
+COLUMNS = ("two-column", "column", "table")
+"""The plain formats, which need not state a unit: g is taken."""
+
+_TOP, _ROWS_OF_HEADINGS = 60, 3
+# Lines over the numbers searched for units, and those that may hold headings: names and units may be in two lines.
+_UNEVEN = 0.02
+# Times are printed with few digits: a sample may stand off its even place by this part of a step, or by the last digit
+# printed where that is less than a quarter of a step.
+_HEADING = re.compile(r"[^\s(\[]+(?:\s*[(\[][^()\[\]]*[)\]])?")
+_TIME = re.compile(r"(?:t|time|s|sec)(?![a-z])", re.IGNORECASE)
+_MILLISECONDS = re.compile(r"(?<![a-z])(?:ms|msecs?|milliseconds)(?![a-z])", re.IGNORECASE)
+_UNITS = re.compile(r"\bunits?\b", re.IGNORECASE)
+_ACCELERATION = re.compile(r"\bacc(?:el[a-z]*|n)?\b", re.IGNORECASE)
+_ONLY_ACCELERATION = re.compile(r"(?:(?:ground|base|input)\s+)?(?:acc[a-z]*|ag?)\.?|", re.IGNORECASE)
+_PEAK = re.compile(
+    r"\b(?:peaks?|max[a-z]*|pga)\b|\bacc[a-z]*\.?\s*(?:[(\[][^()\[\]]*[)\]]\s*)?[:=]\s*[-+.\d]", re.IGNORECASE
+)
+_STEPS = ("dt", "time step", "delta t", "sampling interval")
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
+_ROW_BY_ROW = "for values printed row by row say format 'column' and dt"
+
+
+def read_columns(text: Text, format: str | None) -> tuple[str, Samples]:
+    """The format, by the first line of numbers unless given, and the samples.
+
+    Raises
+    ------
+    InputError : several columns and none selected, no time step, uneven or falling times, lines of different lengths
+    """
+    text.lines = _with_points(text.lines)
+    start = _first_row(text)
+    width = len(tokens(text.lines[start]))
+    if format is None and text.column is None and width > 2:
+        hint = f"select one: column: 2 beside the file in a study, or --column 2; {_ROW_BY_ROW}"
+        raise text.refuse(f"{width} values on a line, and no column is selected", hint, start + 1)
+    kind = format or ("table" if text.column is not None else ("column", "two-column")[width - 1])
+    return kind, _column(text, start) if kind == "column" else _table(text, start, kind)
+
+
+def _column(text: Text, start: int) -> Samples:
+    """Values row by row; the time step comes from `dt` or from the header."""
+    stated = [text.header[key] for key in _STEPS if key in text.header]
+    if not stated and text.dt is None:
+        hint = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
+        raise text.refuse("one column of values, and no time step", hint, 1)
+    written, line = stated[0] if stated else (f"{text.dt}", 0)
+    step = text.step(re.sub(r"(?<=[\d.\s])s(?:ec)?\Z", "", written, flags=re.IGNORECASE).strip(), line)
+    values, begin = text.values(start)
+    if "samples" in text.header:
+        said, line = text.header["samples"]
+        text.check_count(said, len(values), line, "samples")
+    return Samples(step, values, begin, *_unit(text, start, 1, 0))
+
+
+def _table(text: Text, start: int, kind: str) -> Samples:
+    """One column of several; the first is the time, unless the time step is given and it does not rise."""
+    rows = text.rows(start)
+    lines, columns = list(rows), 2 if kind == "two-column" else len(rows[start])
+    place = 2 if kind == "two-column" else text.column
+    if place is None or not 1 <= place <= columns:
+        what = "format 'table' needs a column" if place is None else f"there is no column {place} among {columns}"
+        raise text.refuse(what, f"write 1 to {columns}: column: 2 beside the file, or --column 2", start + 1)
+    odd = next((index for index, row in rows.items() if len(row) != columns), None)
+    if odd is not None:
+        message = f"{counted(len(rows[odd]), 'value')} on this line, where every other has {columns}"
+        raise text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd + 1)
+    values, times = [row[place - 1] for row in rows.values()], np.array([row[0] for row in rows.values()])
+    unit = _unit(text, start, columns, place - 1)
+    if text.dt is not None and kind == "table" and (place == 1 or (np.diff(times) <= 0).any()):
+        return Samples(text.step(float(text.dt), 0), values, start + 1, *unit)
+    if place == 1:
+        hint = "write the acceleration's column, or give dt"
+        raise text.refuse("column 1 is the time, unless dt is given", hint, start + 1)
+    heads = [_cells(words, columns)[0] for _, words in _above(text, start)[:_ROWS_OF_HEADINGS]]
+    scale = 1e-3 if any(map(_MILLISECONDS.search, heads)) else 1.0
+    return Samples(_even_step(text, times, lines, scale), values, start + 1, *unit)
+
+
+def _first_row(text: Text) -> int:
+    """Index of the first line that opens with a number; words and comments before are the header."""
+    for index, line in enumerate(text.lines):
+        found = tokens(line)
+        if found and (number(found[0]) is not None or found[0].lower() in ("nan", "inf", "-inf")):
+            return index
+    hint = "docs/records.md has the formats: at2, cosmos, csmip, smc, knet, esm, and plain columns"
+    raise text.refuse("no line of numbers found", hint, 1)
+
+
+def _with_points(lines: list[str]) -> list[str]:
+    """The lines with decimal points where the file writes decimal commas: by its first lines of numbers."""
+    sample = islice((line for line in lines if re.match(r"\s*[-+]?[\d.,]", line)), 20)
+    rows = [[word for word in re.split(r"[;\s]+", line.strip()) if word] for line in sample]
+    words = list(chain(*rows))
+    pointed = any("." in word or word.endswith(",") for word in words)
+    if pointed or max(map(len, rows), default=0) < 2 or not any(map(_DECIMAL_COMMA.match, words)):
+        return lines
+    return [line if line.lstrip()[:1] in ("#", "%", "!") else re.sub(r"(?<=\d),(?=\d)", ".", line) for line in lines]
+
+
+def _above(text: Text, start: int) -> list[tuple[int, str]]:
+    """The lines over the numbers (from 1) with their words, the nearest first."""
+    top = range(start, max(0, start - _TOP), -1)
+    return [(line, words) for line in top if (words := text.lines[line - 1].strip().lstrip("#%! "))]
+
+
+def _cells(line: str, width: int) -> list[str]:
+    """A header line as one text a column; empty texts where it is none of headings."""
+    for separator in (";", "\t", ","):
+        parts = [part.strip() for part in line.split(separator)]
+        if len(parts) == width > 1:
+            return parts
+    found = _HEADING.findall(line)
+    if len(found) == width:
+        return found
+    return [line] if width == 1 and BRACKETS.search(line) else [""] * width
+
+
+def _unit(text: Text, start: int, width: int, place: int) -> tuple[str | None, int, str]:
+    """What the file states as the unit of a column, the line that does, and a heading from which none can be read."""
+    if "unit" in text.header:
+        return *text.header["unit"], ""
+    above = _above(text, start)
+    headings = [(line, _cells(words, width)[place]) for line, words in above[:_ROWS_OF_HEADINGS]]
+    said = chain(
+        ((line, unit_in(words)) for line, words in headings), ((line, _stated(words)) for line, words in above)
+    )
+    line, unit = next(((line, unit) for line, unit in said if unit), (0, None))
+    if unit is not None:
+        return unit, line, ""
+    heading = next((words for _, words in headings if words), "")
+    is_heading = width == 1 or (above and _TIME.match(above[0][1]))
+    unclear = heading if is_heading and not _ONLY_ACCELERATION.fullmatch(heading) else ""
+    return None, 0, unclear[:60]
+
+
+def _stated(line: str) -> str | None:
+    """The unit that a line of words states: `Acceleration (cm/s/s)`, `ACCELERATION IN G AT 50 HZ`, `Units: gal`, or the
+    unit alone. A line that gives a peak speaks of that number."""
+    if acceleration_unit(line):
+        return line.strip()
+    if (named := _UNITS.search(line)) and (unit := unit_in(line[named.end() :])):
+        return unit
+    named = _ACCELERATION.search(line)
+    unit = unit_in(line[named.end() :], ()) if named and not _PEAK.search(line) else None
+    return None if unit is None or unit[0].isdigit() else unit
+
+
+def _even_step(text: Text, written: np.ndarray, lines: list[int], scale: float) -> float:
+    """The time step [s] of evenly rising times; refused where they fall, stand or are uneven.
+
+    written : the times as the file has them, one of which is `scale` [s]; lines : their indices in the file
+    """
+    if written.size < 2:
+        raise text.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
+    first = [tokens(text.lines[index])[0] for index in lines[:1000]]
+    digit = scale * min(0.0 if re.search(r"[EeDd]", word) else 10.0 ** -len(word.partition(".")[2]) for word in first)
+    times, gaps = scale * written, scale * np.diff(written)
+    step = float(f"{(times[-1] - times[0]) / gaps.size:.9g}")
+    allowed = max(_UNEVEN * step, min(1.02 * digit, 0.25 * step))
+    steps = [step] if text.dt is None else [text.dt, step]  # the step given is the exact one, where times are rounded
+    even = [one for one in steps if np.abs(times - times[0] - one * np.arange(times.size)).max() <= allowed]
+    if not even:
+        usual = float(np.median(gaps))
+        worst = int(np.argmax(np.abs(gaps - usual)))
+        message = f"uneven times: a step of {gaps[worst]:.6g} s here, of {usual:.6g} s elsewhere"
+        raise text.refuse(message, f"resample the record to even steps; {_ROW_BY_ROW}", lines[worst + 1] + 1)
+    text.step(step, lines[0] + 1)
+    return even[0]

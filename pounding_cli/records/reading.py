@@ -4,26 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from pounding_cli.records import columns, formats
+from pounding_cli.records.formats import COLUMNS, NETWORKS, read_columns
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.text import Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
 
-_NETWORKS = {
-    "at2": formats.at2,
-    "cosmos": formats.cosmos,
-    "csmip": formats.csmip,
-    "smc": formats.smc,
-    "knet": formats.knet,
-    "esm": formats.esm,
-}
-
-FORMATS = (*_NETWORKS, *columns.FORMATS)
-"""The formats, as users name them; the plain ones need not state a unit: g is taken."""
+FORMATS = (*NETWORKS, *COLUMNS)
+"""The formats, as users name them."""
 
 _STRONGEST = 5.0 * GRAVITY
 # The strongest ground accelerations ever recorded lie between 3 and 5 g; above that the unit is wrong.
@@ -44,11 +34,6 @@ class Reading:
     words: str
     heading: str = ""
     stated: str = ""
-
-
-def read_motion(path: str | Path, **options: Any) -> Motion:
-    """The motion of a text file; arguments and errors as `read_file`."""
-    return read_file(path, **options).motion
 
 
 def read_file(
@@ -88,40 +73,40 @@ def read_file(
     if unit is not None and acceleration_unit(unit) is None:
         raise text.refuse(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(UNITS)}, or 0.01 g")
     kind, samples = _samples(text, format)
-    used, why = _unit(text, kind, samples, unit)
-    assumed, against = why.startswith("assumed"), samples.unit if "although" in why else None
+    used, why, stated = _unit(text, kind, samples, unit)
+    assumed = unit is None and samples.unit is None
     label = f"{source}, unit {used} assumed" if assumed else source
     said, _ = text.header.get("name", ("", 0))
     motion = Motion(name or said or Path(path).stem, samples.dt, _sound(text, samples, used), label)
-    return Reading(motion, kind, used, f"in {used} ({why})", samples.unclear if assumed else "", against or "")
+    return Reading(motion, kind, used, f"in {used} ({why})", samples.unclear if assumed else "", stated)
 
 
 def _samples(text: Text, format: str | None) -> tuple[str, Samples]:
     """The format of a file and what it holds; raises `InputError` for channels and columns that it does not have."""
-    tried = ((name, read(text)) for name, read in _NETWORKS.items() if format in (None, name))
+    tried = ((name, read(text)) for name, read in NETWORKS.items() if format in (None, name))
     kind, found = next(((name, found) for name, found in tried if found), ("", None))
-    if found is None and format not in (None, *columns.FORMATS):
+    if found is None and format not in (None, *COLUMNS):
         hint = f"leave 'format' out, or write one of {', '.join(FORMATS)}"
         raise text.refuse(f"its first lines are not those of a file of format '{format}'", hint, 1)
     if found is None:
-        kind, found = columns.read_columns(text, format)
+        kind, found = read_columns(text, format)
     for given, what, kinds in ((text.channel, "channel", ("cosmos", "csmip")), (text.column, "column", ("table",))):
         if given is not None and kind not in kinds:
             raise text.refuse(f"a file of format '{kind}' has no {what}s to choose from", f"leave '{what}' out")
     return kind, found
 
 
-def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[str, str]:
-    """The unit the samples are in, and who says so.
+def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[str, str, str]:
+    """The unit the samples are in, who says so, and another one that headings state, "" for none.
 
     Raises `InputError` for other quantities, and where a format that defines its unit contradicts the one given.
     """
     stated, line = samples.unit, samples.unit_line
     if stated is None:
-        if given is None and kind in _NETWORKS:
+        if given is None and kind in NETWORKS:
             raise text.refuse("the file does not state its unit", "give it: unit: cm/s2, or --unit cm/s2", samples.line)
         unclear = f"'{samples.unclear}' in the file is no unit" if samples.unclear else "the file states no unit"
-        return (given, "as given") if given else ("g", f"assumed: {unclear}")
+        return (given, "as given", "") if given else ("g", f"assumed: {unclear}", "")
     quantity, factor = quantity_of(stated)[0], acceleration_unit(stated)
     if quantity in ("velocity", "displacement"):
         raise text.wrong_quantity(quantity, line)
@@ -129,25 +114,25 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
         if given is None:
             hint = "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal"
             raise text.refuse("the file holds recorder counts without their scale", hint, line)
-        return given, "as given"
+        return given, "as given", ""
     if factor is None:
         hint = f"correct it there: one of {', '.join(UNITS)}"
         raise text.refuse(f"the file's unit '{stated}' is none of acceleration", hint, line)
     if given is None or abs((acceleration_unit(given) or 0.0) / factor - 1.0) <= 1e-4:
-        return stated, "as the file says"
-    if kind in _NETWORKS:
+        return stated, "as the file says", ""
+    if kind in NETWORKS:
         hint = "leave the unit out, or correct the file's"
         raise text.refuse(f"the unit is given as {given}, but the file says {stated}", hint, line)
-    return given, f"as given, although the file says {stated}"
+    return given, f"as given, although the file says {stated}", stated
 
 
 def _sound(text: Text, samples: Samples, unit: str) -> np.ndarray:
     """The samples in m/s2; raises `InputError` where they can be no ground motion."""
-    values = np.array(samples.values, dtype=float) * (acceleration_unit(unit) or 0.0)
+    with np.errstate(over="ignore"):
+        values = np.array(samples.values, dtype=float) * (acceleration_unit(unit) or 0.0)
     if values.size < 2:
         raise text.refuse("only one sample found", "a motion needs at least two samples", samples.line)
-    with np.errstate(over="ignore"):
-        peak = float(np.abs(values).max())
+    peak = float(np.abs(values).max())
     if peak == 0.0:
         raise text.refuse("every sample is zero", "give a file that holds a ground motion", samples.line)
     if peak > _STRONGEST:

@@ -75,15 +75,21 @@ class Text:
         """A line, empty behind the end of the file."""
         return self.lines[index] if index < len(self.lines) else ""
 
-    def find(self, pattern: str, lines: range, what: str) -> tuple[re.Match[str], int]:
-        """The first match of a pattern in lines of these indices, and its line (from 1).
+    def words(self, index: int) -> str:
+        """A line with one blank between its words: patterns with several optional blanks need time by their power."""
+        return " ".join(self.line(index).split())
 
-        what : the match, in words.  Raises `InputError` where there is none.
-        """
-        for index in lines:
-            if found := re.search(pattern, self.line(index), re.IGNORECASE):
-                return found, index + 1
-        raise self.damaged(f"the header does not say {what}", lines.start + 1)
+    def search(self, pattern: str, lines: range) -> tuple[re.Match[str] | None, int]:
+        """The first match of a pattern in the words of lines of these indices, and its line (from 1); None, 0."""
+        found = ((re.search(pattern, self.words(index), re.IGNORECASE), index + 1) for index in lines)
+        return next(((match, line) for match, line in found if match), (None, 0))
+
+    def find(self, pattern: str, lines: range, what: str) -> tuple[re.Match[str], int]:
+        """As `search`; what : the match, in words.  Raises `InputError` where there is none."""
+        match, line = self.search(pattern, lines)
+        if match is None:
+            raise self.damaged(f"the header does not say {what}", min(lines) + 1)
+        return match, line
 
     def step(self, written: str | float, line: int) -> float:
         """A time step [s] as written; refused where it is none, or the user gives another."""
@@ -102,21 +108,20 @@ class Text:
             follow = counted(found, "value follows", "values follow")
             raise self.damaged(f"the header says {what} = {written}, but {follow}", line)
 
-    def numbers(self, index: int) -> list[float]:
-        """The numbers on one line, wherever they stand; nan, inf and all else is refused at its column."""
-        line, values = self.lines[index], list[float]()
-        for token in tokens(line):
-            for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
-                if (value := number(part)) is None:
-                    hint = "write plain numbers; fill or cut gaps in the record before reading it"
-                    raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, line.find(token) + 1)
-                values.append(value)
-        return values
-
     def rows(self, start: int) -> dict[int, list[float]]:
-        """Every line of numbers from index `start` on, by its index; comments and blank lines are passed over."""
-        lines = ((index, self.lines[index].strip()) for index in range(start, len(self.lines)))
-        found = {index: self.numbers(index) for index, line in lines if line and line[0] not in "#%!\x1a"}
+        """The numbers of every line from index `start` on, by its index; comments and blank lines are passed over, and
+        nan, inf and all else is refused at its column."""
+        found = dict[int, list[float]]()
+        for index, line in enumerate(self.lines[start:], start):
+            if not line.strip() or line.lstrip()[0] in "#%!\x1a":
+                continue
+            found[index] = []
+            for token in tokens(line):
+                for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
+                    if (value := number(part)) is None:
+                        hint, column = "write plain numbers; fill or cut gaps in the record", line.find(token) + 1
+                        raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, column)
+                    found[index].append(value)
         if not found:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return found

@@ -201,7 +201,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, xr.Variable]:
         section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]
     ) -> dict[str, xr.Variable]:
         """What `value` says at every combination of the values of the axes that touch a section of the study."""
-        touched = [k for k, mine in enumerate(study.touching(section)) if mine]
+        touched = [k for k, mine in enumerate(study.touches(section)) if mine]
         sizes = [len(plan.axes[k].values) for k in touched]
         each, found = [value(at) for at in points(plan, section)], {}
         for v in declared:

@@ -132,14 +132,14 @@ def most_storeys(plan: Plan) -> int:
     """Storeys of the highest building at any point of the sweep."""
     return max(
         plan.study.building(point, place).storeys
-        for place in range(len(plan.buildings))
-        for point in points(plan, "buildings", place)
+        for place, name in enumerate(plan.study.model.group)
+        for point in points(plan, ("buildings", name))
     )
 
 
-def points(plan: Plan, *subject: Any) -> np.ndindex:
-    """A point of the sweep for every combination of the values that change something (`Study.touching`)."""
-    touched = plan.study.touching(*subject)
+def points(plan: Plan, subject: Any) -> np.ndindex:
+    """A point of the sweep for every combination of the values that change something (`Study.touches`)."""
+    touched = plan.study.touches(subject)
     return np.ndindex(*(len(axis.values) if mine else 1 for axis, mine in zip(plan.axes, touched, strict=True)))
 
 

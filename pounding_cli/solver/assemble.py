@@ -8,20 +8,21 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.formula import Formula, WrittenLaw
+from pounding_cli.laws.dashpot import reduced_mass
+from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.joints import Maxwell
-from pounding_cli.laws.law import JOINED, PARAMETERS, Behaviour
+from pounding_cli.laws.law import JOINED, PARAMETERS, Behaviour, LinkLaw
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
-from pounding_cli.model.effects import Effects
-from pounding_cli.model.links import Link
+from pounding_cli.model.effects import effects_of
+from pounding_cli.model.links import Link, LinkEnd
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.records.motion import Motion
@@ -42,11 +43,13 @@ LEAST_STATE = 1e-6
 LEAST_SCALE = 1e-3
 """Acceleration below which nothing is resolved, over the ground's peak [-]."""
 
-POINTS = ((1e-5, 5), (1e-7, 6), (1e-8, 7), (0.0, 9))
+POINTS = ((1e-5, 5), (1e-7, 6), (1e-9, 7), (0.0, 9))
 """(accuracy from which on, places of the quadrature of energies inside a step)."""
 
 MOST_STEPS, MOST_EVENTS = 20_000_000, 5_000_000
 """Bounds of a run, after which it ends with a status that says so."""
+
+NOTHING_KEPT = Watch(np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 2)), np.zeros((0, 3)), np.zeros((0, 0)))
 
 Weights = dict[int, float]
 """Weight of every degree of freedom in the deformation of an element."""
@@ -56,6 +59,10 @@ def max_order(tolerance: float) -> int:
     """Highest order worth computing before a step is cut: near the optimum of Jorba & Zou, -ln(tol) / 2 + 1, and above
     it, because most steps end at a sample of the motion."""
     return min(30, max(10, math.ceil(-0.75 * math.log(tolerance)) + 4))
+
+
+Tie = tuple[tuple[LinkEnd, LinkEnd], float, type[LinkLaw]]
+"""Of a link what scenes have in common whose laws have other parameters: its ends, `Link.columns`, its law."""
 
 
 @dataclass(frozen=True)
@@ -72,43 +79,35 @@ class Columns:
     share: float
 
 
-def struck_columns(links: Sequence[Link]) -> tuple[Columns, ...]:
+def _struck_columns(ties: Sequence[Tie]) -> tuple[Columns, ...]:
     """The columns that links strike, where their share of the storey is given."""
     found = []
-    for number, link in enumerate(links):
-        if link.columns > 0.0:
-            (building, storey, at), on_left = (link.ends[1], True) if link.left_at == 1.0 else (link.ends[0], False)
-            found.append(Columns(number, building, storey, on_left, at, link.columns))
+    for number, ((left, right), share, _) in enumerate(ties):
+        if share > 0.0:
+            on_left = left[2] == 1.0
+            building, storey, at = right if on_left else left
+            found.append(Columns(number, building, storey, on_left, at, share))
     return tuple(found)
-
-
-@dataclass
-class _Elements:
-    """What a scene is made of, as it is collected: fields of `records` by name."""
-
-    dofs: list[dict[str, Any]] = field(default_factory=list)
-    storeys: list[dict[str, Any]] = field(default_factory=list)
-    drags: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
-    links: list[tuple[dict[str, Any], Weights]] = field(default_factory=list)
-    formulas: list[Formula] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """What all runs of the same buildings, links and analysis share: records at rest, and where everything stands.
+    """What all runs of the same buildings and links share but for the parameters of links: records at rest, and where
+    everything stands.
 
+    masses : what moves with the two ends of every link [kg]
     floors : degrees of freedom of the floors of every building
     bases, feet : those of a base that sways, and that rocks; -1 where none does
+    drags : dashpots to the ground of buildings on foundations; their elements stand before those of links
     struck : columns that links strike; two shears each stand in `columns`, below and above the blow
     """
 
     buildings: tuple[Building, ...]
-    links: tuple[Link, ...]
     dofs: np.ndarray
     elements: np.ndarray
     terms: np.ndarray
     columns: np.ndarray
-    formulas: np.ndarray
+    masses: tuple[tuple[float, float], ...]
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     feet: tuple[int, ...]
@@ -127,9 +126,14 @@ class Layout:
         return slice(self.number + self.drags, self.elements.size)
 
 
-def _element(behaviour: Behaviour, p: Sequence[float], **more: float) -> dict[str, Any]:
+def _element(behaviour: Behaviour, p: Sequence[float] = (), **more: float) -> dict[str, Any]:
     """The fields of an element with these parameters."""
-    return {"kind": BEHAVIOURS.index(behaviour), "p": tuple(p) + (0.0,) * (PARAMETERS - len(p)), **more}
+    return {
+        "kind": BEHAVIOURS.index(behaviour),
+        "p": (*p, *[0.0] * (PARAMETERS - len(p))),
+        "collapse": math.inf,
+        **more,
+    }
 
 
 def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
@@ -140,102 +144,81 @@ def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
     return _element(law.behaviour, law.numbers(), c=c, yields=1)
 
 
-def _add_building(made: _Elements, b: Building, inelastic: bool, collapses: bool) -> tuple[slice, int, int]:
-    """The degrees of freedom of a building: its base if it sways, floors from the ground up, its rocking. Returns its
-    floors, and the places of base and rocking."""
-    f = b.foundation
-    sways, rocks = f is not None and f.sways, f is not None and f.rocks
-    base = len(made.dofs) if sways else -1
-    if f is not None and sways:
-        made.dofs.append({"mass": f.mass, "inv_mass": 1.0 / f.mass, "loaded": 1.0})
-        made.storeys.append(_storey(*b.base_spring, b.isolators))
-    first = len(made.dofs)
-    if isinstance(b, Wall) and not b.moves:
-        made.dofs.append({"mass": 1.0, "inv_mass": 0.0, "loaded": 1.0})
-        made.storeys.append(_storey(0.0, 0.0))
-        return slice(first, first + 1), -1, -1
-    foot = first + b.storeys if rocks else -1
-    for j, law in enumerate(b.laws):
-        mass, height = float(b.mass[j]), float(b.height[j])
-        made.dofs.append({
-            "mass": mass, "inv_mass": 1.0 / mass, "loaded": 1.0, "drag": b.alpha if f is None else 0.0,
-            "below": 1.0 if j or sways else 0.0, "lean": -height if rocks else 0.0, "foot": max(foot, 0),
-        })  # fmt: skip
-        limit = float(b.collapse_drift[j]) if collapses else math.inf
-        load = 0.0 if b.gravity_load is None else float(b.gravity_load[j]) / height
-        storey = _storey(law.stiffness, b.beta * law.stiffness, law if inelastic and law.can_yield else None)
-        made.storeys.append(storey | {"collapse": limit, "load": load})
-        if f is not None and b.alpha > 0:
-            weights = {first + j: 1.0} | ({base: -1.0} if sways else {})
-            if rocks:
-                weights[foot] = -float(b.elevation[j])
-            made.drags.append((_element(JOINED, (0.0, b.alpha * mass)), weights))
-    if f is not None and rocks:
-        made.dofs.append({"mass": f.inertia, "inv_mass": 1.0 / f.inertia})
-        made.storeys.append(_storey(f.rocking_stiffness, f.rocking_damping))
-    return slice(first, first + b.storeys), base, foot
+class _Building:
+    """The degrees of freedom of a building, the first of them at `first`: its base if it sways, floors from the ground
+    up, its rocking; the elements below each; and the dashpots to the ground with their weights."""
+
+    def __init__(self, b: Building, first: int, yields: bool, collapses: bool) -> None:
+        self.dofs, self.storeys = list[dict[str, Any]](), list[dict[str, Any]]()
+        self.drags = list[tuple[dict[str, Any], Weights]]()
+        self.building, f = b, b.foundation
+        self.base = self.foot = -1
+        if f is not None and f.sways:
+            self.base = first
+            self._add(f.mass, _storey(*b.base_spring, b.isolators))
+        start = first + len(self.dofs)
+        self.floors = slice(start, start + b.storeys)
+        if isinstance(b, Wall) and not b.moves:
+            self._add(math.inf, _storey(0.0, 0.0))
+            return
+        if f is not None and f.rocks:
+            self.foot = self.floors.stop
+        rocks = self.foot >= 0
+        for j, law in enumerate(b.laws):
+            mass, height = float(b.mass[j]), float(b.height[j])
+            limit = float(b.collapse_drift[j]) if collapses else math.inf
+            load = 0.0 if b.gravity_load is None else float(b.gravity_load[j]) / height
+            storey = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
+            self._add(
+                mass, storey | {"collapse": limit, "load": load}, drag=b.alpha if f is None else 0.0,
+                below=1.0 if j or self.base >= 0 else 0.0, lean=-height if rocks else 0.0, foot=max(self.foot, 0),
+            )  # fmt: skip
+            if f is not None and b.alpha > 0:
+                ends = {start + j: 1.0, self.base: -1.0, self.foot: -float(b.elevation[j])}
+                self.drags.append((_element(JOINED, (0.0, b.alpha * mass)), _moving(ends)))
+        if f is not None and rocks:
+            self._add(f.inertia, _storey(f.rocking_stiffness, f.rocking_damping), loaded=0.0)
+
+    def _add(self, mass: float, storey: dict[str, Any], **more: float) -> None:
+        """A degree of freedom and the element below it; a mass of inf does not move."""
+        own = mass if mass < math.inf else 1.0
+        self.dofs.append({"mass": own, "inv_mass": 1.0 / mass, "loaded": 1.0, **more})
+        self.storeys.append(storey)
+
+    def end(self, floor: int, at: float) -> Weights:
+        """The motion of where a link ends: a floor, or columns clamped in the floors above and below, `at` of the
+        height of the storey below the floor. The floors lean with a base that rocks."""
+        first, shape = self.floors.start, at * at * (3.0 - 2.0 * at)
+        if isinstance(self.building, Wall):
+            return {first: 1.0}
+        if floor == 0:
+            return {self.base: 1.0}
+        below = first + floor - 2 if floor > 1 else self.base
+        lean = float(self.building.height[floor - 1]) * (at - shape)
+        return _moving({first + floor - 1: shape, below: 1.0 - shape, self.foot: lean})
 
 
-def _end(b: Building, floors: slice, base: int, foot: int, floor: int, at: float) -> Weights:
-    """The motion of where a link ends: a floor, or columns clamped in the floors above and below, `at` of the height
-    of the storey below the floor. The floors lean with a base that rocks."""
-    if isinstance(b, Wall):
-        return {floors.start: 1.0}
-    if floor == 0:
-        return {base: 1.0}
-    shape = at * at * (3.0 - 2.0 * at)
-    weights = {floors.start + floor - 1: shape}
-    below = floors.start + floor - 2 if floor > 1 else base
-    if below >= 0:
-        weights[below] = 1.0 - shape
-    if foot >= 0:
-        weights[foot] = float(b.height[floor - 1]) * (at - shape)
-    return {dof: weight for dof, weight in weights.items() if weight}
-
-
-def _add_link(made: _Elements, link: Link, ends: Sequence[Weights]) -> None:
-    """A link between two ends; its law is told the masses that move with them."""
-    inverse = [sum(w * w * made.dofs[i]["inv_mass"] for i, w in end.items()) for end in ends]
-    masses = [1.0 / each if each else math.inf for each in inverse]
-    numbers = link.law.numbers(*masses)
-    if isinstance(link.law, WrittenLaw):
-        made.formulas.append(link.law.force(1.0 / sum(inverse)))
-    left, right = ends
-    weights = left | {dof: -weight for dof, weight in right.items()}
-    eased = link.law.behaviour.force is not None
-    formula = max(len(made.formulas) - 1, 0)
-    element = _element(link.law.behaviour, numbers, offset=link.law.offset, eased=eased, formula=formula)
-    if not link.law.can_close:  # its closing alone is asked for
-        element = _element(JOINED, (0.0, 0.0))
-    made.links.append((element, weights))
+def _moving(weights: Weights) -> Weights:
+    """Without degrees of freedom that are not there (-1) or have no weight."""
+    return {dof: weight for dof, weight in weights.items() if dof >= 0 and weight}
 
 
 def _filled(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) -> np.ndarray:
     """Records with these fields, zero where nothing is said."""
     records = np.zeros(max(len(rows), least), dtype)
-    for name in {name for row in rows for name in row}:
-        blank = (0.0,) * PARAMETERS if name == "p" else 0
-        records[name][: len(rows)] = [row.get(name, blank) for row in rows]
+    for record, row in zip(records, rows, strict=False):
+        for name, value in row.items():
+            record[name] = value
     return records
 
 
-def _formulas(formulas: Sequence[Formula]) -> np.ndarray:
-    """Records of formulas, one at least."""
-    records = np.zeros(max(len(formulas), 1), FORMULA)
-    for record, formula in zip(records, formulas, strict=False):
-        record["count"], record["result"] = len(formula.rows), formula.result
-        record["operations"][: len(formula.rows)] = formula.rows
-    return records
-
-
-def _tied(elements: np.ndarray, first: int, all_weights: Sequence[Weights], terms: list[tuple[float, int]]) -> None:
-    """Enter the degrees of freedom of links: two plain ends where there are, all else as terms."""
-    for element, weights in zip(elements[first:], all_weights, strict=True):
-        ends = [next((i for i, w in weights.items() if w == sign), -1) for sign in (1.0, -1.0)]
-        left, right = (0, 0) if -1 in ends else ends  # no plain ends: all weights are terms
-        element["left"], element["right"], element["hold"], element["first"] = left, right, 1.0, len(terms)
-        terms += [(w, i) for i, w in weights.items() if left == right or i not in (left, right)]
-        element["last"] = len(terms)
+def _tie(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> None:
+    """Enter the degrees of freedom of an element: two plain ends where there are, all else as terms."""
+    ends = [next((i for i, w in weights.items() if w == sign), -1) for sign in (1.0, -1.0)]
+    left, right = (0, 0) if -1 in ends else ends  # no plain ends: all weights are terms
+    element["left"], element["right"], element["hold"], element["first"] = left, right, 1.0, len(terms)
+    terms += [(w, i) for i, w in weights.items() if left == right or i not in (left, right)]
+    element["last"] = len(terms)
 
 
 def _column_shears(
@@ -259,39 +242,68 @@ def _column_shears(
     return made
 
 
-@functools.lru_cache(maxsize=64)  # the same for every motion
-def layout_of(buildings: tuple[Building, ...], links: tuple[Link, ...], effects: Effects) -> Layout:
-    """Lay out buildings and links."""
-    made = _Elements()
-    places = [_add_building(made, b, effects.yielding, effects.collapse) for b in buildings]
-    for link in links:
-        ends = [_end(buildings[b], *places[b], floor, at) for b, floor, at in link.ends]
-        _add_link(made, link, ends)
-    n, others = len(made.dofs), [*made.drags, *made.links]
-    dofs = _filled(DOF, made.dofs)
-    rows = [{"collapse": math.inf} | fields for fields in (*made.storeys, *(own for own, _ in others))]
-    elements, terms = _filled(ELEMENT, rows), list[tuple[float, int]]()
+def layout_of(scene: Scene) -> Layout:
+    """Lay out the buildings and links of a scene."""
+    effects, links = effects_of(scene), scene.links
+    ties = tuple((link.ends, link.columns, type(link.law)) for link in links)
+    return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
+
+
+@functools.lru_cache(maxsize=64)  # the same for every motion, gap and restitution
+def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: bool, collapses: bool) -> Layout:
+    made = list[_Building]()
+    for building in buildings:
+        made.append(_Building(building, sum(len(each.dofs) for each in made), yields, collapses))
+    dofs = _filled(DOF, [dof for each in made for dof in each.dofs])
+    storeys, drags = [each for b in made for each in b.storeys], [each for b in made for each in b.drags]
+    n, behaviours, all_weights, masses = dofs.size, [law.behaviour for _, _, law in ties], [], []
+    for ends, _, _ in ties:
+        left, right = (made[b].end(floor, at) for b, floor, at in ends)
+        all_weights.append(left | {dof: -weight for dof, weight in right.items()})
+        moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]
+        masses.append((1.0 / moving[0] if moving[0] else math.inf, 1.0 / moving[1] if moving[1] else math.inf))
+    links = [_element(each, eased=each.force is not None) for each in behaviours]
+    elements, terms = _filled(ELEMENT, [*storeys, *(drag for drag, _ in drags), *links]), list[tuple[float, int]]()
     for i, element in enumerate(elements[:n]):
         element["left"], element["right"], element["hold"] = i, max(i - 1, 0), dofs[i]["below"]
         element["first"] = len(terms)
         terms += [(dofs[i]["lean"], dofs[i]["foot"])] if dofs[i]["lean"] else []
         element["last"] = len(terms)
-    _tied(elements, n, [weights for _, weights in others], terms)
-    struck, floors = struck_columns(links), tuple(place[0] for place in places)
-    columns = _filled(COLUMN, _column_shears(struck, floors, n + len(made.drags), terms), 1)
+    for element, weights in zip(elements[n:], [*(own for _, own in drags), *all_weights], strict=True):
+        _tie(element, weights, terms)
+    struck, floors = _struck_columns(ties), tuple(each.floors for each in made)
+    columns = _filled(COLUMN, _column_shears(struck, floors, n + len(drags), terms), 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
-    behaviours = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
-    storeys = np.flatnonzero([each.force is not None for each in behaviours[:n]])
-    elements["row"][storeys] = elements.size - n + np.arange(storeys.size)
-    maxwell = Maxwell.behaviour
-    changing = [e for e, each in enumerate(behaviours) if each.history_rate is not None or each is maxwell]
+    each = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
+    smooth = np.flatnonzero([behaviour.force is not None for behaviour in each[:n]])
+    elements["row"][smooth] = elements.size - n + np.arange(smooth.size)
+    changing = [e for e, own in enumerate(each) if own.history_rate is not None or own is Maxwell.behaviour]
     elements["state"][changing] = 2 * n + np.arange(len(changing))
     return Layout(
-        buildings, links, dofs, elements, table, columns, _formulas(made.formulas), floors,
-        tuple(place[1] for place in places), tuple(place[2] for place in places), len(made.drags), struck,
-        any(each.force is not None for each in behaviours),
+        buildings, dofs, elements, table, columns, tuple(masses), floors, tuple(each.base for each in made),
+        tuple(each.foot for each in made), len(drags), struck, any(own.force is not None for own in each),
     )  # fmt: skip
+
+
+def _put_links(elements: np.ndarray, links: Sequence[Link], masses: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Enter the parameters of links with the masses at their ends into their elements; the records of their formulas,
+    one at least."""
+    formulas = np.zeros(max(sum(isinstance(link.law, WrittenLaw) for link in links), 1), FORMULA)
+    place = 0
+    for element, link, both in zip(elements, links, masses, strict=True):
+        law = link.law
+        if not law.can_close:  # its closing alone is asked for
+            element["kind"], element["eased"] = BEHAVIOURS.index(JOINED), 0
+            continue
+        numbers = law.numbers(*both)
+        element["p"][: len(numbers)], element["offset"] = numbers, law.offset
+        if isinstance(law, WrittenLaw):
+            formula = law.force(reduced_mass(*both))
+            record, element["formula"], place = formulas[place], place, place + 1
+            record["count"], record["result"] = len(formula.rows), formula.result
+            record["operations"][: len(formula.rows)] = formula.rows
+    return formulas
 
 
 def term_matrix(layout: Layout) -> np.ndarray:
@@ -337,29 +349,32 @@ def records_of(
     bounds: tuple[int, int],
 ) -> Data:
     """The records of a run; parameters as of `solve.prepare`."""
+    n, m = layout.number, layout.elements.size
     dofs, elements, run = _at_line(layout.dofs), layout.elements.copy(), np.zeros(1, RUN)
+    formulas = _put_links(elements[layout.of_links], scene.links, layout.masses)
     if initial is not None:
         for span, u, v in zip(layout.floors, *initial, strict=True):
             dofs["u0"][span], dofs["w"][span, 0] = u, v
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
     r, always_smooth = run[0], method.name == "dop853"
-    r["n"], r["m"], r["drags"], r["columns"] = layout.number, elements.size, layout.drags, 2 * len(layout.struck)
+    r["n"], r["m"], r["drags"], r["columns"] = n, m, layout.drags, 2 * len(layout.struck)
     r["dt"], r["tolerance"], r["least"] = scene.motion.dt, tolerance, _least_acceleration(scene, dofs, elements)
     r["smooth_tolerance"] = max(SMOOTHER * tolerance, FINEST_SMOOTH)
     r["points"] = next(points for above, points in POINTS if accuracy >= above)
-    r["max_order"], r["has_lean"] = max_order(tolerance), bool(np.any(dofs["lean"] != 0.0))
+    r["max_order"], r["has_lean"] = max_order(tolerance), max(layout.feet) >= 0
     r["most_steps"], r["most_events"] = bounds
     r["always_smooth"] = always_smooth
     room = None
     if layout.has_smooth or always_smooth or method.takes_step:
         changing = int(np.count_nonzero(elements["state"]))
-        room = Room(np.zeros(2 * layout.number + changing, STATE), layout.formulas.copy())
+        room = Room(np.zeros(2 * n + changing, STATE), formulas)
         room.states["scale"] = LEAST_STATE
-    rows = max(elements.size - layout.number + layout.number * layout.has_smooth, 1)
-    kept, n, m = np.zeros(0) if times is None else times, layout.number, elements.size
-    t = kept.size
-    watch = Watch(kept, np.zeros((t, n, 3)), np.zeros((t, m, 2)), np.zeros((t, 3)), np.zeros((t, n)))
-    return Data(dofs, elements, layout.terms, run, np.zeros(rows, SERIES), layout.columns.copy(), room, watch)
+    series = np.zeros(max(m - n + n * layout.has_smooth, 1), SERIES)
+    watch = NOTHING_KEPT
+    if times is not None:
+        t = times.size
+        watch = Watch(times, np.zeros((t, n, 3)), np.zeros((t, m, 2)), np.zeros((t, 3)), np.zeros((t, n)))
+    return Data(dofs, elements, layout.terms, run, series, layout.columns.copy(), room, watch)
 
 
 def _least_acceleration(scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:

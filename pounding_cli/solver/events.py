@@ -52,16 +52,19 @@ def summarise(dofs, elements, terms, r):
     h, count = r.h, r.order + 1
     for i in range(r.n):
         d = dofs[i]
-        u = v = a = bend = 0.0
+        u = v = a = bend = twist = 0.0
         for k in range(count):  # LLVM makes vectors of these sums
             w = d.w[k]
             slope = w * FLOAT[k]
             u += w * INVERSE[k + 1]
             v += w
             a += slope
-            bend += abs(slope) * (FLOAT[k] - 1.0)
+            bent = abs(slope) * (FLOAT[k] - 1.0)
+            bend += bent
+            twist += bent * (FLOAT[k] - 2.0)
         d.u1, d.v1, d.a1 = d.u0 + h * u, v, a / h + r.g0 + r.g1
         d.du, d.dv = 0.125 * h * (abs(d.w[1]) + bend), 0.125 * bend  # k < k (k - 1) from the third order on
+        d.da = 0.125 * twist / h
     ends_of_elements(dofs, elements, terms, r)
     for e in range(r.m):
         el = elements[e]
@@ -249,6 +252,8 @@ def commit(dofs, elements, terms, r, series):
                 continue
             _pin(el, r.end > INSTANT)
             was_open = el.closed == 0
+            if el.smooth and el.guard == LOW:
+                r.across = r.h
             next_branch(el, el.guard)
             if was_open and el.closed:
                 el.hits += 1

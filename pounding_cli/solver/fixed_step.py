@@ -8,11 +8,13 @@ Element Procedures (1996), section 9.2.1."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
 
 from pounding_cli.laws.guards import FASTER, FORCE, HIGH, LOW, SLOWER
+from pounding_cli.model.links import Link
 from pounding_cli.solver.assemble import Layout, term_matrix
 from pounding_cli.solver.dispatch import force, line_force, next_branch, smooth_force
 from pounding_cli.solver.events import ends_of_elements
@@ -245,7 +247,7 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, mem
     return r.status
 
 
-def central_difference_limit(layout: Layout) -> float:
+def central_difference_limit(layout: Layout, elements: np.ndarray, links: Sequence[Link]) -> float:
     """Largest stable time step [s] of central difference with extrapolated damping forces, with every link closed where
     its law is stiffest; modal coupling by damping is left out.
 
@@ -254,13 +256,13 @@ def central_difference_limit(layout: Layout) -> float:
     """
     rows, mass, n = term_matrix(layout), layout.dofs["mass"], layout.number
     k, c = np.zeros(len(rows)), np.zeros(len(rows))
-    k[:n], c[:n] = layout.elements["p"][:n, 0], layout.elements["c"][:n]
+    k[:n], c[:n] = elements["p"][:n, 0], elements["c"][:n]
     drags = slice(n, layout.of_links.start)
-    c[drags] = layout.elements["p"][drags, 1]
-    for place, link in enumerate(layout.links, layout.of_links.start):
+    c[drags] = elements["p"][drags, 1]
+    for place, link in enumerate(links, layout.of_links.start):
         if link.law.can_close:
             k[place], c[place] = link.law.steepest
-            c[place] = max(c[place], layout.elements["p"][place, 1] if link.law.joins else 0.0)
+            c[place] = max(c[place], elements["p"][place, 1] if link.law.joins else 0.0)
     stiffness, damping = rows.T @ (k[:, None] * rows), rows.T @ (c[:, None] * rows)
     damping[np.diag_indices(n)] += layout.dofs["drag"] * mass
     inverse = np.sqrt(layout.dofs["inv_mass"])

@@ -123,7 +123,7 @@ def _evaluated(run: Prepared) -> xr.Dataset:
         "rocking": of_foundation(layout.feet),
         "base_force": of_foundation(layout.bases, force),
         "link_force": of_links[..., 1],
-        "closing": of_links[..., 0] + layout.elements["offset"][layout.of_links],
+        "closing": of_links[..., 0] + run.data.elements["offset"][layout.of_links],
         "energy_input": put_in,
         "energy_kinetic": kinetic,
         "energy_stored": stored,

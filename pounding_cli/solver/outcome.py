@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.formula import WrittenJoint
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
@@ -24,6 +26,8 @@ from pounding_cli.solver.response import (
     LinkResponse,
     nothing,
 )
+
+_floors = attrgetter("left", "left_floor", "right_floor")
 
 Outcome = tuple[str, str]
 """How a run ended, in words, and what to do about it."""
@@ -58,9 +62,9 @@ def outcome_of(data: Data, accuracy: float, residual: float) -> Outcome:
     end = ENDS[int(data.run["status"][0])]
     if end[0] not in OUTCOMES:
         return end
-    numbers = [data.dofs[name] for name in ("u_max", "u_min", "a_max", "u0")]
-    numbers += [data.elements[name] for name in ("peak_v", "peak_f", "impulse", "time")]
-    if not all(np.isfinite(each[each != -np.inf]).all() for each in numbers):
+    sums = [data.dofs[name].sum() for name in ("u_max", "u_min", "a_max", "u0")]
+    sums += [data.elements[name].sum() for name in ("peak_v", "peak_f", "impulse", "time")]
+    if not np.isfinite(sums).all():
         return ENDS[records.NOT_FINITE]
     return end if abs(residual) <= max(accuracy, LEAST_RESIDUAL) else OPEN_BALANCE
 
@@ -79,18 +83,17 @@ def buildings_of(layout: Layout, data: Data) -> tuple[BuildingResponse, ...]:
             floors["u_min"].copy(), storeys["v1"].copy(), sway, rocking, sway if isolated else np.nan,
         )  # fmt: skip
         if isinstance(building, Wall):
-            peaks = replace(peaks, ductility=np.full(1, np.nan)) if building.moves else nothing([1], 0, 0)[0][0]
+            peaks = replace(peaks, ductility=np.full(1, np.nan)) if building.moves else nothing([1], 0)[0][0]
         found.append(peaks)
     return tuple(found)
 
 
-def links_of(layout: Layout, data: Data) -> LinkResponse:
+def links_of(layout: Layout, data: Data, links: Sequence[Link]) -> LinkResponse:
     """The peaks of every link."""
-    links = data.elements[layout.of_links]
-    time = links["time"].copy()
-    time[[n for n, link in enumerate(layout.links) if not link.law.can_close]] = 0.0
-    closing = links["peak_v"] + links["offset"]
-    return LinkResponse(links["hits"].copy(), links["peak_f"].copy(), closing, links["impulse"].copy(), time)
+    found = data.elements[layout.of_links]
+    time = np.where([link.law.can_close for link in links], found["time"], 0.0)
+    closing = found["peak_v"] + found["offset"]
+    return LinkResponse(found["hits"].copy(), found["peak_f"].copy(), closing, found["impulse"].copy(), time)
 
 
 def columns_of(layout: Layout, data: Data) -> ColumnResponse:
@@ -111,24 +114,24 @@ def stored_in_storeys(
     """(energy in storeys and foundations [J], of them in storeys that yield) at deformations [m], forces without
     dashpots [N] and displacements [m], shape (..., n) each. What the weights have lost in height by P-Delta counts as
     less than nothing."""
-    n = layout.number
-    elements = layout.elements[:n]
+    elements = layout.elements[: layout.number]
     yields = elements["yields"] > 0
-    stored = np.where(yields, 0.0, 0.5 * elements["p"][:, 0] * deformation[..., :n] ** 2)
-    for b, building in enumerate(layout.buildings):
+    stored = np.where(yields, 0.0, 0.5 * elements["p"][:, 0] * deformation**2)
+    for b, building in enumerate(layout.buildings if yields.any() else ()):
         first = layout.floors[b].start
         laws = {first + j: building.laws[j] for j in np.flatnonzero(yields[layout.floors[b]]).tolist()}
         if building.isolators is not None:
             laws[layout.bases[b]] = building.isolators
         for place, law in laws.items():
             stored[..., place] = law.stored(deformation[..., place], force[..., place])
-    below = np.concatenate((np.zeros((*u.shape[:-1], 1)), u[..., :-1]), axis=-1)
-    leaned = u - layout.dofs["below"] * below
-    lost = 0.5 * np.sum(elements["load"] * leaned**2, axis=-1)
-    return stored.sum(axis=-1) - lost, stored[..., yields].sum(axis=-1)
+    total = stored.sum(axis=-1)
+    if elements["load"].any():
+        below = np.concatenate((np.zeros((*u.shape[:-1], 1)), u[..., :-1]), axis=-1)
+        total = total - 0.5 * np.sum(elements["load"] * (u - layout.dofs["below"] * below) ** 2, axis=-1)
+    return total, stored[..., yields].sum(axis=-1)
 
 
-def balance(layout: Layout, data: Data, before: float = 0.0) -> dict[str, float]:
+def balance(layout: Layout, data: Data, links: Sequence[Link], before: float = 0.0) -> dict[str, float]:
     """The energy balance [J]; `residual` is what is missing over the largest entry [-], or over what storeys held at
     their peaks if that is more: a run may have given back what it took in.
 
@@ -137,47 +140,40 @@ def balance(layout: Layout, data: Data, before: float = 0.0) -> dict[str, float]
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
     dofs, elements, r, n = data.dofs, data.elements, data.run[0], layout.number
-    storeys, links = elements[:n], elements[layout.of_links]
-    kinetic = 0.5 * float(np.sum(dofs["mass"] * dofs["w"][:, 0] ** 2))
-    stored, yielding = stored_in_storeys(layout, storeys["v1"], forces_now(data, n), dofs["u0"])
-    in_links = links_stored(layout, data)
+    storeys, of_links = elements[:n], elements[layout.of_links]
+    stored, yielding = stored_in_storeys(layout, storeys["v1"], _forces_now(storeys), dofs["u0"])
+    in_links = _stored_in_links(links, of_links)
     entries = {
         "input": float(r["input"]) + before,
-        "kinetic": kinetic,
+        "kinetic": 0.5 * float(dofs["mass"] @ dofs["w"][:, 0] ** 2),
         "stored": float(stored),
         "links_stored": in_links,
         "damping": float(r["drag"] + r["dashpots"] + elements["work"][n : layout.of_links.start].sum()),
         "hysteresis": float(storeys["work"].sum() - yielding),
-        "links": float(links["work"].sum()) - in_links,
+        "links": float(of_links["work"].sum()) - in_links,
     }
-    values = list(entries.values())
-    peaks = np.where(storeys["yields"] > 0, storeys["peak_f"], storeys["p"][:, 0] * storeys["peak_v"])
-    firm = storeys["p"][:, 0] > 0
-    held = 0.5 * float(np.sum(peaks[firm] ** 2 / storeys["p"][firm, 0]))
-    scale = max(held, *(abs(value) for value in values))
+    values, stiffness = list(entries.values()), storeys["p"][:, 0]
+    peaks = np.where(storeys["yields"] > 0, storeys["peak_f"], stiffness * storeys["peak_v"])
+    held = 0.5 * float(np.sum(peaks**2 / np.where(stiffness > 0, stiffness, np.inf)))
+    scale = max(held, *map(abs, values))
     missing = values[0] - sum(values[1:])
     return entries | {"residual": missing / scale if scale > 0 else 0.0}
 
 
-def forces_now(data: Data, n: int) -> np.ndarray:
-    """Forces of the first n elements, storeys, at the end of a run, without dashpots [N]."""
-    storeys = data.elements[:n]
-    force = storeys["k"] * storeys["v1"] + storeys["f0"]
-    for i in np.flatnonzero(storeys["smooth"]).tolist():
-        p, z = storeys["p"][i], storeys["h"][i, 0]
-        force[i] += (1.0 - p[2]) * p[0] * p[1] * z
-    return force
+def _forces_now(storeys: np.ndarray) -> np.ndarray:
+    """Forces of storeys at the end of a run, without dashpots [N]."""
+    p, z = storeys["p"], storeys["h"][:, 0]
+    smooth = (1.0 - p[:, 2]) * p[:, 0] * p[:, 1] * z  # of Bouc-Wen, the one law of storeys that is smooth
+    return storeys["k"] * storeys["v1"] + storeys["f0"] + np.where(storeys["smooth"] > 0, smooth, 0.0)
 
 
-def links_stored(layout: Layout, data: Data) -> float:
-    """Energy in all links at the end of a run [J]."""
-    links = data.elements[layout.of_links]
+def _stored_in_links(links: Sequence[Link], elements: np.ndarray) -> float:
+    """Energy in all links at the end of a run [J]; one that is open holds none."""
     total = 0.0
-    for link, element in zip(layout.links, links, strict=True):
-        if not link.law.can_close:
-            continue
-        force = element["h"][0] if element["relaxation"] > 0 else element["k"] * element["v1"] + element["f0"]
-        total += link.law.stored(float(element["v1"] + element["offset"]), float(force))
+    for place in np.flatnonzero(elements["closed"]).tolist():
+        e = elements[place]
+        force = e["h"][0] if e["relaxation"] > 0 else e["k"] * e["v1"] + e["f0"]
+        total += links[place].law.stored(float(e["v1"] + e["offset"]), float(force))
     return total
 
 
@@ -199,13 +195,14 @@ def flags_of(scene: Scene, buildings: Sequence[BuildingResponse], links: LinkRes
         if isolation is not None and peaks.sway > isolation.capacity:
             beyond = 1000 * (peaks.sway - isolation.capacity)
             said.append(f"isolators moved beyond their capacity: {building.name}, by {beyond:.3g} mm")
-    striking = {(each.left, each.left_floor, each.right_floor) for each in scene.links if each.law.subtracts_gap}
     for link, closing in zip(scene.links, links.max_closing.tolist(), strict=True):
-        strikes = link.law.meaningless and (link.left, link.left_floor, link.right_floor) in striking
-        if closing > link.gap and link.law.beyond_gap and not strikes:
+        if not (closing > link.gap and link.law.beyond_gap):
+            continue
+        strikes = any(each.law.subtracts_gap and _floors(each) == _floors(link) for each in scene.links)
+        if not (link.law.meaningless and strikes):
             left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
-            where = f"{left} | {right}, floor {link.left_floor}, by {1000 * (closing - link.gap):.3g} mm"
-            said.append(f"{link.law.beyond_gap}: {where}")
+            beyond = 1000 * (closing - link.gap)
+            said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond:.3g} mm")
     return tuple(said)
 
 

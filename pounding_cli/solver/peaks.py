@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from pounding_cli.solver.events import integral, rate_series
-from pounding_cli.solver.options import CALLED, FLOAT, INVERSE, PART
+from pounding_cli.solver.options import CALLED, INVERSE, PART
 from pounding_cli.solver.polynomial import highest
 
 
@@ -27,8 +27,10 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
             if _may_turn(d.u0, d.u1, d.du):
                 _displacement_peak(d, r)
         largest = max(abs(d.a0), abs(d.a1))
-        if largest + (r.order - 2.0) * d.dv / r.h > d.a_max:  # a first bound of the chord deviation
-            _acceleration_peak(d, r, largest)
+        if largest + d.da > d.a_max:
+            d.a_max = max(d.a_max, largest)
+            if _may_turn(d.a0, d.a1, d.da):
+                _acceleration_peak(d, r)
     for e in range(r.m):
         el = elements[e]
         if _ends_rise(el, e < r.n):
@@ -80,22 +82,14 @@ def _displacement_peak(d, r):
 
 
 @njit(**CALLED)
-def _acceleration_peak(d, r, largest):
+def _acceleration_peak(d, r):
     """Largest |total acceleration| inside the step."""
-    deviation = 0.0
-    for k in range(3, r.order + 1):
-        deviation += FLOAT[k] * (FLOAT[k] - 1.0) * (FLOAT[k] - 2.0) * abs(d.w[k])
-    deviation *= 0.125 / r.h
-    if not largest + deviation > d.a_max:
-        return
-    d.a_max = max(d.a_max, largest)
-    if _may_turn(d.a0, d.a1, deviation):
-        p, absolute = r.p, r.h > 0.0
-        for k in range(r.order):
-            p[k] = (k + 1) / r.h * d.w[k + 1]
-        p[0] += r.g0
-        p[1] += r.g1
-        d.a_max = highest(r, r.order - 1, r.end, d.a_max, absolute)
+    p, absolute = r.p, r.h > 0.0
+    for k in range(r.order):
+        p[k] = (k + 1) / r.h * d.w[k + 1]
+    p[0] += r.g0
+    p[1] += r.g1
+    d.a_max = highest(r, r.order - 1, r.end, d.a_max, absolute)
 
 
 @njit(**CALLED)

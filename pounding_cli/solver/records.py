@@ -41,12 +41,12 @@ DOF = _dtype(
     # drag: mass-proportional damping [1/s]
     # below: 1 where the storey stands on the degree of freedom before it; lean: what a unit of `foot` (rocking) adds to
     # its drift; loaded: part of the mass that the ground accelerates
-    # u0 at the step's start; u1, v1, a1 at its end; a0 and a1 are total accelerations; du, dv chord deviations
+    # u0 at the step's start; u1, v1, a1 at its end; a0 and a1 are total accelerations; du, dv, da chord deviations
     # push: sum of forces of links, order by order
     # allowed: 1 / what a term of the series may leave out; scale: recent acceleration
     # apart: nine lines of the cache a record: eight (512 bytes) lie in the same places of it and slow the walks
-    f8=f"inv_mass drag below push allowed lean u0 a0 w:{ORDERS} inside:{MOST_POINTS} u1 v1 a1 du dv mass loaded scale"
-    " u_max u_min a_max apart:8",
+    f8=f"inv_mass drag below push allowed lean u0 a0 w:{ORDERS} inside:{MOST_POINTS} u1 v1 a1 du dv da mass loaded"
+    " scale u_max u_min a_max apart:7",
     u8="foot",
 )
 ELEMENT = _dtype(
@@ -83,7 +83,7 @@ SERIES = _dtype(
 RUN = _dtype(
     # begun: when the motion began [s]; still: 1 before
     # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
-    f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset input drag dashpots time begun",
+    f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset across input drag dashpots time begun",
     i8="n m drags columns points trials active max_order order steps events orders instant status smooth always_smooth"
     " follows has_lean most_steps most_events output still",
     # p: room for one polynomial and its derivative; powers: of the places inside a step

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -139,16 +138,11 @@ class Response:
         return f"Response({self.status}; {self.method}; largest storey shears {shears} N{impacts})"
 
 
-def nothing(
-    storeys: Sequence[int], links: int, struck: int
-) -> tuple[tuple[BuildingResponse, ...], LinkResponse, ColumnResponse]:
+def nothing(storeys: Sequence[int], links: int) -> tuple[tuple[BuildingResponse, ...], LinkResponse]:
     """The numbers of a run that failed, of buildings with so many storeys: none of them is ever shown."""
-
-    def none(kind: type, size: int) -> Any:
-        return kind(**{each.name: np.full(size, np.nan) for each in fields(kind) if each.type == "np.ndarray"})
-
-    return (
-        tuple(none(BuildingResponse, n) for n in storeys),
-        none(LinkResponse, links),
-        replace(none(ColumnResponse, struck), link=np.zeros(struck, np.int64)),
-    )
+    buildings = []
+    for n in storeys:
+        none = np.full(n, np.nan)
+        buildings.append(BuildingResponse(none, none, none, none, none, none, none))
+    none = np.full(links, np.nan)
+    return tuple(buildings), LinkResponse(none, none, none, none, none)

@@ -62,6 +62,10 @@ FIT = np.ascontiguousarray(np.linalg.inv(np.vander(PLACES, increasing=True)))
 SAFETY, LEAST, MOST = 0.9, 0.2, 6.0
 """Of the next step over this one: margin, least and most."""
 
+NEARER, LONGER = 0.75, 1.1
+"""Of a step towards the end of a contact, where its force has no derivatives: its part of the time to there, as the
+floors part now; where it leads across, its length over that of the step that last did."""
+
 SHORTEST = 1e-15
 """Part of a sample of the motion below which no step is tried."""
 
@@ -131,6 +135,17 @@ def _error(r, states):
     return r.h * worst5 * worst5 / math.hypot(worst5, 0.1 * worst3)
 
 
+@njit(**PART)
+def _longest(elements, r, series):
+    """The longest step worth trying [s]: up to near where a contact parts, or across it."""
+    longest = math.inf
+    for a in range(r.active):
+        el = elements[series[a].element]
+        if el.smooth and el.low == 0.0 and el.r0 < 0.0:
+            longest = min(longest, max(-NEARER * el.v0 / el.r0, LONGER * r.across))
+    return longest
+
+
 @njit(**CALLED)
 def take_smooth(dofs, elements, terms, r, series, room):
     """A step that DOP853 accepts: the velocities' polynomials in `dofs`, the forces' in `series`."""
@@ -141,6 +156,7 @@ def take_smooth(dofs, elements, terms, r, series, room):
     for e in range(r.m):
         if elements[e].state > 0:
             states[elements[e].state].y0 = elements[e].h[0]
+    r.next = min(r.next, _longest(elements, r, series))
     if r.h > r.next > 0.0:
         part = 1.0 / math.ceil(r.h / r.next - 1e-9)
         r.h *= part
@@ -165,7 +181,7 @@ def take_smooth(dofs, elements, terms, r, series, room):
                 stage = 1
                 continue
             if r.onset < 0.0:  # the first step of a contact: where its force has no derivatives steps have to grow anew
-                r.onset = r.h
+                r.onset, r.across = r.h, max(r.across, r.h)
             r.next = r.h * factor
             for i in range(states.size):
                 states[i].scale = max(states[i].scale, 0.01 * abs(states[i].y))

@@ -15,6 +15,7 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.methods import METHODS, Method
 from pounding_cli.model.effects import effects_of
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import outcome, records
 from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
@@ -90,7 +91,7 @@ class Prepared:
             dt = self.scene.motion.dt
             parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
             if self.method.name == "central-difference":
-                self.limit = fixed_step.central_difference_limit(self.layout)
+                self.limit = fixed_step.central_difference_limit(self.layout, self.data.elements, self.scene.links)
             if dt / parts > self.limit:
                 self.data.run["status"] = records.UNSTABLE
                 return
@@ -117,38 +118,37 @@ class Prepared:
 
     def response(self) -> Response:
         """What came of it."""
-        layout, data, r = self.layout, self.data, self.data.run[0]
+        layout, data, r, links = self.layout, self.data, self.data.run[0], self.scene.links
         fixed = self.method.takes_step
         with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
-            energy = {} if fixed else outcome.balance(layout, data, self.before)
-        status, advice = outcome.outcome_of(data, self.accuracy, energy.get("residual", 0.0))
+            energy = {} if fixed else outcome.balance(layout, data, links, self.before)
+            status, advice = outcome.outcome_of(data, self.accuracy, energy.get("residual", 0.0))
         if int(r["status"]) == records.UNSTABLE:
             advice = advice.replace("a shorter time step", f"a time step below {self.limit:.2g} s")
-        storeys = [building.storeys for building in layout.buildings]
-        buildings, links, columns = nothing(storeys, len(layout.links), len(layout.struck))
-        collapse, time, flags = (-1, 0), nan, tuple[str, ...]()
-        final = tuple((np.full(n, nan), np.full(n, nan)) for n in storeys)
-        if status in outcome.OUTCOMES:
-            buildings, links = outcome.buildings_of(layout, data), outcome.links_of(layout, data)
-            columns = outcome.columns_of(layout, data)
-            flags = outcome.flags_of(self.scene, buildings, links)
-            final = tuple((data.dofs["u0"][span].copy(), data.dofs["w"][span, 0].copy()) for span in layout.floors)
-        else:
-            energy = dict.fromkeys(energy, nan)
+        effects = effects_of(self.scene)
+        told: dict[str, Any] = {
+            "status": status, "advice": advice, "method": self.method.name,
+            "accuracy": nan if fixed else self.accuracy, "time_step": self.time_step, "seconds": self.seconds,
+            "steps": int(r["steps"]), "events": int(r["events"]), "orders": int(r["orders"]),
+            "effects": effects.kept, "dropped": effects.dropped,
+        }  # fmt: skip
+        if status not in outcome.OUTCOMES:
+            peaks = nothing([building.storeys for building in layout.buildings], len(links))
+            final = tuple((each.drift, each.drift) for each in peaks[0])
+            return Response(*peaks, **told, energy=dict.fromkeys(energy, nan), final=final)
+        buildings, peaks_of_links = outcome.buildings_of(layout, data), outcome.links_of(layout, data, links)
+        flags = outcome.flags_of(self.scene, buildings, peaks_of_links)
         if status == COLLAPSED:
-            collapse, time = outcome.collapse_of(layout, data), float(r["time"])
-            where = f"{layout.buildings[collapse[0]].name} storey {collapse[1]}"
-            flags = (f"{COLLAPSED}: {where}, at {time:.4g} s", *flags)
-        if fixed and r["trials"] and status in outcome.OUTCOMES:
+            building, storey = outcome.collapse_of(layout, data)
+            told |= {"collapse_time": float(r["time"]), "collapse_building": building, "collapse_storey": storey}
+            where = f"{layout.buildings[building].name} storey {storey}"
+            flags = (f"{COLLAPSED}: {where}, at {told['collapse_time']:.4g} s", *flags)
+        if fixed and r["trials"]:
             cut = f"Newton found no root in {r['trials']} of {r['steps']} steps, because a contact force jumps"
             flags += (f"{cut}; these were cut in half",)
-        effects = effects_of(self.scene)
-        return Response(
-            buildings, links, status, advice, self.method.name, nan if fixed else self.accuracy, int(r["steps"]),
-            int(r["events"]), self.seconds, energy, flags, effects.kept, effects.dropped, int(r["orders"]),
-            time_step=self.time_step if fixed else nan, final=final, collapse_time=time, columns=columns,
-            collapse_building=collapse[0], collapse_storey=collapse[1],
-        )  # fmt: skip
+        final = tuple((data.dofs["u0"][span].copy(), data.dofs["w"][span, 0].copy()) for span in layout.floors)
+        columns = outcome.columns_of(layout, data)
+        return Response(buildings, peaks_of_links, **told, energy=energy, flags=flags, final=final, columns=columns)
 
 
 def prepare(
@@ -166,24 +166,24 @@ def prepare(
     if reason := refusal_of(chosen, scene):
         hint = "write `method: taylor`, which runs every scene"
         raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
-    layout = layout_of(scene.buildings, scene.links, effects_of(scene))
+    layout = layout_of(scene)
     data = records_of(scene, layout, accuracy, chosen, initial, times, bounds)
-    before = 0.0 if initial is None else _held_at_start(layout, data)
+    before = 0.0 if initial is None else _held_at_start(layout, data, scene.links)
     return Prepared(scene, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
 
 
-def _held_at_start(layout: Layout, data: Data) -> float:
+def _held_at_start(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     """Energy in a scene at its initial displacements and velocities [J]: it has not yielded, and lies on its first
     line."""
     n, u, stiffness = layout.number, data.dofs["u0"], data.elements["p"][:, 0]
     moved = term_matrix(layout) @ u
     stored, _ = outcome.stored_in_storeys(layout, moved[:n], stiffness[:n] * moved[:n], u)
-    links = sum(
+    in_links = sum(
         link.law.stored(float(closing), float(k * closing))
-        for link, closing, k in zip(layout.links, moved[layout.of_links], stiffness[layout.of_links], strict=True)
+        for link, closing, k in zip(links, moved[layout.of_links], stiffness[layout.of_links], strict=True)
         if link.law.can_close
     )
-    return 0.5 * float(np.sum(data.dofs["mass"] * data.dofs["w"][:, 0] ** 2)) + float(stored) + links
+    return 0.5 * float(data.dofs["mass"] @ data.dofs["w"][:, 0] ** 2) + float(stored) + in_links
 
 
 def chosen_method(name: str, accuracy: float, time_step: float | None = None) -> tuple[Method, float]:

@@ -35,19 +35,8 @@ WARM_UP = 3
 """Samples of the motion that a method sees before it is timed, so that compiling is not."""
 
 
-@dataclass(frozen=True)
-class Subject:
-    """A scene and its place in the study."""
-
-    case: str
-    analysis: str
-    record: str
-    scene: Scene
-
-    @property
-    def place(self) -> dict[str, Any]:
-        """Where it stands."""
-        return {"case": self.case, "analysis": self.analysis, "record": self.record}
+Subject = tuple[dict[str, str], Scene]
+"""A scene and its place in the study: case, analysis, record."""
 
 
 @dataclass(frozen=True)
@@ -117,52 +106,43 @@ def measure(
     which compiling does not count; the first scene gets its reference and one run of every method whatever they take.
     """
     runs, references, left_out = list[dict[str, Any]](), list[dict[str, Any]](), list[str]()
-    skipped = Counter[tuple[str, float]]()
-    spent = compiling = dearest = 0.0
-    records = list(dict.fromkeys(subject.record for subject in subjects))
-    order = sorted(subjects, key=lambda subject: records.index(subject.record))
-    for place, subject in enumerate(order):
-        if place and budget - spent <= dearest:
-            left_out.append(
-                f"{len(order) - place} of {counted(len(order), 'scene')}: the budget ended (--budget gives more)"
-            )
+    skipped, spent, compiling = Counter[tuple[str, float]](), 0.0, 0.0
+    records = list(dict.fromkeys(place["record"] for place, _ in subjects))
+    order = sorted(subjects, key=lambda subject: records.index(subject[0]["record"]))
+    ended = "the budget ended (--budget gives more)"
+    for number, (place, scene) in enumerate(order):
+        if number and spent >= budget:
+            left_out.append(f"{len(order) - number} of {counted(len(order), 'scene')}: {ended}")
             break
-        where = ", ".join(subject.place.values())
-        tell(where)
+        tell(", ".join(place.values()))
         begin = time.perf_counter()
-        _warm_up(subject.scene, {*methods, REFERENCE[0], SECOND[0]})
+        able = [name for name in methods if not refusal_of(METHODS[name], scene)]
+        short = dataclasses.replace(scene, motion=scene.motion.windowed(WARM_UP * scene.motion.dt))
+        for name in {*able, REFERENCE[0], SECOND[0]}:
+            _solved(short, name, 1e-4)
         compiled = time.perf_counter()
-        reference, second = _solved(subject.scene, *REFERENCE), _solved(subject.scene, *SECOND)
-        taken = time.perf_counter() - compiled
-        compiling, dearest = compiling + compiled - begin, max(dearest, taken)
+        reference, second = _solved(scene, *REFERENCE), _solved(scene, *SECOND)
         if reference.status == second.status == DONE:
             impacts = int(np.abs(reference.links.impacts - second.links.impacts).sum())
-            references.append({**subject.place, **errors_of(second, reference), "impacts": impacts})
-            together = sum(other.record == subject.record for other in order[place:])
-            share = ((budget - spent) / together - taken) / len(methods)
-            for name in methods:
-                if not refusal_of(METHODS[name], subject.scene):
-                    rows = list(_tried(subject, name, reference, share, at_least_one=place == 0))
-                    runs += rows
-                    skipped.update((name, setting) for setting in METHODS[name].setting.tried[len(rows) :])
+            references.append({**place, **errors_of(second, reference), "impacts": impacts})
+            together = sum(other["record"] == place["record"] for other, _ in order[number:])
+            share = ((budget - spent) / together - (time.perf_counter() - compiled)) / len(methods)
+            for name in able:
+                rows = list(_tried(scene, name, reference, share, at_least_one=number == 0))
+                runs += [{**place, **row} for row in rows]
+                skipped.update((name, setting) for setting in METHODS[name].setting.tried[len(rows) :])
         else:
-            left_out.append(f"{where}: the reference did not end ({reference.status}, {second.status})")
+            ends = f"{reference.status}, {second.status}"
+            left_out.append(f"{', '.join(place.values())}: the reference did not end ({ends})")
         spent += time.perf_counter() - compiled
+        compiling += compiled - begin
     for (name, setting), count in skipped.items():
-        value = METHODS[name].setting.text(setting)
-        left_out.append(f"{name} at {value} on {counted(count, 'scene')}: the budget ended (--budget gives more)")
+        left_out.append(f"{name} at {METHODS[name].setting.text(setting)} on {counted(count, 'scene')}: {ended}")
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 
-def _warm_up(scene: Scene, methods: set[str]) -> None:
-    short = dataclasses.replace(scene, motion=scene.motion.windowed(WARM_UP * scene.motion.dt))
-    for name in methods:
-        if not refusal_of(METHODS[name], scene):
-            _solved(short, name, 1e-4)
-
-
 def _tried(
-    subject: Subject, name: str, reference: Response, allowed: float, at_least_one: bool
+    scene: Scene, name: str, reference: Response, allowed: float, at_least_one: bool
 ) -> Iterator[dict[str, Any]]:
     """Runs of one method from coarse to fine, as far as the time allowed [s] reaches."""
     spent = last = before = 0.0
@@ -172,15 +152,15 @@ def _tried(
         if spent + last * longer > allowed and (last or not at_least_one):
             return
         begin, before = time.perf_counter(), setting
-        found = _solved(subject.scene, name, setting)
+        found = _solved(scene, name, setting)
         seconds, done = [found.seconds], found.status == DONE
         repeated = min(REPEATED, (allowed - spent) / len(settings))
         while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
-            seconds.append(_solved(subject.scene, name, setting).seconds)
+            seconds.append(_solved(scene, name, setting).seconds)
         spent, last = spent + time.perf_counter() - begin, found.seconds
         errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
-            **subject.place, "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
+            "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
             "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
             "impacts": int(found.links.impacts.sum()), "impacts_reference": int(reference.links.impacts.sum()),
             "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,

@@ -120,7 +120,13 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
             continue
         given, marks, units = zip(*columns, strict=True)
         rows = list(zip(*given, strict=True)), list(zip(*marks, strict=True))
-        axes.append(Axis(tuple(names), *rows, units, model))
+        axis = Axis(tuple(names), *rows, units, model)
+        places: dict[tuple[float | str, ...], int] = {}
+        for place, point in enumerate(axis.values):
+            if (twin := places.setdefault(point, place)) != place:
+                what = f"{axis.told(twin)} and {axis.told(place)} are the same point of this axis"
+                problems.add(axis.marks[place][0], what, "remove one of the two")
+        axes.append(axis)
     if (points := math.prod(map(len, axes))) > MOST_POINTS:
         hint = f"keep it to {MOST_POINTS}: make axes shorter, or let keys move together in a list entry"
         problems.add(mark, f"the sweep has {points} points", hint)

@@ -246,7 +246,7 @@ def check_meetings(group: Group, root: Any, problems: Problems) -> bool:
     for place, (floors, strikes) in enumerate(zip(group.common, group.strikes, strict=True)):
         if not floors and not strikes:
             one, other = group.buildings[place : place + 2]
-            levels = (", ".join(f"{each:g}" for each in b.elevation[:6]) for b in (one, other))
+            levels = (listed(f"{each:g}" for each in b.elevation) for b in (one, other))
             message = f"{one.name} and {other.name} have no floor at one elevation: {' against '.join(levels)} m"
             hint = f"let the storey heights agree somewhere; {COLUMNS}"
             problems.at(root, ("group", place + 1), message, hint)

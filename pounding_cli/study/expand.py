@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from operator import or_
@@ -15,7 +16,6 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.links import APART, Link, link_places
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.records.motion import Motion
-from pounding_cli.study.axes import Axis
 from pounding_cli.study.build import places
 from pounding_cli.study.keep import kept_rows
 from pounding_cli.study.plan import Links, Plan
@@ -64,14 +64,12 @@ class _Expansion:
         study, model = self.study, self.study.model
         touched = [study.touches(*BETWEEN, ("cases", case)) for case in self.cases]
         rows = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
-        numbers, links = np.empty((*rows, 1 + len(model.group)), np.int32), list[list[Any]]()
+        numbers, links = np.empty((*rows, 1 + len(model.group)), np.int32), [list[Any]() for _ in self.cases]
         for place, case in enumerate(self.cases):
-            table: list[Any] = []
-            numbers[..., place, :, :, 0] = self._grid(touched[place], partial(self._begin, case, table))
-            links.append(table)
+            numbers[..., place, :, :, 0] = self._grid(touched[place], partial(self._begin, case, links[place]))
         self._refuse()
         for place in range(len(model.group)):
-            alone = self._grid(study.touching("buildings", place), partial(self._begin_alone, place))
+            alone = self._grid(study.touches(("buildings", model.group[place])), partial(self._begin_alone, place))
             numbers[..., 1 + place] = alone[..., None, :, :]
         if asks is not None:
             points = product(*map(range, self.sizes))
@@ -122,7 +120,7 @@ class _Expansion:
             return None
         links = sound if self.links_of == self.study.links else self.links_of(point, case)
         assert links is not None
-        table.append(_in_columns(links))
+        table.append(links)
         return Digests(group.buildings, links)
 
     def _begin_alone(self, place: int, point: Point) -> Digests:
@@ -157,7 +155,9 @@ class _Expansion:
     def _note(self) -> None:
         """Take over what is wrong at the points asked so far.  Raises `InputError` where that is much."""
         for problem, point in self.study.problems.found.items():
-            self._problems.setdefault(_at_point(problem, self.study.axes, point))
+            axes = zip(self.study.axes, point, strict=True)
+            told = ", ".join(axis.told(index) for axis, index in axes if index >= 0)
+            self._problems.setdefault(replace(problem, message=f"{problem.message} (where {told})"))
         self.study.problems.found.clear()
         if len(self._problems) >= MOST_PROBLEMS:
             self._refuse()
@@ -173,35 +173,29 @@ def _sizes(sizes: tuple[int, ...], touched: tuple[bool, ...]) -> tuple[int, ...]
     return tuple(size if mine else 1 for size, mine in zip(sizes, touched, strict=True))
 
 
-@functools.lru_cache(maxsize=1024)  # the cases of a study and many of its points share links
-def _in_columns(links: tuple[Link, ...]) -> tuple[tuple[Any, ...], ...]:
-    """Of links in their order: places, kinds, gaps [m], heights of their left and right ends."""
-    gaps = tuple(np.nan if link.kind == APART else float(link.gap) for link in links)
-    ends = tuple(link.left_at for link in links), tuple(link.right_at for link in links)
-    return link_places(links), tuple(str(link.kind) for link in links), gaps, *ends
+_places = functools.lru_cache(maxsize=1024)(link_places)  # the cases of a study and many of its points share links
 
 
-def _table(cases: list[list[Any]], sizes: tuple[int, ...], touched: list[tuple[bool, ...]]) -> Links:
+def _table(cases: list[list[tuple[Link, ...]]], sizes: tuple[int, ...], touched: list[tuple[bool, ...]]) -> Links:
     """What the tables say of the links of all cases.
 
-    cases : of every case its links `_in_columns`, at all points where they may differ
+    cases : of every case its links at all points where they may differ
     touched : of every case, which axes its links depend on
     """
-    columns = tuple(sorted({place for points in cases for places, *_ in points for place in places}))
+    columns = tuple(sorted({place for points in cases for links in points for place in _places(links)}))
     number = {place: column for column, place in enumerate(columns)}
-    absent = np.int16(-1), "", np.nan, np.nan, np.nan
-    kinds = np.int16, object, float, float, float
-    whole = [np.full((*sizes, len(cases), len(columns)), each, kind) for each, kind in zip(absent, kinds, strict=True)]
+    absent = {"order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan}
+    whole = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in absent.items()}
     for case, points in enumerate(cases):
-        small = _sizes(sizes, touched[case])
-        rows = np.array([point for point, (places, *_) in enumerate(points) for _ in places], int)
-        at = rows, np.array([number[place] for places, *_ in points for place in places], int)
-        found = [(range(len(places)), *rest) for places, *rest in points]
-        for column, array in enumerate(whole):
-            own = np.full((len(points), len(columns)), absent[column], array.dtype)
-            own[at] = [value for point in found for value in point[column]]
-            array[..., case, :] = own.reshape(*small, -1)
-    return Links(columns, *whole)
+        rows = [point for point, links in enumerate(points) for _ in links]
+        at = rows, [number[place] for links in points for place in _places(links)]
+        values: dict[str, list[Any]] = {"order": [n for links in points for n in range(len(links))]}
+        values["gap"] = [np.nan if link.kind == APART else link.gap for links in points for link in links]
+        for name, array in whole.items():
+            own = np.full((len(points), len(columns)), absent[name])
+            own[at] = values.get(name) or [getattr(link, name) for links in points for link in links]
+            array[..., case, :] = own.reshape(*_sizes(sizes, touched[case]), -1)
+    return Links(columns, **whole)
 
 
 def _numbered(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -214,14 +208,3 @@ def _numbered(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.
     place = np.full(len(first) + 1, -1, np.int32)  # the last one stands for -1
     place[used] = np.arange(len(used))
     return digests[first[used]], place[numbers]
-
-
-def _at_point(problem: Problem, axes: tuple[Axis, ...], point: Point) -> Problem:
-    """The problem with the swept values that it stands at."""
-    place = ", ".join(
-        f"{name} = {value}"
-        for axis, index in zip(axes, point, strict=True)
-        if index >= 0
-        for name, value in zip(axis.names, axis.shown(index), strict=True)
-    )
-    return Problem(f"{problem.message} (where {place})", problem.hint, problem.file, problem.line, problem.column)

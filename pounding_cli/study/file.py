@@ -31,8 +31,6 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
 # YAML 1.1, as PyYAML reads it, takes 1e10 for text, `no` for false, 0:36 for 36. Here numbers look like it.
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
-_UNIT = re.compile(r"[A-Za-z%°µ][\w/^*².() -]{0,30}?(?=\s*(?:[,}\]#\n]|\Z))")
-_AFTER_COMMA = re.compile(r"[0-9]{1,15}(?:\s{0,9}[A-Za-z%][^,]{0,30})?\Z")
 _WORDS: dict[str, Any] = {"": None, "~": None, "null": None, "true": True, "false": False}
 _TAGS = {f"tag:yaml.org,2002:{kind}" for kind in ("str", "int", "float", "bool", "null", "map", "seq")} | {"!", None}
 
@@ -232,16 +230,17 @@ class _Reader:
             self.refuse(mark, "the file is nested too deeply", f"a study needs at most {DEEPEST} levels", True)
 
     def mapping(self, mark: Mark, depth: int) -> Map:
-        found, last = Map((), mark), None
+        found = Map((), mark)
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             at, word = _mark(event), event.value if isinstance(event, yaml.ScalarEvent) else None
             if word is None:
                 self.node(event, depth + 1)
                 self.refuse(at, "a key must be a word", "write `key: value`")
-            key, first = canonical(word or ""), next(self.events)
-            value, there = self.node(first, depth + 1)
-            if word is None or (value is None and _is_plain(event) and self.is_slip(word, event, last)):
+            key, (value, there) = canonical(word or ""), self.node(next(self.events), depth + 1)
+            if word is None:
                 pass
+            elif value is None and _is_plain(event) and (slip := MISSING_BLANK.match(word)):
+                self.refuse(at, f"'{word}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`")
             elif word == "<<" and _is_plain(event):
                 self.refuse(at, "merge keys (<<) are not used here", "write `like: NAME` to build on another building")
             elif key in found:
@@ -249,21 +248,7 @@ class _Reader:
                 self.refuse(at, f"'{key}' occurs twice; first at {line}:{column}", "remove one of the two")
             else:
                 found[key], found.marks[key] = value, (at, there)
-            last = first
         return found
-
-    def is_slip(self, word: str, event: Any, last: Any) -> bool:
-        """A key without value that is none: `period:0.6 s`, or the second half of `0,6 s` in {...}."""
-        if slip := MISSING_BLANK.match(word):
-            self.refuse(_mark(event), f"'{word}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`")
-            return True
-        if isinstance(last, yaml.ScalarEvent) and _is_plain(last) and _INTEGER.match(last.value):
-            end: Any = last.end_mark
-            if _AFTER_COMMA.match(word) and self.text[end.index : event.start_mark.index] == ",":
-                what = f"'{last.value},{word}' has a decimal comma: inside brackets a comma ends the value"
-                self.refuse(_mark(last), what, f"write `{last.value}.{word}`")
-                return True
-        return False
 
     def scalar(self, event: Any, mark: Mark) -> Any:
         word = event.value
@@ -308,30 +293,18 @@ def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     what, lines = error.problem or "unreadable", text.split("\n")
-    begin = error.context_mark.line + 1 if error.context and error.context_mark else line
-    if begin != line:
-        what += f" ({error.context} that begins in line {begin})"
-    here = lines[line - 1][:2000] if line <= len(lines) else ""
-    if here[: column - 1].rstrip().endswith("]") and (unit := _UNIT.match(here[column - 1 :])) is not None:
-        message = f"YAML ends the list at its bracket: '{unit[0].strip()}' behind it belongs to no value"
-        return Problem(message, f"write the unit at each value: `[1 {unit[0]}, 2 {unit[0]}]`", file, line, column)
-    flow = "flow" in str(error.context)
-    for number in range(begin, min(line, begin + 50) + 1) if flow else ():
-        row = "".join(lines[number - 1 : number])[:2000]
-        if (place := row.find(" #")) >= 0 and ("}" in row[place:] or "]" in row[place:]):
-            message = "a # inside brackets hides the rest of its line, the closing bracket too"
-            return Problem(message, "move the comment behind the closing bracket", file, number, place + 2)
-    for number in () if flow else (line, line - 1):
+    if error.context and error.context_mark and error.context_mark.line + 1 != line:
+        what += f" ({error.context} that begins in line {error.context_mark.line + 1})"
+    for number in () if "flow" in str(error.context) else (line, line - 1):
         row = "".join(lines[number - 1 : number])[:200] if number > 0 else ""
         if slip := MISSING_BLANK.match(row.strip().removeprefix("- ")):
             message, indent = f"'{slip[0]}' lacks a blank after its colon", len(row) - len(row.lstrip())
             return Problem(message, f"write `{slip[1]}: {slip[2]}`", file, number, indent + 1)
-    if "\t" in here[: len(here) - len(here.lstrip())] or "\\t" in what:
+    hint = "check brackets, quotes, commas, indentation and # around this place; a # hides the rest of its line"
+    if "\t" in what or "".join(lines[line - 1 : line]).lstrip(" ").startswith("\t"):
         hint = "indent with spaces: YAML does not allow tabs"
     elif "mapping values are not allowed" in what:
         hint = "put quotes around a value that holds ': '"
-    else:
-        hint = "check brackets, quotes, commas and the indentation around this place"
     return Problem(f"this is not YAML: {what}", hint, file, line, column)
 
 

@@ -51,30 +51,25 @@ def _chosen(study: Study, model: Any, spec: Histories, problems: Problems) -> li
             message, hint = f"keep: '{key}' is not an axis of the sweep", nearest(key, swept)
             problems.at(root, (*path, "where", key), message, hint, key=True)
             continue
-        (number, column), steps = swept[key], tuple(key.split("."))
-        texts = [given[column] for given in study.axes[number].given]
-        values, kept = [value_at(schema.Study, steps, text) for text in texts], set[int]()
+        number, column = swept[key]
+        known, kept = [row[column] for row in study.axes[number].values], set[int]()
         words = get(root, *path, "where", key)
         for place, word in enumerate(words if isinstance(words, list) else [words]):
-            value = value_at(schema.Study, steps, word)
-            mine = [n for n, each in enumerate(values) if _is_same(value, each)]
+            value = value_at(schema.Study, tuple(key.split(".")), word)
+            mine = [n for n, each in enumerate(known) if _is_same(value, each)]
             kept.update(mine)
             if not mine:
                 at: Any = (*path, "where", key, *([place] if isinstance(words, list) else []))
-                hint = f"known: {', '.join(dict.fromkeys(map(str, texts)))}"
-                problems.at(root, at, f"keep: the axis '{key}' has no value {word}", hint)
+                told = ", ".join(dict.fromkeys(study.axes[number].shown(n)[column] for n in range(len(known))))
+                problems.at(root, at, f"keep: the axis '{key}' has no value {word}", f"known: {told}")
         chosen[number] = [place for place in chosen[number] if place in kept]
-    for name, one, known in (
-        ("cases", "case", list(model.cases)),
-        ("analyses", "analysis", list(model.analyses)),
-        ("records", "record", list(study.motions(study.base))),
-    ):
-        names = getattr(spec, name)
+    named = {"cases": model.cases, "analyses": model.analyses, "records": study.motions(study.base)}
+    for name, of_study in named.items():
+        names, there = getattr(spec, name), list(map(str, of_study))
         for place, word in enumerate(names or ()):
-            if known and word not in known:
-                message = f"keep: the study has no {one} '{word}'"
-                problems.at(root, (*path, name, place), message, nearest(word, known))
-        chosen.append([place for place, each in enumerate(known) if names is None or each in names])
+            if there and word not in there:
+                problems.at(root, (*path, name, place), f"keep: '{word}' is none of the {name}", nearest(word, there))
+        chosen.append([place for place, each in enumerate(there) if names is None or each in names])
     return chosen
 
 
@@ -86,29 +81,22 @@ def _is_same(one: float | str, other: float | str) -> bool:
 
 
 def kept_rows(plan: Plan) -> Plan:
-    """The plan with the rows whose scenes are kept, and their output step [s].
-
-    Raises
-    ------
-    InputError : they would take more than MOST_BYTES
-    """
+    """The plan with the rows whose scenes are kept, and their output step [s].  Raises InputError where they would take
+    more than MOST_BYTES, if all are as large as the first."""
     study, spec = plan.study, wanted(plan.study.model)
     if spec is None:
         return plan
     mask = np.zeros(plan.shape, bool)
     mask[np.ix_(*_chosen(study, study.model, spec, Problems("")))] = True
-    rows, size = np.flatnonzero(mask).tolist(), 0.0
-    for seen, row in enumerate(rows, start=1):
-        size += _bytes_of(plan.build(row), spec.every)
-        if size > MOST_BYTES:  # the rest will be like those seen
-            problems, whole = Problems(study.file), size / seen * len(rows)
-            taken = f"about {whole / 1e9:.3g} GB; the most is {MOST_BYTES / 1e9:g} GB"
-            message = f"histories of {len(rows)} scenes every {1000 * spec.every:g} ms take {taken}"
-            hint = (
-                "keep fewer, e.g. `keep: {histories: {cases: [..], records: [..], where: {..}}}`, or a longer `every:`"
-            )
-            problems.at(study.root, ("keep",), message, hint, key=True)
-            problems.check()
+    rows = np.flatnonzero(mask).tolist()
+    size = sum(_bytes_of(plan.build(row), spec.every) for row in rows[:1]) * len(rows)
+    if size > MOST_BYTES:
+        taken = f"about {size / 1e9:.3g} GB; the most is {MOST_BYTES / 1e9:g} GB"
+        message = f"histories of {len(rows)} scenes every {1000 * spec.every:g} ms take {taken}"
+        hint = "keep fewer, `keep: {histories: {cases: [..], records: [..], where: {..}}}`, or write a longer `every:`"
+        problems = Problems(study.file)
+        problems.at(study.root, ("keep",), message, hint, key=True)
+        problems.check()
     return dataclasses.replace(plan, kept=tuple(map(plan.row, rows)), every=spec.every)
 
 

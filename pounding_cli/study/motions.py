@@ -10,11 +10,10 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, Field, WrapValidator
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
@@ -92,17 +91,11 @@ class Sa(Model):
     damping: Ratio = key(0.05, "and this damping ratio [-]")
 
 
-def _once_each(points: Any) -> Any:
-    first: dict[float, str] = {}
-    for word in points if isinstance(points, dict) else ():
-        try:
-            period = PERIOD.read(word)
-        except PydanticCustomError:
-            continue  # said at its place
-        if period in first:
-            raise refuse(f"'{first[period]}' and '{word}' are one period", "remove one of the two")
-        first[period] = word
-    return points
+def _once_each(points: Any, read: Any) -> Any:
+    found = read(points)
+    if len(found) < len(points):
+        raise refuse("two of the periods are one", "remove one of the two")
+    return found
 
 
 class Spectrum(Model):
@@ -111,7 +104,7 @@ class Spectrum(Model):
     spectrum: Literal["mean", "each"] = key(
         ..., "`mean`: one factor for all, their mean spectrum meets the target; `each`: one for every record", "mean"
     )
-    target: word_or(str, Annotated[dict[Period, Acceleration], BeforeValidator(_once_each)]) = key(  # type: ignore[valid-type]
+    target: word_or(str, Annotated[dict[Period, Acceleration], WrapValidator(_once_each)]) = key(  # type: ignore[valid-type]
         ...,
         "{period: pseudo-acceleration, ...}, or the record whose spectrum is taken",
         {"0.1 s": "0.8 g", "2 s": "0.2 g"},
@@ -176,7 +169,7 @@ _OTHER_FILES = re.compile(
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
 MOST_FILES = 50_000
-"""Files and folders that are looked at for one pattern."""
+"""Files that one pattern may match."""
 
 
 @dataclass(frozen=True)
@@ -227,26 +220,9 @@ class MotionReader:
         if len(record.file) > LONGEST_PATH:
             raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
         written = os.path.expanduser(record.file)
-        path = self.folder / written
-        if os.path.isdir(path):
-            files = [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
-        elif os.path.exists(path):
-            return (Item(record.name or path.stem, path, record),)
-        else:
-            head, deep, tail = written.partition(
-                "**/"
-            )  # what lies below is visited file by file, so that it can be much
-            found = glob.iglob(f"{head}**" if deep else written, root_dir=self.folder, recursive=True)
-            seen = list(islice(found, MOST_FILES + 1)) if "\0" not in written else []
-            if len(seen) > MOST_FILES:
-                hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-                raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files and folders", hint))
-            fits = (self.folder / name for name in seen if not deep or PurePath(name).match(tail))
-            files = sorted(each for each in fits if os.path.isfile(each))
+        files = self._files(written)
         if not files:
-            message = f"the record file {shortened(path)} does not exist"
-            if glob.has_magic(record.file) or os.path.isdir(path):
-                message = f"no file matches {path}, or no motion is in this folder"
+            message = f"the record file {shortened(self.folder / written)} does not exist, or its folder has no motions"
             raise InputError(Problem(message, "paths are relative to the study file"))
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"
@@ -255,6 +231,19 @@ class MotionReader:
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
         return tuple(Item(record.name or name, each, record) for each, name in zip(files, names, strict=True))
+
+    def _files(self, written: str) -> list[Path]:
+        """A file, the motions in a folder, or the files that a pattern matches."""
+        path = self.folder / written
+        if os.path.isdir(path):
+            return [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
+        if os.path.exists(path) or "\0" in str(path):
+            return [path] if os.path.exists(path) else []
+        found = list(islice(glob.iglob(written, root_dir=self.folder, recursive=True), MOST_FILES + 1))
+        if len(found) > MOST_FILES:
+            hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
+            raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files", hint))
+        return sorted(each for name in found if os.path.isfile(each := self.folder / name))
 
 
 @dataclass(frozen=True)

@@ -52,13 +52,10 @@ _RANGES = (
     (0.005, 3.0, FORCES, "base yield shear over weight", "codes design for 2 to 30 %, 100 % with overstrength"),
     (1e-5, 1e4, STIFFNESSES, "link stiffness", "far below that of a storey a link does nothing, far above it is rigid"),
     (
-        0.001 * GRAVITY,
-        5 * GRAVITY,
-        ACCELERATIONS,
-        "peak of a motion",
-        "0.001 g is not felt; few recorded peaks reach 2 g",
+        0.001 * GRAVITY, 5 * GRAVITY, ACCELERATIONS, "peak of a motion",
+        "few motions were ever recorded with more than 2 g; below 0.001 g they are not felt",
     ),
-)
+)  # fmt: skip
 RANGES = {name: Plausible(low, high, reason, units, name) for low, high, units, name, reason in _RANGES}
 """What is plausible, one row a quantity."""
 

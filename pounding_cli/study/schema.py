@@ -70,16 +70,18 @@ class Study(Model):
     model_config = ConfigDict(title="pound study")
 
     title: str = key("", "title of figures and tables; default: the file's name")
-    records: Records = key(..., "ground motions")
+    records: Records = key(..., "ground motions", {"use": ["elcentro", "taft"]})
     buildings: Annotated[dict[Name, Building], Field(min_length=1, max_length=1000)] = key(
-        ..., "building types by name"
+        ..., "building types by name", {"stiff": {"storeys": 5, "period": "0.36 s"}}
     )
     group: Annotated[tuple[str, ...], Field(max_length=100)] = key(
         ..., "buildings from left to right", ["stiff", "soft"]
     )
     impact: Impact = key(Impact(), "impact element")
     laws: dict[Name, OwnLaw] = key({}, "the study's own laws of links, by name")
-    cases: Annotated[dict[Name, Case], Field(min_length=1, max_length=20_000)] = key(..., "cases by name")
+    cases: Annotated[dict[Name, Case], Field(min_length=1, max_length=20_000)] = key(
+        ..., "cases by name", {"near": {"link": "pounding", "gap": "5 cm"}}
+    )
     analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = key(
         ("elastic", "inelastic"), "whether storeys may yield"
     )
@@ -111,7 +113,10 @@ class Study(Model):
         "move together",
     )
 
-    gap: GapSpec = key(GapSpec(), "settings of `pound gap`")
+    gap: GapSpec = key(
+        GapSpec(), "settings of `pound gap`; gaps stand in cases, `cases: {near: {link: pounding, gap: 5 cm}}`",
+        {"percentiles": "84 %"},
+    )  # fmt: skip
     fragility: FragilitySpec = key(FragilitySpec(), "settings of `pound fragility`")
     sensitivity: SensitivitySpec = key(SensitivitySpec(), "settings of `pound sensitivity`")
     optimise: OptimiseSpec = key(OptimiseSpec(), "settings of `pound optimise`")

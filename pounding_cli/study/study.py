@@ -38,7 +38,7 @@ Point = tuple[int, ...]
 Subject = str | tuple[str, str]
 """What an axis can touch: a section of the file, or one entry of a section."""
 
-MOST_KEPT = 10_000
+MOST_KEPT = 20_000
 """Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
 AROUND: tuple[Subject, ...] = ("records", "tail")
@@ -71,7 +71,9 @@ def answer(subjects: Callable[..., tuple[Subject, ...]]) -> Callable[[Callable[.
                     kept = found, {problem: at or place for problem, at in self.problems.found.items()}
                 finally:
                     self.problems = outer
-                keep(self._kept, key, kept)
+                if len(self._kept) >= MOST_KEPT:
+                    self._kept.clear()
+                self._kept[key] = kept
             for problem, at in kept[1].items():
                 self.problems.found.setdefault(problem, at)
             return kept[0]
@@ -79,13 +81,6 @@ def answer(subjects: Callable[..., tuple[Subject, ...]]) -> Callable[[Callable[.
         return asked
 
     return decorated
-
-
-def keep(answers: dict[Any, Any], key: Any, found: Any) -> None:
-    """Keep an answer, and the latest ones before it."""
-    if len(answers) >= MOST_KEPT:
-        del answers[next(iter(answers))]
-    answers[key] = found
 
 
 class Study:
@@ -120,7 +115,6 @@ class Study:
         self.from_data: bool = isinstance(root.mark[0], str) if written is None else written.from_data
         refuse_other_kinds(root, self.file)
         self.problems, self.notes = Problems(self.file), Problems(self.file)
-        _refuse_unnamed(root, self.problems)
         refuse_old(root, self.problems)
         self.problems.check()
         self.root, self.middles = with_middles(root, self.problems)
@@ -133,22 +127,13 @@ class Study:
         self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
         self.model: Any = self._checked()
         self.title = self.model.title or shortened(path.stem)
-        if axes is None:
-            _refuse_twins(self.axes, self.problems)
-            self.problems.check()
         self.warnings: tuple[Problem, ...] = written.warnings if written is not None else plausible.warnings(self)
 
     # What stands at a point
 
-    def touching(self, section: str, place: int | None = None) -> tuple[bool, ...]:
-        """For every axis of the sweep, whether it can change a section of the file (`buildings`, `records`, ...).
-
-        place : of a building in the group; then whether it can change that one
-        """
-        return self.touches(section if place is None else (section, self.model.group[place]))
-
     def touches(self, *subjects: Subject) -> tuple[bool, ...]:
-        """For every axis, whether it touches one of `subjects`."""
+        """For every axis of the sweep, whether it can change one of some sections of the file or of their entries:
+        `buildings`, `records`, ("buildings", "soft"), ..."""
         mask = self._masks.get(subjects)
         if mask is None:
             mask = self._masks[subjects] = tuple(not touched.isdisjoint(subjects) for touched in self._touched)
@@ -227,6 +212,12 @@ class Study:
             self.problems.at(self.tree(point), path, str(error), hint)
         return None
 
+    @property
+    def defined(self) -> list[str]:
+        """The names of all building types, sound or not."""
+        buildings = self.root.get("buildings")
+        return list(buildings) if isinstance(buildings, Map) else []
+
     def types(self, point: Point) -> dict[str, Building]:
         """The building types by name, those that are sound."""
         found = ((name, self.type(point, name)) for name in self._buildings(self.base))
@@ -235,7 +226,7 @@ class Study:
     @answer(lambda: ("buildings", "group"))
     def group(self, point: Point) -> build.Group | None:
         """The buildings by place and what meets between them; None where it is not sound."""
-        names, types, defined = self.section(point, "group"), self.types(point), list(get(self.root, "buildings") or ())
+        names, types, defined = self.section(point, "group"), self.types(point), self.defined
         if names is None or not defined or not build.check_group(names, defined, self.root, self.problems):
             return None
         if any(name not in types for name in names):
@@ -271,13 +262,13 @@ class Study:
         if case is None or impact is None or laws is None:
             return None
         if group is None:  # so that what is wrong with the links is told beside what is wrong with the group
-            group = build.Group((), self.types(point), (), (), list(get(self.root, "buildings") or ()))
+            group = build.Group((), self.types(point), (), (), self.defined)
         root, key = self.at(point), content(case, group, impact, laws)
         if key is not None and key in self._alike:
             return self._alike[key]
         found = scene_links(case, group, impact, laws, ("cases", name), root, self.problems)
-        if key is not None and found is not None:
-            keep(self._alike, key, found)
+        if key is not None and found is not None and len(self._alike) < MOST_KEPT:
+            self._alike[key] = found
         return found
 
     @answer(lambda: ("records",))
@@ -376,8 +367,13 @@ class Study:
             for place in range(len(axis)):
                 self.problems = Problems(self.file)
                 self._ask((*self.base[:number], place, *self.base[number + 1 :]))
-                new = [problem for problem in self.problems.found if problem not in as_written]
-                problems.extend(_at_value(new, axis, place, bool(as_written)))
+                for problem in self.problems.found:
+                    if problem in as_written:
+                        continue
+                    is_here = {problem.line, problem.file} & {mark[0] for mark in axis.marks[place]}
+                    if is_here or not as_written:
+                        message = problem.message if is_here else f"{problem.message} (where {axis.told(place)})"
+                        problems.found[replace(problem, message=message)] = None
                 if len(problems.found) > MOST_TOLD:
                     problems.check()
         self.problems = problems
@@ -444,35 +440,3 @@ def _inherits(name: str, path: Sequence[str], buildings: Map) -> bool:
         seen.add(name)
         name = like
     return True
-
-
-def _refuse_unnamed(root: Map, problems: Problems) -> None:
-    """Raise `InputError` where the keys of one case, or of one building, stand where names belong."""
-    for section, needed, name in (("cases", "link", "pair"), ("buildings", "storeys", "A")):
-        value = get(root, section, needed)
-        if isinstance(value, str | int):
-            what = section.removesuffix("s")
-            hint = f"write its keys below a name, e.g. `{section}: {{{name}: {{{needed}: {value}, ...}}}}`"
-            problems.add(root.marks[section][1], f"the {what} under `{section}:` has no name", hint)
-    problems.check()
-
-
-def _at_value(problems: Sequence[Problem], axis: Axis, index: int, faulty: bool) -> list[Problem]:
-    """Problems at one value of an axis; those that stand elsewhere in the file name that value."""
-    lines, here = {mark[0] for mark in axis.marks[index]}, []
-    for problem in problems:
-        if problem.line in lines or problem.file in lines:
-            here.append(problem)
-        elif not faulty:
-            here.append(replace(problem, message=f"{problem.message} (where {axis.told(index)})"))
-    return here
-
-
-def _refuse_twins(axes: Sequence[Axis], problems: Problems) -> None:
-    """Note points of an axis that are one and the same: 0.5 and 1/2."""
-    for axis in axes:
-        first: dict[tuple[float | str, ...], int] = {}
-        for place, values in enumerate(axis.values):
-            if (same := first.setdefault(values, place)) != place:
-                what = f"{axis.told(same)} and {axis.told(place)} are the same point of this axis"
-                problems.add(axis.marks[place][0], what, "remove one of the two")

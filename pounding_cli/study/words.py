@@ -185,10 +185,10 @@ def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
 def _no_mapping(given: Any, owner: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
     if isinstance(given, str) and (slip := MISSING_BLANK.match(given)):
         return f"'{given}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`", False
-    keys = keys_at(model, path, root)
-    if keys == ["links"]:
-        keys = ["link", "gap", "floors", "keys of its law", "or several `links`"]
-    hint = f"write {{key: value}} with the keys {', '.join(keys)}" if keys else "write {name: {...}}"
+    keys, field = keys_at(model, path, root), at(model, path)[1]
+    hint = f"write {{key: value}} with the keys {', '.join(keys)}"
+    if keys == ["links"] or (field is not None and field.examples):
+        hint = _example(model, path[:1] if keys == ["links"] else path)
     return f"{owner}{said(given)} is not a mapping", hint, False
 
 

@@ -1,20 +1,24 @@
-"""One impact on the bumper wall: contact in time, force, separation, energy, stresses in wall, beams and columns."""
+"""One impact on the bumper wall: the plane-stress wall, the frame behind it, contact in time, what comes of it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 import xarray as xr
-from scipy.sparse import csc_matrix, diags_array
 from scipy.sparse.linalg import SuperLU, splu
+from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshQuad
+from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVector
+from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.points import value
-from pounding_cli.wall.elements import System, build
-from pounding_cli.wall.study import MOST_STEPS, Study
+from pounding_cli.wall.study import MOST_STEPS, Section, Study
 
 HISTORIES = {
     "time": ("s", "time"),
@@ -42,15 +46,11 @@ def solve(study: Study) -> xr.Dataset:
     steps = max(10, math.ceil(end / wished - 1e-9))
     history, largest, then, at_peak = list[tuple[float, ...]](), dict[str, Any](), dict[str, Any](), 0.0
     for instant, u in integrate(system, study, steps):
-        now = {
-            "elements": von_mises(system.elements @ u),
-            "cells": von_mises(system.cells @ u),
-            "rows": np.abs(system.resultants @ u).reshape(-1, 2),
-            "members": np.abs(system.members @ u),
-        }
+        now = {name: each @ u for name, each in system.read.items()}
+        now |= {name: von_mises(now[name]) for name in ("elements", "cells")}
         if not history or now["elements"].max() > then["elements"].max():
-            then, at_peak = {**now, "corners": (system.corners @ u).reshape(-1, 2)}, instant[0]
-        largest = {name: np.maximum(values, largest.get(name, values)) for name, values in now.items()}
+            then, at_peak = now, instant[0]
+        largest = {name: np.maximum(np.abs(values), largest.get(name, 0.0)) for name, values in now.items()}
         history.append(instant)
     run = dict(zip(HISTORIES, np.array(history).T, strict=True))
     time, force = run["time"], run["force"]
@@ -66,7 +66,7 @@ def solve(study: Study) -> xr.Dataset:
         notes.append(f"still in contact at {time[-1]:.3g} s: give a later `time.end`")
     if off > 5e-3:
         notes.append("the energy balance is open by more than 0.5 %: give a smaller `time.step`")
-    averaged, (shear, moment) = largest["cells"], largest["rows"].max(axis=0)
+    averaged, (shear, moment) = largest["cells"], largest["rows"].reshape(-1, 2).max(axis=0)
     distance = np.abs(system.cell_height - 0.5 * (low + high))
     found = {
         "peak_force": value("N", "largest contact force", force.max()),
@@ -82,7 +82,7 @@ def solve(study: Study) -> xr.Dataset:
         text = f"largest edge stress of the {name}s"
         found[f"{name}_stress"] = value("N/m2", text, largest["members"][members].max())
         text = f"{text} at the instant of the wall's peak"
-        found[f"{name}_stress_then"] = value("N/m2", text, then["members"][members].max())
+        found[f"{name}_stress_then"] = value("N/m2", text, np.abs(then["members"][members]).max())
     found |= {
         "wall_shear": value("N", "largest shear force in a cross-section of the wall", shear),
         "wall_moment": value("N m", "largest bending moment in a cross-section of the wall", moment),
@@ -93,9 +93,7 @@ def solve(study: Study) -> xr.Dataset:
         "time_of_peak": value("s", "instant of the largest stress of an element", at_peak),
         "cell_height": value("m", "height of a cell at the struck face", system.cell_height, "cell"),
         "cell_stress": value("N/m2", "largest von Mises stress of the mean stress in a cell", averaged, "cell"),
-        "corners": value("m", "corners of the mesh", system.mesh.p.T, "corner", "axis"),
-        "quads": value("1", "corners of every element", system.mesh.t.T, "element", "side"),
-        "displacement": value("m", "displacement of the corners at the peak", then["corners"], "corner", "axis"),
+        "outline": value("m", "corners of every element", system.mesh.p.T[system.mesh.t.T], "element", "side", "axis"),
         "stress_peak": value("N/m2", "von Mises stress of every element at the peak", then["elements"], "element"),
         "stress_envelope": value("N/m2", "largest von Mises stress of every element", largest["elements"], "element"),
     }  # fmt: skip
@@ -132,7 +130,7 @@ def separation(time: np.ndarray, force: np.ndarray) -> float:
     return float(time[n - 1] + (time[n] - time[n - 1]) * before / fall)
 
 
-def factorise(matrix: csc_matrix) -> SuperLU:
+def factorise(matrix: sp.csc_matrix) -> SuperLU:
     """Factors of a symmetric positive definite matrix."""
     options = {"SymmetricMode": True}
     return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
@@ -148,7 +146,7 @@ def natural_step(system: System, study: Study) -> float:
     """
     s, concrete = 0.0, study.concrete
     for _ in range(3):
-        give = float(system.p @ factorise(system.K + diags_array(s**2 * system.M)).solve(system.p))
+        give = float(system.p @ factorise(system.K + sp.diags_array(s**2 * system.M)).solve(system.p))
         s = 1 / math.sqrt(study.striker.mass * give)
     step = min(1e-4, math.pi / s / 100)
     if concrete.density > 0:
@@ -174,7 +172,7 @@ def integrate(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[
     gamma, beta = 0.5 - am, 0.25 * (1 - am) ** 2
     inertia = (1 - am) / (beta * h**2)
     stiffness, mass, push = system.K, system.M, system.p
-    factor = factorise(stiffness + diags_array(inertia * mass))
+    factor = factorise(stiffness + sp.diags_array(inertia * mass))
     answer = factor.solve(push)
     compliance = float(push @ answer) + 1 / (inertia * striker.mass)
     u, v, a = (np.zeros(mass.size) for _ in range(3))
@@ -193,3 +191,211 @@ def integrate(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[
             xv = xv + h * ((1 - gamma) * x_before + gamma * xa)
         energies = 0.5 * striker.mass * xv**2, 0.5 * float(mass @ v**2), 0.5 * float(u @ (stiffness @ u))
         yield (n * h, force, x, xv, float(push @ u), *energies), u
+
+
+# The equations of motion
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """Equations of motion K u + M u'' = p F over the n free displacements and rotations, and what is read from u.
+
+    K : stiffness [N/m], sparse (n, n); M : lumped masses [kg], shape (n,), zero where there is none
+    p : shares of the contact force [-], shape (n,): p.u is the displacement that works with the force
+    beams : how many of the edge stresses below are of beams; cell_height : of the centres of cells [m]
+    read : sparse (..., n), by name:
+        members : edge stresses of beams, then of columns [N/m3], four a member
+        elements : mean (s_x, s_y, t_xy) of each element [N/m3], rows grouped by three
+        cells : the same of square cells at the struck face, of side `averaging_length`
+        rows : shear force and moment of each row of elements, mean over its height
+    """
+
+    mesh: MeshQuad
+    K: sp.csc_matrix
+    M: np.ndarray
+    p: np.ndarray
+    beams: int
+    cell_height: np.ndarray
+    read: dict[str, sp.csr_matrix]
+
+
+def build(study: Study) -> System:
+    """Couple the plane-stress wall and the frame at the floors; the base is fixed."""
+    (low, high), floors = study.patch, study.frame.floors
+    breaks = sorted({0.0, *floors, low, high})
+    breaks = [y for place, y in enumerate(breaks) if place == 0 or y - breaks[place - 1] > 1e-9]
+    y = _grid_lines(breaks, study, (low, high))
+    mesh = MeshQuad.init_tensor(_grid_lines([0.0, study.wall.length], study, (0.0, 0.0)), y)
+    linear = study.mesh.element == "linear"
+    basis = Basis(mesh, ElementVector(ElementQuad1() if linear else ElementQuad2()), intorder=2 if linear else 4)
+    wall, thickness = basis.N, study.wall.thickness
+    young, nu = study.concrete.young, study.concrete.poisson
+    # Plane stress has the Lame parameters E nu / (1 - nu^2) and E / (2 (1 + nu)).
+    elasticity = linear_elasticity(young * nu / (1 - nu**2), young / (2 * (1 + nu)))
+    frame, members, mass = _frame(study, basis)
+    total = mass.size
+    stiffness = frame + sp.block_diag([thickness * elasticity.assemble(basis), sp.csr_matrix((total - wall,) * 2)])
+    mass[:wall] += study.concrete.density * thickness * LinearForm(lambda v, _: v[0] + v[1]).assemble(basis)
+    push = np.zeros(total)
+    push[:wall] = _contact(study, basis, mass[:wall])
+    elements, rows = _stresses(study, basis, y)
+    height, share = _cells(study, mesh)
+    free = np.setdiff1d(np.arange(total), basis.get_dofs(lambda at: np.abs(at[1]) < 1e-9).all())
+    pick = sp.eye_array(total, format="csr")[:, free]
+    read = {"elements": elements, "cells": sp.kron(share, sp.eye_array(3)) @ elements, "rows": rows}
+    read = {name: (each @ pick[:wall]).tocsr() for name, each in read.items()} | {"members": (members @ pick).tocsr()}
+    beams = 4 * len(study.frame.bays) * study.frame.storeys
+    return System(mesh, (pick.T @ stiffness @ pick).tocsc(), mass[free], push[free], beams, height, read)
+
+
+def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) -> np.ndarray:
+    """Positions of mesh lines [m]: every break is one; between two, intervals of at most the wished size.
+
+    The wished size at a distance r from the interval `centre` is size + growth * r [m].
+    """
+    lines = [breaks[0]]
+    for low, high in pairwise(breaks):
+        fine = np.linspace(low, high, 400)
+        distance = np.maximum(np.maximum(centre[0] - fine, fine - centre[1]), 0.0)
+        density = 1.0 / (study.mesh.size + study.mesh.growth * distance)
+        count = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(fine))])
+        pieces = max(1, int(np.ceil(count[-1] - 1e-9)))
+        lines.extend(np.interp(np.linspace(0, count[-1], pieces + 1)[1:-1], count, fine))
+        lines.append(high)
+    return np.array(lines)
+
+
+def _spread(basis: Basis, left: float, low: float, high: float, part: int = 0) -> np.ndarray:
+    """Integrals of the displacements in x (`part` 0) or y (1) over the edges with middles at x < `left` between two
+    heights [m]."""
+    x, y = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
+    facets = np.flatnonzero((x < left) & (y > low) & (y < high))
+    return LinearForm(lambda v, _: v[part]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
+
+
+def _contact(study: Study, basis: Basis, mass: np.ndarray) -> np.ndarray:
+    """Shares of the contact force over the wall's displacements [-]: one node, or a uniform pressure; sum 1.
+
+    The horizontal mass of the struck nodes is handed to their neighbours, in place: a struck node with mass would have
+    to change its speed at once, the contact force would ring at every step and the energy would not close (Khenous,
+    Laborde and Renard 2008). What is moved vanishes with the mesh.
+    """
+    (low, high), horizontal = study.patch, basis.get_dofs(elements=np.arange(basis.mesh.nelements)).all(["u^1"])
+    if study.contact.over == "node":
+        nodes = basis.get_dofs(lambda at: at[0] < 1e-9).all(["u^1"])
+        shares = np.zeros(basis.N)
+        shares[nodes[np.argmin(np.abs(basis.doflocs[1, nodes] - study.height))]] = 1.0
+    else:
+        shares = _spread(basis, 1e-9, low, high) / (high - low)
+    struck = np.flatnonzero(shares)
+    beside = basis.element_dofs[:, np.isin(basis.element_dofs, struck).any(axis=0)]
+    around = np.setdiff1d(np.intersect1d(beside, horizontal), struck)
+    mass[around] += mass[struck].sum() / around.size
+    mass[struck] = 0.0
+    return shares
+
+
+def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
+    """Stiffness of the frame, edge stresses of its members, and the masses of the floors, over all displacements.
+
+    The wall's come first, then (u, v, theta) of every column at every floor. A beam's end at the wall follows the
+    weighted mean of the floor line (a distributing coupling): it carries force and moment into the whole line without
+    stiffening it, so it has a limit as the mesh is refined.
+    """
+    frame, length, lines = study.frame, study.wall.length, len(study.frame.bays)
+    x, y = length + np.concatenate([[0.0], np.cumsum(frame.bays)]), np.append(0.0, frame.floors)
+    # Every point of a floor belongs to the nearer end of its beam; the wall's own length to the wall.
+    tributary = np.convolve(np.diff(x), [0.5, 0.5])
+    tributary[0] += length
+    floor_mass = frame.floor_mass * tributary / x[-1]
+    total = basis.N + 3 * lines * frame.storeys
+    stiffness, stresses, mass = sp.csr_matrix((total, total)), [], np.zeros(total)
+    # Motions (u, v, theta) of joints from all displacements, by floor and line: line 0 is the wall's, floor 0 is fixed.
+    joints = {(0, line): sp.csr_matrix((3, total)) for line in range(1, lines + 1)}
+    for floor in range(1, frame.storeys + 1):
+        across, up = (_spread(basis, np.inf, y[floor] - 1e-9, y[floor] + 1e-9, part) for part in (0, 1))
+        across, up, at = across / across.sum(), up / up.sum(), basis.doflocs[0]
+        mass[: basis.N] += floor_mass[0] * (across + up)
+        tilt = up * (at - up @ at) / (up @ (at - up @ at) ** 2)
+        motion = np.array([across, up + tilt * (length - up @ at), tilt])
+        joints[floor, 0] = sp.csr_matrix(np.pad(motion, ((0, 0), (0, total - basis.N))))
+        for line in range(1, lines + 1):
+            start = basis.N + 3 * (line - 1 + lines * (floor - 1))
+            joints[floor, line] = sp.eye_array(3, total, k=start, format="csr")
+            mass[start : start + 2] += floor_mass[line]
+    floors = range(1, frame.storeys + 1)
+    beams = [((floor, line), (floor, line + 1), frame.beam) for floor, line in product(floors, range(lines))]
+    columns = [((floor - 1, line), (floor, line), frame.column) for floor, line in product(floors, range(1, lines + 1))]
+    for one, other, section in beams + columns:
+        along = np.array([x[other[1]] - x[one[1]], y[other[0]] - y[one[0]]])
+        turn, local = _beam(study.concrete.young, section, along)
+        motion = sp.vstack([joints[one], joints[other]], format="csr")
+        stiffness = stiffness + motion.T @ sp.csr_matrix(turn.T @ local @ turn) @ motion
+        # Edge stresses N/A +- M/W at both ends: the moment of a member loaded at its ends alone is linear.
+        axial = local[3] / (section.width * section.depth)
+        moments = local[[2, 5]] / (section.width * section.depth**2 / 6)
+        stresses.append(sp.csr_matrix(np.array([axial + s * m for m in moments for s in (1, -1)]) @ turn) @ motion)
+    return stiffness, sp.vstack(stresses, format="csr"), mass
+
+
+def _beam(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotation of the end displacements (u, v, theta) into member axes and the stiffness there [N/m, N, N m], shapes
+    (6, 6), of an Euler-Bernoulli member that reaches `along` [m]."""
+    length = float(np.hypot(*along))
+    area, inertia = section.width * section.depth, section.width * section.depth**3 / 12
+    c, s = along / length
+    turn = np.kron(np.eye(2), np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
+    axial = young * area / length * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    a, b, d = 12 / length**2, 6 / length, 2.0
+    bending = np.array([[a, b, -a, b], [b, 2 * d, -b, d], [-a, -b, a, -b], [b, d, -b, 2 * d]])
+    local = np.zeros((6, 6))
+    local[np.ix_([0, 3], [0, 3])] = axial
+    local[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] = young * inertia / length * bending
+    return turn, local
+
+
+def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """Mean stresses of elements, resultants of the rows of elements: as in `System`.
+
+    The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress
+    at the centre, which NASTRAN's CQUAD4 prints.
+    """
+    young, nu = study.concrete.young, study.concrete.poisson
+    factor, shear = young / (1 - nu**2), young / (2 * (1 + nu))
+    each = basis.with_element(ElementQuad0())
+
+    def mean(stress) -> sp.csr_matrix:  # its integral over each element
+        return BilinearForm(lambda u, v, w: stress(u.grad, w.x) * v).assemble(basis, each)
+
+    sx = mean(lambda g, x: factor * (g[0, 0] + nu * g[1, 1]))
+    sy = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]))
+    txy = mean(lambda g, x: shear * (g[0, 1] + g[1, 0]))
+    bending = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]) * (study.wall.length / 2 - x[0]))
+    area = LinearForm(lambda v, _: v).assemble(each)
+
+    def grouped(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
+        rows = np.arange(len(parts) * parts[0].shape[0]).reshape(len(parts), -1).T.ravel()
+        return sp.vstack(parts, format="csr")[rows]
+
+    elements = sp.kron(sp.diags_array(1 / area), sp.eye_array(3)) @ grouped([sx, sy, txy])
+    middle = basis.mesh.p[1, basis.mesh.t].mean(axis=0)
+    row, count = np.searchsorted(y_lines, middle) - 1, middle.size
+    depth = study.wall.thickness / np.diff(y_lines)[row]
+    gather = sp.csr_matrix((depth, (row, np.arange(count))), shape=(y_lines.size - 1, count))
+    # Shear that pushes the part above away from the striker, moment that compresses the inner edge.
+    return elements, grouped([gather @ txy, gather @ bending])
+
+
+def _cells(study: Study, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
+    """Square cells every quarter side up the face, one of them centred on the contact where there is room: heights of
+    their centres [m], and the share of each cell's area that lies in each element [-], sparse (cells, elements)."""
+    side, top = study.averaging_length, study.frame.height
+    centre = np.clip(0.5 * sum(study.patch), side / 2, top - side / 2)
+    below = np.arange(centre, side / 2 - 1e-9, -side / 4)[::-1]
+    height = np.concatenate([below, np.arange(centre, top - side / 2 + 1e-9, side / 4)[1:]])
+    corners = mesh.p[:, mesh.t]
+    (x0, y0), (x1, y1) = corners.min(axis=1), corners.max(axis=1)
+    wide = np.clip(np.minimum(x1, side) - x0, 0, None)
+    tall = np.minimum(y1, (height + side / 2)[:, None]) - np.maximum(y0, (height - side / 2)[:, None])
+    share = wide * np.clip(tall, 0, None)
+    return height, sp.csr_matrix(share / share.sum(axis=1, keepdims=True))

@@ -1,12 +1,10 @@
-"""Figures of an impact: stress on the deformed mesh, histories, peaks over a sweep."""
+"""Figures of an impact: stress on the mesh, histories, peaks over a sweep."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
 
-import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
@@ -17,8 +15,7 @@ from pounding_cli.study.axes import Axis
 from pounding_cli.wall.study import Study
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
-_DRAWN = 8
-"""Points whose stresses are drawn."""
+# As many points have their histories drawn.
 
 _OF_SWEEPS = (
     ("peak_force", 1e6, "peak force [MN]"),
@@ -42,29 +39,23 @@ def cites(study: Study) -> dict[str, str]:
 
 
 def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
-    """The stresses at the last point first, then histories, the peaks against every swept key, the other points."""
-
-    def picture(name: str, heading: str, draw: Callable[..., Figure], *about: Any) -> Picture:
-        return Picture(name, heading, heading, partial(draw, title, *about), has_scale=True)
-
-    drawn, heading = points[:_DRAWN], "Von Mises stress on the deformed mesh"
-    *others, last = (
-        picture(f"stress-{number}", ", ".join(filter(None, (heading, point.label))), draw_stress, point)
-        for number, point in enumerate(drawn, 1)
-    )
-    heading = "Contact force, speed of the striker, energy, and stress at the struck face"
-    swept = [(axis.names[0], axis) for axis in axes if len(axis) > 1]
-    sweeps = [picture(key.replace(".", "-"), f"Peaks against {key}", draw_sweep, points, axis) for key, axis in swept]
-    return [last, picture("history", heading, draw_histories, drawn), *sweeps, *others]
+    """The stresses at the last point, histories, and the peaks against every swept key."""
+    drawn: list[tuple[str, str, Callable[[], Figure]]] = [
+        ("stress", "Von Mises stress on the mesh", partial(draw_stress, title, points[-1])),
+        ("history", "Contact force, speed of the striker, energy, and stress at the struck face",
+         partial(draw_histories, title, points[: len(_COLORS)])),
+    ]  # fmt: skip
+    for axis in (axis for axis in axes if len(axis) > 1):
+        key = axis.names[0]
+        drawn.append((key.replace(".", "-"), f"Peaks against {key}", partial(draw_sweep, title, points, axis)))
+    return [Picture(name, heading, heading, draw, has_scale=True) for name, heading, draw in drawn]
 
 
 @styled
 def draw_stress(title: str, point: Point) -> Figure:
-    """Von Mises stress on the deformed mesh: its envelope, and at its peak around the contact."""
+    """Von Mises stress on the mesh: its envelope, and at its peak around the contact."""
     data, study, length = point.data, point.study, point.study.wall.length
-    moved = data["displacement"].to_numpy()
-    scale = 0.1 * length / (np.abs(moved).max() or 1.0)
-    shown = (data["corners"].to_numpy() + scale * moved)[data["quads"].to_numpy()]
+    shown = data["outline"].to_numpy()
     figure = new_figure(7.4, 6.6)
     whole, near = figure.subplots(1, 2, width_ratios=(1, 1.9))
     headings = "Largest over time", f"Around the contact at {1e3 * float(data['time_of_peak']):.1f} ms"
@@ -85,7 +76,7 @@ def draw_stress(title: str, point: Point) -> Figure:
     figure.colorbar(patches, ax=near, label="von Mises stress [N/mm²]", shrink=0.6)
     entitle(figure, title, "bold")
     where = f"{point.label}. " if point.label else ""
-    caption(figure, f"{where}Element means; displacements times {scale:.0f}. Grey stubs: beams.")
+    caption(figure, f"{where}Element means. Grey stubs: beams.")
     return figure
 
 

@@ -44,9 +44,9 @@ class TestEveryRun:
             np.testing.assert_allclose(found, expected[field], rtol=1e-7, atol=2e-8 * size, err_msg=field)
 
     def test_closes_its_energy(self, row: Row, name: str) -> None:
-        """To a twentieth of the usual accuracy, to rounding at the finest; sinks only take. Fails if a loss is left
+        """To a hundredth of the usual accuracy, to rounding at the finest; sinks only take. Fails if a loss is left
         out."""
-        for accuracy, residual in ((1e-6, 5e-8), (1e-12, 1e-12)):
+        for accuracy, residual in ((1e-6, 1e-8), (1e-12, 1e-12)):
             run = solve(variant(row, name), accuracy)
             assert run.status == "done"
             assert abs(run.energy["residual"]) < residual
