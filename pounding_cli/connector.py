@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,8 +14,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from pounding_cli.points import Point, value
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import caption, entitle, new_figure, styled
-from pounding_cli.study.axes import Axis
+from pounding_cli.report.style import finish, new_figure, styled
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
 
@@ -91,46 +90,46 @@ class Study(Model):
         if self.frequencies.low >= self.frequencies.high:
             yield ("frequencies",), "'low' is not below 'high'", "write e.g. {low: 0.2, high: 1.6}"
 
-    @property
-    def k1(self) -> float:
-        """Stiffness of system 1 [N/m]."""
-        return self.first.stiffness or self.first.mass * (2 * math.pi / (self.first.period or 0.5)) ** 2
 
-    @property
-    def k2(self) -> float:
-        """Stiffness of system 2 [N/m]."""
-        second = self.second
-        if second.frequency_ratio is not None:
-            return second.mass * second.frequency_ratio**2 * self.k1 / self.first.mass
-        return second.stiffness or second.mass * (2 * math.pi / (second.period or math.nan)) ** 2
+class Pair(NamedTuple):
+    """Masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, stiffness K [N/m] and dashpot c [N s/m] of the
+    connector."""
 
-    @property
-    def k(self) -> float:
-        """Stiffness of the connector [N/m]."""
-        given = self.connector.stiffness
-        return float(given.removesuffix("k1")) * self.k1 if isinstance(given, str) else given
-
-    @property
-    def c(self) -> float:
-        """Dashpot of the connector [N s/m]: as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
-        m1, m2, xi = self.first.mass, self.second.mass, self.connector.damping_ratio or 0.0
-        given = self.connector.dashpot
-        return 2 * xi * math.sqrt(self.k * m1 * m2 / (m1 + m2)) if given is None else given
+    m: tuple[float, float]
+    k: tuple[float, float]
+    zeta: tuple[float, float]
+    joint: float
+    dashpot: float
 
 
-def coupled_frequencies(study: Study) -> tuple[float, float]:
+def pair(study: Study) -> Pair:
+    """The numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
+    first, second, joint = study.first, study.second, study.connector.stiffness
+    k1 = first.stiffness or first.mass * (2 * math.pi / (first.period or 0.5)) ** 2
+    k2 = second.stiffness or second.mass * (2 * math.pi / (second.period or math.nan)) ** 2
+    if second.frequency_ratio is not None:
+        k2 = second.mass * second.frequency_ratio**2 * k1 / first.mass
+    k = float(joint.removesuffix("k1")) * k1 if isinstance(joint, str) else joint
+    xi = study.connector.damping_ratio or 0.0
+    dashpot = 2 * xi * math.sqrt(k * first.mass * second.mass / (first.mass + second.mass))
+    dashpot = dashpot if study.connector.dashpot is None else study.connector.dashpot
+    zeta1, zeta2 = (study.damping if one.damping is None else one.damping for one in (first, second))
+    return Pair((first.mass, second.mass), (k1, k2), (zeta1, zeta2), k, dashpot)
+
+
+def coupled_frequencies(pair: Pair) -> tuple[float, float]:
     """The two undamped circular frequencies of the connected systems [rad/s], lower first.
 
     They are the roots of (a - w^2) (b - w^2) = K^2 / (m1 m2) with a = (k1 + K) / m1, b = (k2 + K) / m2. The lower one
     comes from their product, a sum of positive terms: nothing cancels for a stiff connector.
     """
-    m1, m2, k1, k2, k = study.first.mass, study.second.mass, study.k1, study.k2, study.k
+    (m1, m2), (k1, k2), k = pair.m, pair.k, pair.joint
     a, b = (k1 + k) / m1, (k2 + k) / m2
     high = 0.5 * (a + b) + math.hypot(0.5 * (a - b), k / math.sqrt(m1 * m2))
     return math.sqrt(((k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)) / high), math.sqrt(high)
 
 
-def response_ratios(study: Study, omega: np.ndarray) -> np.ndarray:
+def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     """Steady displacement, connected over alone, of both systems under a_g = exp(i Omega t), complex, shape (2, n).
 
     With D_j = k_j - m_j Omega^2 + i Omega c_j and Z = K + i Omega c, Cramer's rule gives
@@ -140,14 +139,12 @@ def response_ratios(study: Study, omega: np.ndarray) -> np.ndarray:
     and R2 by exchanging the indices, so that m1 R1 + m2 R2 = m1 + m2 whatever K, c, p and Omega are. Their absolute
     values are the paper's Fig. 5. omega : circular frequencies of the ground motion [rad/s], shape (n,), > 0
     """
-    z, d = study.k + 1j * omega * study.c, []
-    for one, k in ((study.first, study.k1), (study.second, study.k2)):
-        zeta = study.damping if one.damping is None else one.damping
-        d.append(k - one.mass * omega**2 + 2j * zeta * math.sqrt(k * one.mass) * omega)
-    whole = study.first.mass + study.second.mass
+    m, z = pair.m, pair.joint + 1j * omega * pair.dashpot
+    d = [
+        k - m * omega**2 + 2j * zeta * math.sqrt(k * m) * omega for m, k, zeta in zip(m, pair.k, pair.zeta, strict=True)
+    ]
     determinant = d[0] * d[1] + z * (d[0] + d[1])
-    first = d[0] * (d[1] + z * whole / study.first.mass) / determinant
-    return np.array([first, d[1] * (d[0] + z * whole / study.second.mass) / determinant])
+    return np.array([d[i] * (d[1 - i] + z * sum(m) / m[i]) / determinant for i in (0, 1)])
 
 
 def solve(study: Study) -> xr.Dataset:
@@ -155,15 +152,16 @@ def solve(study: Study) -> xr.Dataset:
 
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
     """
-    low, high, alone = study.frequencies.low, study.frequencies.high, math.sqrt(study.k1 / study.first.mass)
+    both, low, high = pair(study), study.frequencies.low, study.frequencies.high
+    alone, other = (math.sqrt(k / m) for k, m in zip(both.k, both.m, strict=True))
     ratio = np.linspace(low, high, study.frequencies.points)
     grid = np.linspace(low, high, max(ratio.size, FINEST))
 
     def sizes(x: Any) -> np.ndarray:
-        return np.abs(response_ratios(study, np.asarray(x) * alone))
+        return np.abs(response_ratios(both, np.asarray(x) * alone))
 
     found = {}
-    for which, each in enumerate(response_ratios(study, ratio * alone)):
+    for which, each in enumerate(response_ratios(both, ratio * alone)):
         best, number = int(np.argmax(sizes(grid)[which])), which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
         top = minimize_scalar(lambda x, which=which: -sizes(x)[which], bounds=ends, options={"xatol": 1e-10})
@@ -183,17 +181,16 @@ def solve(study: Study) -> xr.Dataset:
         x = brentq(lambda x: sizes(x).min() - 1.0, grid[i], grid[i + 1], xtol=1e-14) if crosses else grid[i]
         edges.append(float(x))
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
-    lower, upper = coupled_frequencies(study)
-    p = math.sqrt(study.k2 / study.second.mass) / alone
+    lower, upper = coupled_frequencies(both)
     found |= {
         "frequency_low": value("1", "lower coupled frequency over omega10", lower / alone),
         "frequency_high": value("1", "higher coupled frequency over omega10", upper / alone),
-        "p": value("1", "omega20 / omega10", p),
+        "p": value("1", "omega20 / omega10", other / alone),
         "frequency": value("1", "Omega / omega10", ratio, "frequency"),
         "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
     }
-    both = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
-    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {both}"]})
+    told = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
+    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {told}"]})
 
 
 SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
@@ -205,7 +202,7 @@ def cites(study: Study) -> dict[str, str]:
     return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if study.connector.damping_ratio else {})
 
 
-def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
+def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points), has_scale=True)]
@@ -233,7 +230,6 @@ def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
     for ax in panels[len(drawn) :]:
         ax.axis("off")
     panels[0].legend(loc="upper right")
-    entitle(figure, title, "bold")
     left = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
-    caption(figure, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
+    finish(figure, title, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
     return figure

@@ -13,6 +13,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.model.effects import effects_of
 
 if TYPE_CHECKING:
+    from pounding_cli.model.scene import Scene
     from pounding_cli.study.plan import Plan
 
 MOST_SCENES = 2000
@@ -29,37 +30,21 @@ RUNS = {"none": 1.0, "sample": 1.2, "all": 2.4}
 class Forecast:
     """What will run.
 
-    scenes, seconds : "of a building alone", "of the group" -> number of scenes, and their expected time on one core [s]
-    timed : scenes that were run to see how long they take
+    scenes : "of a building alone" or "of the group" -> number of scenes
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
     """
 
     scenes: dict[str, int]
-    seconds: dict[str, float]
-    timed: int
     kept: Counter[str] = field(default_factory=Counter)
     dropped: Counter[str] = field(default_factory=Counter)
 
-    @property
-    def total(self) -> float:
-        """Expected time of the scenes on one core [s]."""
-        return sum(self.seconds.values())
-
 
 def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
-    """Look at scenes of a plan by number, and run one of each kind (case or building, analysis, motion) to see how long
-    it takes."""
-    rows, columns = (each[numbers] for each in plan.first)
-    *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
-    kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
-    _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
-    timed = np.array([_timed(plan, number) for number in numbers[first]])
-    seconds = RUNS[plan.estimate] * timed[kind.ravel()] + BESIDE
-    which = {"of a building alone": columns > 0, "of the group": columns == 0}
-    scenes = {name: int(mine.sum()) for name, mine in which.items()}
-    found = Forecast(scenes, {name: float(seconds[mine].sum()) for name, mine in which.items()}, len(first))
+    """Look at scenes of a plan by number; none is solved."""
+    _, columns = (each[numbers] for each in plan.first)
     group = numbers[columns == 0]
     step = max(1, len(group) // MOST_SCENES)
+    found = Forecast({"of a building alone": int((columns > 0).sum()), "of the group": len(group)})
     for scene in plan.scenes(group[::step]):
         effects = effects_of(scene)
         found.kept.update(dict.fromkeys(effects.kept, step))
@@ -67,12 +52,23 @@ def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
     return found
 
 
-def _timed(plan: Plan, number: int) -> float:
+def expected(plan: Plan, numbers: np.ndarray) -> tuple[float, int]:
+    """The time that a run of scenes takes on one core [s], from one scene of each kind (case or building, analysis,
+    motion) that is solved for it; how many were."""
+    rows, columns = (each[numbers] for each in plan.first)
+    *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
+    kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
+    _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
+    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(numbers[first])])[kind.ravel()]
+    return START + float((RUNS[plan.estimate] * seconds + BESIDE).sum()), len(first)
+
+
+def _timed(plan: Plan, scene: Scene) -> float:
     """The time that a scene takes [s]; nothing where it is refused."""
     from pounding_cli.solver.solve import solve
 
     told: dict[str, Any] = {} if plan.time_step is None else {"time_step": plan.time_step}
     try:
-        return solve(plan.scene(number), plan.accuracy, plan.method, **told).seconds
+        return solve(scene, plan.accuracy, plan.method, **told).seconds
     except InputError:
         return 0.0

@@ -210,7 +210,7 @@ def _points(name: str, about: str, example: str) -> click.Command:
 
 connector = _points(
     "connector",
-    "Compute how a spring and dashpot between two oscillators changes their largest displacements.",
+    "Compute how a spring and a dashpot between two oscillators change their largest displacements.",
     "configs/fig5.yaml",
 )
 wall = _points(
@@ -231,7 +231,7 @@ def _names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
 @click.option("--records", metavar="NAME,...", default="", callback=_names, help="Motions to use. Default: all.")
 @click.option("--budget", type=seconds, default="60 s", show_default=True, help="Time for the runs, uncompiled.")
 @click.option("-o", "--output", type=FILE, metavar="DIR", help="Folder. Default: results/STUDY-accuracy.")
-@quiet_option
+@click.option("-q", "--quiet", is_flag=True, help="Print only what to use.")
 def accuracy(
     study: Path, methods: list[str], cases: list[str], records: list[str], budget: float, output: Path | None,
     quiet: bool,

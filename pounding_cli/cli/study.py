@@ -94,18 +94,21 @@ def check(study: Path) -> None:
     ]
     rows = counted(math.prod(plan.shape), "row")
     click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} from {counted(len(plan), 'scene')}")
-    from pounding_cli.solver import solve  # here, so that a study that is refused need not wait for numba
+    click.echo("\n".join([*_lines(plan), *_questions(read, plans), "times      (on one core)"]))
+    from pounding_cli.batch.forecast import expected
+    from pounding_cli.solver import solve  # here, so that what stands above need not wait for numba
 
     solve.say = lambda text: click.echo(text, err=True)
-    click.echo("\n".join([*_lines(plan), *_questions(read, plans)]))
+    for command, each in {"run": plan, **plans}.items():
+        seconds, timed = expected(each, workflow_of(command).first(each))
+        click.echo(f"  pound {command:<12} about {time_text(seconds)}, timed by {counted(timed, 'scene')} of them")
 
 
 def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
-    """What the sections of a study ask, with the scenes that each question begins with, and their time.
+    """What the sections of a study ask, with the scenes that each question begins with.
 
     plans : command -> what is known before anything is solved
     """
-    from pounding_cli.batch.forecast import START, forecast
     from pounding_cli.workflows import workflow_of
 
     lines = []
@@ -113,14 +116,13 @@ def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
         workflow = workflow_of(name)
         first, goes_on = workflow.first(plan), workflow.goes_on(study)
         scenes = f"{'begins with' if goes_on else 'has'} {counted(len(first), 'scene')}"
-        time = f"about {time_text(START + forecast(plan, first).total)} on one core"
-        lines.append(f"  pound {name:<12} {scenes}, {time}{'; more depend on the results' if goes_on else ''}")
+        lines.append(f"  pound {name:<12} {scenes}{'; more depend on the results' if goes_on else ''}")
     return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 
 def _lines(plan: Plan) -> list[str]:
     """What a run of a plan would solve and leave out."""
-    from pounding_cli.batch.forecast import START, forecast
+    from pounding_cli.batch.forecast import forecast
     from pounding_cli.study.build import meetings_in_words
     from pounding_cli.workflows import workflow_of
 
@@ -134,11 +136,9 @@ def _lines(plan: Plan) -> list[str]:
         lines.append(f"sweep      {', '.join(axis.names)}: {values}")
     lines += [
         f"method     {plan.method}, {step or f'accuracy {plan.accuracy:g}'}",
-        f"scenes     {len(plan)}, on one core about {time_text(START + found.total)} with estimate: {plan.estimate}",
-        f"           timed by {counted(found.timed, 'scene')} of them",
+        f"scenes     {len(plan)}, with estimate: {plan.estimate}",
+        *(f"  run      {count:6d} {what}" for what, count in found.scenes.items()),
     ]
-    for what, count in sorted(found.scenes.items()):
-        lines.append(f"  run      {count:6d} {what}, about {time_text(found.seconds[what])}")
     lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]

@@ -86,12 +86,6 @@ class Scene:
         ending = Digests.ending(self.motion, self.analysis, self.tail)
         return Digests(self.buildings, self.links).ended(ending).hex()
 
-    def under(self, motion: Motion, analysis: Analysis) -> Scene:
-        """The same buildings, links and tail under a motion. They were checked, which takes as long as all else."""
-        scene = object.__new__(Scene)
-        vars(scene).update(buildings=self.buildings, links=self.links, motion=motion, analysis=analysis, tail=self.tail)
-        return scene
-
     def alone(self, place: int) -> Scene:
         """The baseline of the building at `place`: the same motion, no neighbours, no links."""
         return Scene((self.buildings[place],), (), self.motion, self.analysis, self.tail)

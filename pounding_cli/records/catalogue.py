@@ -25,7 +25,7 @@ from pounding_cli.records.reading import read_file
 
 @dataclass(frozen=True)
 class Entry:
-    """One motion of the paper's Table 1, which prints `peak` [m/s2], `duration` [s] and `scale` [-].
+    """One motion of the paper's Table 1, which prints `duration` [s] and `scale` [-].
 
     facts : as in the file, of the first `duration`; among them `peak_g` [g], `arias` [m/s], `dt_s` [s] of a motion at
         hand, and `of`: whether they were measured ("real") or estimated ("estimate") from `sources`
@@ -39,7 +39,6 @@ class Entry:
     magnitude: float
     station: str
     component: str
-    peak: float
     duration: float
     scale: float
     facts: Mapping[str, Any]
@@ -94,8 +93,8 @@ def catalogue() -> Mapping[str, Entry]:
     raw = yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"]
     for name, told in raw.items():
         printed, _ = told.pop("table1"), told.pop("stand_in")
-        told |= {"name": name, "peak": printed["peak_g"] * GRAVITY, "scale": printed["scale"]}
-        told |= {"duration": float(printed["duration_s"]), "files": told.get("files", ())}
+        told |= {"name": name, "duration": float(printed["duration_s"]), "scale": printed["scale"]}
+        told.setdefault("files", ())
     return {name: Entry(**told) for name, told in raw.items()}
 
 

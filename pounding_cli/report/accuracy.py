@@ -7,6 +7,7 @@ import platform
 import sys
 from functools import partial
 from importlib.metadata import version
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -16,9 +17,8 @@ from matplotlib.lines import Line2D
 from pounding_cli.methods import METHODS
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.references import REFERENCES
-from pounding_cli.report.style import Look, caption, new_figure, styled
-from pounding_cli.report.table import from_rows
+from pounding_cli.report.references import method_sources
+from pounding_cli.report.style import Look, finish, new_figure, styled
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.solver.work_precision import QUANTITIES, REFERENCE, SECOND, WorkPrecision
 
@@ -41,7 +41,6 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
     """What was measured; `command` repeats it."""
     runs = pd.DataFrame(found.runs)
     lines = lines_frame(runs)
-    said = [_wish(lines, wanted, len(found.references)) for wanted in WISHES]
     pictures = [
         Picture(f"accuracy-{analysis}", f"Error against time, {analysis} analyses",
                 "Rows are quantities, columns cases.", partial(diagram, found, runs, analysis))
@@ -58,21 +57,22 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
         *(f"Left out: {what}." for what in found.left_out),
         f"Runs took {found.spent:.2g} s, compiling before them {found.compiling:.2g} s.",
     ]
-    cited = [
-        [name, "; ".join(f"{REFERENCES[key].text} {where}".rstrip() for key, where in METHODS[name].citation)]
-        for name in runs["method"].unique()
-    ]
     software = ", ".join(f"{name} {version(name)}" for name in ("pounding-cli", "numpy", "scipy", "numba"))
     machine = f"{platform.platform()}, {platform.machine()}, {os.cpu_count()} cores, of which one was used"
-    sources = [f"Machine: {machine}. Python {sys.version.split()[0]}, {software}.", f"Again: `{command}`"]
+    sources = [
+        f"Machine: {machine}. Python {sys.version.split()[0]}, {software}.",
+        f"Again: `{command}`",
+        *(line.removeprefix("- ") for line in method_sources(runs["method"].unique())),
+    ]
     return Report(
         f"What accuracy costs: {title}",
-        Section("", said, [Table("", shown, columns, "Methods")], pictures, notes),
+        Section("", [_wish(lines, wanted, len(found.references)) for wanted in WISHES],
+                [Table("", shown, columns, "Methods")], pictures, notes),
         lambda: [
             Section("Every run", tables=[Table("accuracy", runs, caption="Every run")], folded=True),
-            Section("Sources", sources, [from_rows("Methods and who published them", ("method", "source"), cited)]),
+            Section("Sources", sources),
         ],
-    )
+    )  # fmt: skip
 
 
 def lines_frame(runs: pd.DataFrame) -> pd.DataFrame:
@@ -91,11 +91,11 @@ def lines_frame(runs: pd.DataFrame) -> pd.DataFrame:
 
 def _lost(runs: pd.DataFrame) -> list[str]:
     """Runs that did not end, by method, setting and outcome."""
-    lost = runs[runs["status"] != "done"]
+    lost = runs[runs["status"] != "done"].groupby(["method", "setting", "status"], sort=False)["advice"]
     return [
-        f"{rows['method'].iloc[0]} at {METHODS[rows['method'].iloc[0]].setting.text(rows['setting'].iloc[0])}: "
-        f"{rows['status'].iloc[0]} on {counted(len(rows), 'scene')} ({rows['advice'].iloc[0]})"
-        for _, rows in lost.groupby(["method", "setting", "status"], sort=False)
+        f"{method} at {METHODS[method].setting.text(setting)}: {status} on {counted(len(advice), 'scene')} "
+        f"({advice.iloc[0]})"
+        for (method, setting, status), advice in cast("Any", lost)
     ]
 
 
@@ -111,13 +111,12 @@ def _wish(lines: pd.DataFrame, wanted: float, scenes: int) -> str:
     best = cheapest(lines, wanted, scenes).to_dict("records")
     if not best:
         return f"For {100 * wanted:g} %: no method and setting that was tried reaches it on every scene."
-    first, *others = best
-    setting = METHODS[first["method"]].setting
-    use = f"{setting.title} {setting.text(first['setting'])}"
-    text = f"For {100 * wanted:g} % use {first['method']} with {use}: {1e3 * first['seconds']:.3g} ms a scene."
-    slower = ", ".join(f"{line['method']} {1e3 * line['seconds']:.3g} ms" for line in others)
-    text += f" The others: {slower}." if others else ""
-    lost = [name for name in lines["method"].unique() if name not in {line["method"] for line in best}]
+    costs = [f"{line['method']} {1e3 * line['seconds']:.3g} ms" for line in best]
+    name, setting = best[0]["method"], METHODS[best[0]["method"]].setting
+    text = f"For {100 * wanted:g} % use {name} with {setting.title} {setting.text(best[0]['setting'])}: "
+    text += f"{costs[0].removeprefix(name).strip()} a scene."
+    text += f" The others: {', '.join(costs[1:])}." if costs[1:] else ""
+    lost = [each for each in lines["method"].unique() if each not in {line["method"] for line in best}]
     return text + (f" Not reached by {', '.join(lost)}." if lost else "")
 
 
@@ -125,13 +124,13 @@ def _reference(found: WorkPrecision) -> str:
     """How well the two reference methods agree."""
     if not found.references:
         return "No scene has a reference."
-    worst = pd.DataFrame(found.references)[list(QUANTITIES)].max()
-    differences = ", ".join(f"{quantity} {difference:.1e}" for quantity, difference in worst.items())
-    differing = sum(reference["impacts"] > 0 for reference in found.references)
+    both = pd.DataFrame(found.references)
+    differences = ", ".join(f"{quantity} {both[quantity].max():.1e}" for quantity in QUANTITIES)
+    differing = int((both["impacts"] > 0).sum())
     impacts = f"and counts other impacts in {differing} of them" if differing else "with the same impacts"
     return (
         f"Reference: {REFERENCE[0]} at accuracy {REFERENCE[1]:g}; {SECOND[0]} at {SECOND[1]:g} differs from it by at "
-        f"most {differences} over {counted(len(found.references), 'scene')}, {impacts}."
+        f"most {differences} over {counted(len(both), 'scene')}, {impacts}."
     )
 
 
@@ -166,8 +165,9 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
         if (runs["method"] == name).any()
     ]
     figure.legend(handles=handles, loc="outside upper center", ncols=max(2, len(cases)), handlelength=3.2)
-    caption(
+    finish(
         figure,
+        "",
         f"{analysis.capitalize()} analyses: largest relative error over the storeys (floors, links) and "
         f"{counted(runs['record'].nunique(), 'motion')} against time in the solver, from coarse to fine settings. "
         "Grey: the two reference methods differ by this much. Runs that did not end are not drawn.",

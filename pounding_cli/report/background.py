@@ -13,7 +13,7 @@ from pounding_cli.model.effects import told
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import Picture, Section
-from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence
+from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
 from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
@@ -30,27 +30,22 @@ _TITLES = {
 }  # fmt: skip
 
 
-def frame_of(results: Results, shown: Evidence, scene: pd.DataFrame, samples: int = 0) -> dict[str, Any]:
+def frame_of(results: Results, shown: Evidence, scene: pd.DataFrame, is_sampled: bool = False) -> dict[str, Any]:
     """Title, lead, sketch and study of a report.
 
-    scene : the scenes of the whole study; samples : how many different ones there are, of a study of samples
+    scene : the scenes of the whole study; is_sampled : whether its points are samples
     """
-    points = len(scene[keys].drop_duplicates()) if (keys := axis_keys(scene)) else 1
+    points = len(scene[list(results.axes)].drop_duplicates()) if results.axes else 1
     lead = [
         counted(len(shown.group), "building"),
         counted(len(shown.cases), "case"),
         " and ".join(shown.analyses),
         counted(len(shown.records), "motion"),
+        *([counted(points, "different sample") if is_sampled else f"{points} points of a sweep"] if points > 1 else []),
     ]
-    if samples:
-        lead.append(counted(samples, "different sample"))
-    elif points > 1:
-        lead.append(f"{points} points of a sweep")
-    assumed = results.assumed_heights
-    more = f" The study writes no storey height for {', '.join(assumed)}: 3 m." if assumed else ""
     return {
         "title": results.title,
-        "lead": f"{', '.join(lead)}: {counted(len(scene), 'run')}.{more}",
+        "lead": f"{', '.join(lead)}: {counted(len(scene), 'run')}.",
         "sketch": partial(sketch, shown),
         "study": results.study_text,
     }
@@ -62,30 +57,37 @@ def background(results: Results, shown: Evidence, scene: pd.DataFrame, tables: S
     scene : the scenes of the whole study
     tables : names of the tables of scenes that the report has, those of the answer besides
     """
-    limited = limits(results)
+    found = [results.answer(name) for name in results.answers]
+    for name in tables:
+        frame = results.table(name)
+        if len(frame) or name not in ("struck", "flagged"):
+            found.append(Table(name, frame, columns_of(frame, results.units), _TITLES[name]))
+    where = (
+        "All rows with all digits, in SI units: `tables/` beside this page, `pound show FILE.h5 TABLE --format csv`."
+    )
     return [
-        *([limited] if limited else []),
+        *limits(results),
         _motions(results, shown),
         _simulated(results, shown, scene),
-        _tables(results, tables),
+        Section("Tables", [where], found, folded=True),
         _study(results),
     ]
 
 
-def limits(results: Results) -> Section | None:
-    """What limits the numbers: warnings about the study, how far results depend on brackets; None without either."""
+def limits(results: Results) -> list[Section]:
+    """What limits the numbers: warnings about the study, how far results depend on brackets; none without either."""
     said = [
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
     tables = [from_rows(*each) for each in spreads(results.data)]
-    said += [text] if (text := advice(results.data)) else []
-    return Section("What limits these numbers", said, tables) if said or tables else None
+    said += filter(None, [advice(results.data)])
+    return [Section("What limits these numbers", said, tables)] if said or tables else []
 
 
 def _motions(results: Results, shown: Evidence) -> Section:
-    names = ["record", "source", "scale", "window", "pga", "arias", "digest"]
-    frame = shown.records[names].assign(digest=shown.records["digest"].str[:12])
+    frame = shown.records[["record", "source", "scale", "window", "pga", "arias", "digest"]]
+    frame = frame.assign(digest=frame["digest"].str[:12])
     columns = columns_of(frame, results.units) | {"record": Column(label="motion")}
     said, pictures = [motion_sentence(shown.records)], []
     if (match := results.spectrum_match) is not None:
@@ -99,13 +101,11 @@ def _motions(results: Results, shown: Evidence) -> Section:
 def _simulated(results: Results, shown: Evidence, scene: pd.DataFrame) -> Section:
     scenes = counted(int(results.attrs["scenes"]), "different scene was", "different scenes were")
     said = [f"{counted(len(scene), 'run')}; {scenes} solved, buildings alone included, each once."]
-    tables = []
-    failed = failed_scenes(scene)
+    tables, failed = [_cases(shown), _effects(scene)], failed_scenes(scene)
     if len(failed):
         said.append("The means and tables leave failed runs out.")
         rows = [[run_label(row, results.units), row["status"], row["advice"]] for row in failed.to_dict("records")]
-        tables.append(from_rows("Runs that failed", ("run", "status", "advice"), rows))
-    tables += [_cases(shown), _effects(scene)]
+        tables.insert(0, from_rows("Runs that failed", ("run", "status", "advice"), rows))
     flags = flag_groups_of(scene, results.units)
     notes = [f"{'Not meaningful: ' if group.meaningless else ''}{group}." for group in flags]
     return Section("What was simulated", said, tables, notes=notes or ["No run raised a flag."])
@@ -120,12 +120,12 @@ def run_label(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:
 def _cases(shown: Evidence) -> Table:
     """Every case with its links in words."""
     unit, rows = shown.unit("gap"), []
+    links = shown.link[shown.link["kind"] != APART].drop_duplicates(["case", "link"])
     for case in shown.cases:
-        links = shown.link[shown.link["case"] == case].drop_duplicates("link")
-        between = links[links["kind"] != APART]
-        kinds = Counter(zip(between["kind"], between["gap"], strict=True))
+        mine = links[links["case"] == case]
+        kinds = Counter(zip(mine["kind"], mine["gap"], strict=True))
         words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in kinds.items()]
-        pairs = sorted(set(zip(between["floor"], between["right_floor"], strict=True)))
+        pairs = sorted(set(zip(mine["floor"], mine["right_floor"], strict=True)))
         floors = ", ".join(str(left) if left == right else f"{left}|{right}" for left, right in pairs)
         rows.append([case, "; ".join(words) or "none: the buildings stand alone", floors or NOTHING])
     return from_rows("Cases", ("case", "links", "at floors"), rows)
@@ -137,20 +137,6 @@ def _effects(scene: pd.DataFrame) -> Table:
     dropped = Counter(line for cell in scene["dropped"] for line in cell.splitlines())
     rows = [[name, str(here or NOTHING), str(out or NOTHING), why] for name, here, out, why in told(kept, dropped)]
     return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
-
-
-def _tables(results: Results, tables: Sequence[str]) -> Section:
-    """Every table of the file, for the page and as CSV."""
-    found = [results.answer(name) for name in results.answers]
-    for name in tables:
-        frame = results.table(name)
-        if len(frame) or name not in ("struck", "flagged"):
-            found.append(Table(name, frame, columns_of(frame, results.units), _TITLES[name]))
-    said = [
-        "A table opens when it is clicked; a head of a column sorts. All rows with all digits, in SI units, are in "
-        "`tables/` beside this page and in `pound show FILE.h5 TABLE --format csv`.",
-    ]
-    return Section("Tables", said, found, folded=True)
 
 
 def _study(results: Results) -> Section:
@@ -165,9 +151,8 @@ def _study(results: Results) -> Section:
 
 def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
     """How far the numbers go, in one line: runs, worst error, sensitivity and energy balance."""
-    failed = len(failed_scenes(scene))
+    failed, error = len(failed_scenes(scene)), scene["error_estimate"].dropna()
     said = [f"{counted(len(scene), 'run')}, {f'{failed} failed' if failed else 'all done'}"]
-    error = scene["error_estimate"].dropna()
     if len(error):
         of = "all" if len(error) == len(scene) else f"{len(error)}"
         said.append(f"no peak has a numerical error above {digits(error.max(), 1)} ({of} assessed)")

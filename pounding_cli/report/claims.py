@@ -16,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.report.document import Section
-from pounding_cli.report.table import NOTHING, digits, from_rows
+from pounding_cli.report.table import NOTHING, digits, from_records, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import DONE
 from pounding_cli.texts import cells, write_markdown
@@ -233,14 +233,15 @@ def evaluated(of: Numbers, figure: str | None) -> Iterator[tuple[str, list[tuple
     """Of every claim about a figure the findings with their numbers at every point, and whether each meets its
     threshold: 1, 0, or NaN where there is no number; shape (axes...) each."""
     whole = xr.DataArray(np.zeros([of.data.sizes[axis] for axis in of.axes]), dims=of.axes)
+
+    def at_points(values: xr.DataArray) -> xr.DataArray:
+        return values.reset_coords(drop=True).broadcast_like(whole).transpose(*of.axes).astype(float)
+
     for key, (about, _, find) in CLAIMS.items() if figure and "impacts" in of.data else ():
         found = []
         for finding in find(of) if about in ("", figure) else ():
-            number, met = (
-                each.reset_coords(drop=True).broadcast_like(whole).transpose(*of.axes).astype(float)
-                for each in (finding.number, finding.met)
-            )
-            found.append((finding, number.values, met.where(np.isfinite(number)).values))
+            number = at_points(finding.number)
+            found.append((finding, number.values, at_points(finding.met).where(np.isfinite(number)).values))
         if found:
             yield key, found
 
@@ -258,8 +259,8 @@ def judged(results: Results) -> pd.DataFrame:
     of = Numbers(data[[name for name in _OF_SCENES if name in data]], data[_OF_MOTIONS].reset_coords(_OF_MOTIONS), axes)
     where = []
     for at in np.ndindex(*(data.sizes[axis] for axis in axes)):
-        point = {key: results.axes[key][place] for keys, place in zip(results.swept, at, strict=True) for key in keys}
-        where.append(", ".join(f"{key} = {results.value_label(key, v)}" for key, v in point.items()) or "as given")
+        point = [(key, results.axes[key][n]) for keys, n in zip(results.swept, at, strict=True) for key in keys]
+        where.append(", ".join(f"{key} = {results.value_label(key, value)}" for key, value in point) or "as given")
     parts = [pd.DataFrame(columns=["where", "claim", "verdict", "finding", "number", "unit", "passed"])]
     for key, found in evaluated(of, results.resolved.get("claims")):
         said = verdict([passed for *_, passed in found]).ravel()
@@ -267,8 +268,7 @@ def judged(results: Results) -> pd.DataFrame:
             met = [{1.0: True, 0.0: False}.get(each, "") for each in passed.ravel().tolist()]
             columns = [where, key, said, finding.words, number.ravel(), finding.unit, met]
             parts.append(pd.DataFrame(dict(zip(parts[0].columns, columns, strict=True))))
-    order = {name: number for number, name in enumerate(where)}
-    return pd.concat(parts[1:] or parts).sort_values("where", key=lambda of: of.map(order), kind="stable")
+    return pd.concat(parts[1:] or parts)
 
 
 def at_samples(plan: Plan, data: xr.Dataset, question: Question) -> Iterator[Series]:
@@ -317,9 +317,8 @@ def claim_sections(results: Results, here: str) -> list[Section]:
     heads = ("claim, and its numbers", "verdict", "found")
     tables = [from_rows("The paper’s claims, and the numbers found", heads, rows)]
     if len(every["where"].unique()) > 1:
-        wide = _wide(every, "where", "claim", every["verdict"])
-        rows = wide.reset_index().to_numpy().tolist()
-        tables.append(from_rows("Verdicts at every point of the sweep", ["point", *wide.columns], rows))
+        wide = _wide(every, "where", "claim", every["verdict"]).rename_axis("point").reset_index()
+        tables.append(from_records("Verdicts at every point of the sweep", wide.to_dict("records")))
     said = "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does."
     numbers = Table("claims", every, caption="Every number at every point")
     return [Section("The paper’s claims", [said], tables), Section("Numbers of the claims", (), [numbers], folded=True)]
@@ -350,8 +349,7 @@ def verdicts(results: Results) -> dict[str, str]:
 
 def _wide(frame: pd.DataFrame, down: str, across: str, values: pd.Series) -> pd.DataFrame:
     """Values by two columns, in the order of the frame; NOTHING where there is none."""
-    wide = frame.assign(shown=values.to_numpy()).pivot_table("shown", down, across, "first")
-    return wide.reindex(frame[down].unique()).reindex(columns=frame[across].unique()).fillna(NOTHING)
+    return frame.assign(shown=values.to_numpy()).pivot_table("shown", down, across, "first", sort=False).fillna(NOTHING)
 
 
 def _lines(frame: pd.DataFrame) -> list[str]:

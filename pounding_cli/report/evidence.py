@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.numbers import Unit
-from pounding_cli.results.flags import FlagGroup, flag_groups_of
+from pounding_cli.results.flags import flagged_scenes
 from pounding_cli.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -67,7 +67,12 @@ class Evidence:
     @property
     def label(self) -> str:
         """The point in words and the units of the study: "cases.gap.gap = 5 cm"; empty where nothing is swept."""
-        return ", ".join(f"{key} = {self.results.value_label(key, value)}" for key, value in self.point.items())
+        return self.told(self.point)
+
+    def told(self, keys: Container[str]) -> str:
+        """The point as far as it is one of some keys, such as the columns of a table."""
+        named = [key for key in self.point if key in keys]
+        return ", ".join(f"{key} = {self.results.value_label(key, self.point[key])}" for key in named)
 
     def of_study(self, place: str) -> dict[str, Any]:
         """What the study says of the building at a place of the group."""
@@ -76,29 +81,32 @@ class Evidence:
 
     def here(self, frame: pd.DataFrame) -> pd.DataFrame:
         """The rows of a table of the whole file at this point; swept keys that are no column of it do not matter."""
-        for key, value in self.point.items():
-            if key in frame:
-                frame = frame[frame[key] == value]
+        for key in (key for key in self.point if key in frame):
+            frame = frame[frame[key] == self.point[key]]
         return frame
 
     def unit(self, column: str) -> Unit:
         """The unit a column is shown in: that of the study, SI where it is not known."""
         return self.results.units.get(column, Unit(VARIABLES[column].unit))
 
-    @cached_property
+    def names(self, dim: str) -> list[str]:
+        """What is there along a dimension (case, analysis, building, record), in the order of the file."""
+        return list(map(str, self.data[dim].values))
+
+    @property
     def cases(self) -> list[str]:
-        """Cases in the order of the file."""
-        return list(map(str, self.data["case"].values))
+        """All cases."""
+        return self.names("case")
 
-    @cached_property
+    @property
     def analyses(self) -> list[str]:
-        """Analyses in the order of the file."""
-        return list(map(str, self.data["analysis"].values))
+        """All analyses."""
+        return self.names("analysis")
 
-    @cached_property
+    @property
     def group(self) -> list[str]:
         """Buildings by place, left to right."""
-        return list(map(str, self.data["building"].values))
+        return self.names("building")
 
     @cached_property
     def built(self) -> list[str]:
@@ -123,9 +131,9 @@ class Evidence:
         return [case for case in self.cases if case in chosen][:MOST_CASES]
 
     def means(self, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
-        """Mean over the motions of a ratio to the building alone, per storey or floor; empty where there is none.
+        """Mean over the motions of a ratio to the building alone, per storey; empty where there is none.
 
-        ratio : "V_ratio", "mu_ratio" (index: storey) or "acceleration_ratio" (index: floor)
+        ratio : "V_ratio" or "mu_ratio"
         """
         if analysis not in self.analyses:
             return pd.Series(dtype=float)
@@ -133,25 +141,14 @@ class Evidence:
         return values.mean("record").to_series().dropna()
 
     @cached_property
-    def meaningless(self) -> dict[tuple[str, str], FlagGroup]:
-        """By case and analysis the flag that takes the meaning from the numbers of some of its scenes."""
-        groups = flag_groups_of(self._table("scene"), self.results.units)
-        return {(group.case, group.analysis): group for group in groups if group.meaningless}
-
-    @property
-    def footnote(self) -> str:
-        """Which cases carry MARK and why, in sentences; "" if none does."""
-        return " ".join(f"{MARK} {group}; these numbers have no meaning." for group in self.meaningless.values())
+    def void(self) -> set[tuple[str, str]]:
+        """Cases and analyses of which some scenes carry a flag that takes the meaning from their numbers."""
+        flagged = flagged_scenes(self._table("scene"))
+        return set(flagged.loc[flagged["meaningless"], ["case", "analysis"]].itertuples(index=False, name=None))
 
     def marked(self, case: str) -> str:
         """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""
-        return f"{case} {MARK}" if case in {named for named, _ in self.meaningless} else case
-
-
-def axis_keys(frame: pd.DataFrame) -> list[str]:
-    """The swept keys of a table: every column before `case`; none where nothing is swept."""
-    columns = [str(column) for column in frame.columns]
-    return columns[: columns.index("case")]
+        return f"{case} {MARK}" if case in {named for named, _ in self.void} else case
 
 
 def points_of(results: Results, keys: Sequence[str]) -> list[tuple[Any, ...]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
@@ -14,17 +13,7 @@ import xarray as xr
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.style import (
-    caption,
-    entitle,
-    is_for_paper,
-    legend,
-    looks,
-    new_figure,
-    panels,
-    shared_legend,
-    styled,
-)
+from pounding_cli.report.style import case_handles, finish, looks, new_figure, panels, shared_legend, styled
 from pounding_cli.report.table import column_of
 
 if TYPE_CHECKING:
@@ -34,6 +23,9 @@ if TYPE_CHECKING:
 RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
 """The paper's panels: analysis and column."""
 
+Panel = tuple[xr.DataArray, str, str]
+"""A quantity over case, record and storey or floor, of one analysis; its heading and the label of its axis."""
+
 
 def profiles(evidence: Evidence) -> list[Picture]:
     """Every figure: response and accelerations of every building, forces of the links."""
@@ -42,7 +34,7 @@ def profiles(evidence: Evidence) -> list[Picture]:
         said = "Ratios to the building alone, storey by storey, one line per case."
         draw = partial(response, evidence, building)
         found.append(Picture(f"{building}-response", f"{building}: storey shears and ductilities", said, draw))
-        said = "Largest floor accelerations over those of the building alone, and over touching, floor by floor."
+        said = "Largest floor accelerations over those of the building alone, floor by floor."
         draw = partial(accelerations, evidence, building)
         found.append(Picture(f"{building}-accelerations", f"{building}: floor accelerations", said, draw))
     if evidence.link["peak_force"].notna().any():
@@ -54,9 +46,8 @@ def profiles(evidence: Evidence) -> list[Picture]:
 @styled
 def response(evidence: Evidence, building: str) -> Figure:
     """V/V0 elastic (left) and mu/mu0 inelastic (right) of one building, as in Figs 6 and 7."""
-    words = {"V_ratio": "storey shear", "mu_ratio": "ductility"}
     line = [
-        (evidence.data[ratio].sel(analysis=analysis, building=building), words[ratio], column_of(ratio).label)
+        (evidence.data[ratio].sel(analysis=analysis, building=building), analysis.capitalize(), column_of(ratio).label)
         for analysis, ratio in RESPONSES
         if analysis in evidence.analyses
     ]
@@ -65,15 +56,10 @@ def response(evidence: Evidence, building: str) -> Figure:
 
 @styled
 def accelerations(evidence: Evidence, building: str) -> Figure:
-    """Largest floor accelerations of one building over those alone (top) and over touching (bottom)."""
-    data, label = evidence.data.sel(building=building), "floor acceleration over that"
-    lines = {f"{label} alone": data["acceleration_ratio"]}
-    if "touching" in evidence.cases:
-        touching = data["acceleration"].sel(case="touching", drop=True)
-        over = data["acceleration"] / touching.where(touching > 0)
-        lines[f"{label} touching"] = over.drop_sel(case="touching")
-    grid = [[(values.sel(analysis=each), "", label) for each in evidence.analyses] for label, values in lines.items()]
-    return _grid(evidence, building, grid, f"Largest total accelerations of the floors of {building}")
+    """Largest floor accelerations of one building over those alone."""
+    data, label = evidence.data.sel(building=building), "floor acceleration over that alone"
+    line = [(data["acceleration_ratio"].sel(analysis=each), each.capitalize(), label) for each in evidence.analyses]
+    return _grid(evidence, building, [line], f"Largest total accelerations of the floors of {building}")
 
 
 @styled
@@ -81,14 +67,13 @@ def link_forces(evidence: Evidence) -> Figure:
     """Largest force between the floors, one by one: one row of panels a pair of neighbours."""
     forces = by_floor(evidence.data, "peak_force") / 1e6
     grid = [
-        [(forces.sel(pair=pair, analysis=each), pair, "largest force [MN]") for each in evidence.analyses]
+        [
+            (forces.sel(pair=pair, analysis=each), f"{each.capitalize()}: {pair}", "largest force [MN]")
+            for each in evidence.analyses
+        ]
         for pair in forces["pair"].values.tolist()
     ]
     return _grid(evidence, "", grid, "Largest force in each link")
-
-
-Panel = tuple[xr.DataArray, str, str]
-"""A quantity over case, record and storey or floor, of one analysis; its heading and the label of its axis."""
 
 
 def _grid(evidence: Evidence, building: str, grid: Sequence[Sequence[Panel]], what: str) -> Figure:
@@ -96,20 +81,22 @@ def _grid(evidence: Evidence, building: str, grid: Sequence[Sequence[Panel]], wh
 
     what : is drawn, for the caption
     """
-    title = f"{building} (T = {evidence.periods[building]:.2f} s)" if building else "Forces between neighbours"
-    figure, axes = framed(evidence, [building] if building else [], len(grid), max(map(len, grid)), title)
+    figure, axes = framed(evidence, building, len(grid), len(grid[0]), cases=evidence.plotted)
     for row, line in zip(axes, grid, strict=True):
         for ax, (values, heading, label) in zip(row, line, strict=True):
-            analysis = str(values["analysis"].item()).capitalize()
-            _panel(ax, evidence, values, f"{analysis}: {heading}".removesuffix(": "), label)
+            _panel(ax, evidence, values)
+            ax.set_title(heading, loc="left")
+            ax.set_xlabel(label)
             if building:
                 ax.axvline(1, color="0.35", lw=1.0, zorder=1)
             elif ax.get_xscale() == "linear":
                 ax.set_xlim(left=-0.02 * ax.get_xlim()[1])  # markers at zero stand clear of the axis
-    spread = f"mean over the {counted(evidence.records['record'].nunique(), 'motion')}; whiskers: smallest to largest"
-    where = f" Point of the sweep: {evidence.label}." if evidence.label else ""
-    text = f"{what}: {spread}. {motion_sentence(evidence.records)}{where} {evidence.footnote}"
-    caption(figure, text.rstrip())
+    headline = f"{building} (T = {evidence.periods[building]:.2f} s)" if building else "Forces between neighbours"
+    text = f"{what}: mean over the {counted(len(evidence.records), 'motion')}; whiskers: smallest to largest."
+    text += f" {motion_sentence(evidence.records)}"
+    text += f" Point of the sweep: {evidence.label}." if evidence.label else ""
+    text += " Grey and open: not meaningful for some motions." if evidence.void else ""
+    finish(figure, f"{headline}: {evidence.title}", text)
     return figure
 
 
@@ -128,54 +115,45 @@ def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def framed(
-    evidence: Evidence, black: Sequence[str], rows: int, columns: int, headline: str, *,
-    size: tuple[float, float] = (3.6, 3.3), cases: Sequence[str] | None = None, periods: bool = True,
+    evidence: Evidence, black: str, rows: int, columns: int, size: tuple[float, float] = (3.6, 3.3),
+    cases: Sequence[str] = (),
 ) -> tuple[Figure, list[list[Axes]]]:  # fmt: skip
-    """A figure with title, the group's drawing and the legend above `rows` x `columns` panels of a size [in].
+    """A figure with the group's drawing and the legend of `cases` above `rows` x `columns` panels of a size [in].
 
-    black : buildings filled in the drawing; periods : whether they are written
-    cases : in the legend, none where it is empty; those of the main figures unless given
+    black : building filled in the drawing
     """
     figure = new_figure(max(columns * size[0], 5.4), rows * size[1] + 1.75)
-    entitle(figure, headline, "bold")
     grid = figure.add_gridspec(2, 1, height_ratios=[0.95, size[1] * rows])
     wide = figure.get_figwidth()
     drawing = min(0.62 * len(evidence.group) + 0.2, 0.6 * wide)
     head = grid[0].subgridspec(1, 2, width_ratios=[drawing, wide - drawing])
-    draw_group(figure.add_subplot(head[0]), evidence, black, periods=periods)
+    draw_group(figure.add_subplot(head[0]), evidence, black)
     side = figure.add_subplot(head[1])
     side.axis("off")
-    if not is_for_paper():
-        text = textwrap.fill(evidence.title, int(14 * (wide - drawing)))
-        side.text(0.0, 1.0, text, va="top", fontsize=8.5, color="0.25")
-    cases = evidence.plotted if cases is None else cases
     if cases:
-        beside = -(-len(cases) // (2 if len(cases) <= 4 else 3))
-        called = {case: evidence.marked(case) for case in cases}
-        legend(side, called, loc="lower left", ncols=beside, columnspacing=1.5, borderpad=0, borderaxespad=0)
+        handles = case_handles({case: evidence.marked(case) for case in cases})
+        side.legend(handles=handles, loc="center left", ncols=-(-len(cases) // 3), handlelength=3.2, borderaxespad=0)
     return figure, [list(row) for row in grid[1].subgridspec(rows, columns).subplots(squeeze=False)]
 
 
-def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray, title: str, label: str) -> None:
+def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray) -> None:
     """One line a case over the levels: mean over the motions, whiskers from the smallest to the largest; grey where it
     means nothing.
 
     values : over case, record and storey or floor, of one analysis
     """
-    level, analysis = str(values.dims[-1]), str(values["analysis"].item())
-    cases = [case for case in evidence.plotted if case in values["case"].values]
-    cases = [case for case in cases if np.isfinite(values.sel(case=case)).any()]
+    level, analysis, look = str(values.dims[-1]), str(values["analysis"].item()), looks(evidence.plotted)
+    cases = [case for case in evidence.plotted if np.isfinite(values.sel(case=case)).any()]
     # Whiskers of neighbouring cases would hide each other on one height.
     shifts = np.linspace(0.09, -0.09, len(cases)) if len(cases) > 1 else np.zeros(len(cases))
-    look = looks(evidence.plotted)
     for case, shift in zip(cases, shifts.tolist(), strict=True):
         spread = values.sel(case=case).to_series().groupby(level).agg(["mean", "min", "max"]).dropna()
-        heights, void = spread.index.to_numpy(float), (case, analysis) in evidence.meaningless
+        heights, void = spread.index.to_numpy(float), (case, analysis) in evidence.void
         # A line between floors that are not neighbours would show links where there are none.
         joined = len(heights) > 1 and bool((np.diff(heights) == 1).all())
         ax.errorbar(
             spread["mean"], heights + shift, xerr=[spread["mean"] - spread["min"], spread["max"] - spread["mean"]],
-            color="0.6" if void else look[case].color, ls=(":" if void else look[case].line) if joined else "none",
+            color="0.6" if void else look[case].color, ls=look[case].line if joined else "none",
             marker=look[case].marker, ms=5, mfc="white" if void else None, lw=1.6, elinewidth=0.8, capsize=2,
         )  # fmt: skip
     shown = values.sel(case=cases)
@@ -183,11 +161,9 @@ def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray, title: str, label
         ax.set_xscale("log")
     there = values[level].values[np.isfinite(values.values).any(axis=(0, 1))]
     low, top = (min(1, int(there.min())), int(there.max())) if len(there) else (1, 1)  # a base is floor 0
-    ax.set_title(title, loc="left")
     ticks = list(range(low, top + 1) if top <= 12 else range(5, top + 1, 5))
-    ax.set(xlabel=label, ylabel=level, ylim=(low - 0.4, top + 0.4))
+    ax.set(ylabel=level, ylim=(low - 0.4, top + 0.4))
     ax.set_yticks(ticks, [str(tick or "base") for tick in ticks])
-    ax.tick_params(length=3)
 
 
 # isolators
@@ -212,22 +188,17 @@ def draw_loops(evidence: Evidence, isolated: list[str], kept: pd.DataFrame) -> F
     """A panel for each building on isolators, a line for each kept scene."""
     figure, axes = panels(1, len(isolated), 4.2, 3.4)
     look = looks(list(kept["case"]))
-    for row in kept.to_dict("records"):
-        place = {name: row[name] for name in ("case", "analysis", "record")}
-        history = evidence.results.history(**place, **evidence.point)
+    for place in kept[["case", "analysis", "record"]].to_dict("records"):
+        history = evidence.results.history(*place.values(), **evidence.point)
+        how = {"color": look[place["case"]].color, "ls": "--" if place["analysis"] == "inelastic" else "-"}
         for ax, name in zip(axes.flat, isolated, strict=True):
             number = list(history.buildings).index(name)
-            line = "--" if row["analysis"] == "inelastic" else "-"
-            ax.plot(
-                100 * history.sway[:, number], history.base_force[:, number] / 1e6, line, lw=0.9,
-                color=look[row["case"]].color, label=", ".join(place.values()),
-            )  # fmt: skip
+            sway, force = history.sway[:, number], history.base_force[:, number]
+            ax.plot(100 * sway, force / 1e6, lw=0.9, label=", ".join(place.values()), **how)
             ax.set_title(name, loc="left")
-            ax.set_xlabel("displacement of the base [cm]")
-    axes.flat[0].set_ylabel("force of the isolators [MN]")
+            ax.set(xlabel="displacement of the base [cm]", ylabel="force of the isolators [MN]")
     shared_legend(figure, axes.flat)
-    entitle(figure, evidence.title)
-    caption(figure, "Without the dashpots beside the isolators.")
+    finish(figure, evidence.title, "Without the dashpots beside the isolators.")
     return figure
 
 
@@ -243,47 +214,44 @@ MANY = 7
 def sketch(evidence: Evidence) -> Figure:
     """The group by itself, with names, for the head of a page."""
     figure = new_figure(min(1.1 * len(evidence.group) + 0.3, 9.0), 1.9)
-    draw_group(figure.add_subplot(), evidence, [evidence.main], named=len(evidence.group) < MANY)
+    draw_group(figure.add_subplot(), evidence, evidence.main, named=len(evidence.group) < MANY)
     return figure
 
 
-def draw_group(ax: Axes, evidence: Evidence, black: Sequence[str], named: bool = False, periods: bool = True) -> None:
+def draw_group(ax: Axes, evidence: Evidence, black: str, named: bool = False) -> None:
     """Buildings left to right as blocks of storeys to one scale with their periods, slabs as thick as they are; a point
     marks every place where a slab strikes columns. Walls are filled.
 
-    black : buildings filled; named, periods : whether their names and periods stand below
+    black : building filled; named : whether their names stand below
     """
     from matplotlib.patches import Rectangle
 
-    group, many = evidence.group, len(evidence.group) >= MANY
-    levels: dict[str, list[float]] = {}
+    many, left = len(evidence.group) >= MANY, dict[str, float]()
     scale = STOREY / float(evidence.buildings["height"].mean())
-    for place, name in enumerate(group):
+    levels = {name: [0.0] for name in evidence.group}
+    for place, name in enumerate(evidence.group):
         rows = evidence.buildings[evidence.buildings["building"] == name]
-        is_wall = name not in evidence.built
-        filled, left = name in black or is_wall, place * (WIDTH + SPACE)
-        levels[name] = [0.0, *(scale * rows["height"].cumsum()).tolist()]
-        slab = scale * float(rows["slab"].iloc[0])
-        for below, height in zip(levels[name], scale * rows["height"], strict=False):
+        is_wall, slab = name not in evidence.built, scale * float(rows["slab"].iloc[0])
+        filled, left[name] = name == black or is_wall, place * (WIDTH + SPACE)
+        levels[name] += (scale * rows["height"].cumsum()).tolist()
+        for below, top in zip(levels[name], levels[name][1:], strict=False):
             face, edge = ("black", "0.75") if filled else ("white", "black")
-            ax.add_patch(Rectangle((left, below), WIDTH, height, facecolor=face, edgecolor=edge, linewidth=0.8))
+            ax.add_patch(Rectangle((left[name], below), WIDTH, top - below, facecolor=face, edgecolor=edge, lw=0.8))
             if slab:
-                top = (left, below + height - slab / 2)
-                ax.add_patch(Rectangle(top, WIDTH, slab, color="0.75" if filled else "0.4", linewidth=0))
-        period = evidence.periods[name]
-        words = "" if is_wall or not periods else f"{period:.2f}" if many else f"T = {period:.2f} s"
+                grey = "0.75" if filled else "0.4"
+                ax.add_patch(Rectangle((left[name], top - slab / 2), WIDTH, slab, color=grey, lw=0))
+        period = "" if is_wall else f"{evidence.periods[name]:.2f}" if many else f"T = {evidence.periods[name]:.2f} s"
         ax.annotate(
-            f"{name}\n{words}" if named else words, (left + WIDTH / 2, 0), xytext=(0, -4), textcoords="offset points",
-            ha="center", va="top", fontsize=8 if named else 6 if many else 7, rotation=90 if many else 0,
-            annotation_clip=False,
+            f"{name}\n{period}" if named else period, (left[name] + WIDTH / 2, 0), xytext=(0, -4),
+            textcoords="offset points", ha="center", va="top", fontsize=8 if named else 6 if many else 7,
+            rotation=90 if many else 0, annotation_clip=False,
         )  # fmt: skip
     for row in evidence.link.drop_duplicates("link").to_dict("records") if "left_at" in evidence.link else ():
         for side, floor, away in (("left", row["floor"], WIDTH), ("right", row["right_floor"], 0.0)):
             if (at := row[f"{side}_at"]) < 1:  # the slab of the other building strikes the columns of this one
                 low, high = levels[row[side]][floor - 1 : floor + 1]
-                x = group.index(row[side]) * (WIDTH + SPACE) + away
-                ax.plot(x, low + at * (high - low), "o", color="#c8102e", ms=2.5, zorder=3)
-    right = len(group) * (WIDTH + SPACE) - SPACE
+                ax.plot(left[row[side]] + away, low + at * (high - low), "o", color="#c8102e", ms=2.5, zorder=3)
+    right = len(evidence.group) * (WIDTH + SPACE) - SPACE
     ax.plot([-0.3, right + 0.3], [0, 0], color="black", lw=1.2, clip_on=False)
     ax.set(xlim=(-0.4, right + 0.4), ylim=(-0.75, max(own[-1] for own in levels.values()) + 0.1))
     ax.axis("off")

@@ -1,10 +1,9 @@
-"""The report of `pound fragility`: curves alone and with pounding, with their bands and what the motions say."""
+"""The report of `pound fragility`: curves alone and with pounding, what the motions say, and annual rates."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -17,14 +16,13 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.rates import rate_table, told_place
 from pounding_cli.report.references import Use
-from pounding_cli.report.style import Look, caption, entitle, looks, panels, shared_legend, styled
-from pounding_cli.report.table import NOTHING, digits, from_rows, interval
+from pounding_cli.report.style import Look, finish, looks, panels, shared_legend, styled
+from pounding_cli.report.table import NOTHING, digits, from_records, interval, place_of
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.curves import FEWEST_TOLD, Outcome
-from pounding_cli.workflows.fragility import ALONE, CURVES, LINKED, MOTIONS, POINTS
-from pounding_cli.workflows.hazard import INTENSITY_KEYS
+from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, CURVES, LINKED, MOTIONS, POINTS, RATES
+from pounding_cli.workflows.hazard import INTENSITY_KEYS, YEARS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -33,6 +31,8 @@ TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
 """The tables of scenes that the report has."""
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""
+MUCH_BEYOND = 0.1
+"""Part of a rate from beyond the last intensity of the hazard curve that is told [-]."""
 
 _ALONE = Look("#777777", (0, (2, 1)), "x")
 """As no case looks: one may be black, as `touching` is."""
@@ -42,54 +42,141 @@ _MEASURES = {
     "factor": "scale factor",
 }  # fmt: skip
 
-
-@dataclass(frozen=True)
-class Asked:
-    """How the curves were asked for: the section of the study, the intensity measure in words and its unit."""
-
-    spec: Mapping[str, Any]
-    measure: str
-    unit: Unit
-
-
-def asked_of(results: Results) -> Asked:
-    """How the curves of a results file were asked for."""
-    spec = results.resolved["fragility"]
-    swept = next((name for key, name in INTENSITY_KEYS.items() if key in results.units), "pga")
-    measure, scale = str(spec.get("intensity") or swept), results.resolved["records"]["scale"]
-    if measure == "sa" and isinstance(scale, dict) and "period" in scale:
-        measure = f"sa({scale['period']:g} s)"
-    name, _, period = measure.partition("(")
-    words = _MEASURES.get(name, name) + (f" at {period.removesuffix(')')}" if period else "")
-    return Asked(spec, words, results.answer(CURVES).columns["median"].unit)
+Row = Mapping[Any, Any]
 
 
 def fragility_report(results: Results) -> Report:
     """What the fragility curves say."""
-    answer, asked, shown = results.answer(CURVES).frame, asked_of(results), nominal(results)
+    answer, shown, spec = results.answer(CURVES), nominal(results), results.resolved["fragility"]
+    unit, measure, frame = answer.columns["median"].unit, _measure(results), answer.frame
     rows, motions, points = (shown.here(results.answer(name).frame) for name in (CURVES, MOTIONS, POINTS))
-    pictures = []
+    said = {place: _sentence(row, unit) for place, row in zip(rows.index, rows.to_dict("records"), strict=True)}
+    tables, pictures, notes = [_medians(results, frame, unit)], list[Picture](), list(_notes(spec, frame))
     for analysis, here in rows.groupby("analysis", sort=False):
-        text = " ".join(_sentence(asked, row) for row in here.to_dict("records"))
-        draw = partial(draw_curves, asked, here, motions, points, shown)
+        draw = partial(draw_curves, spec, unit.label(measure), unit, here, motions, points, shown)
+        text = " ".join(said[place] for place in here.index)
         pictures.append(Picture(f"fragility-{analysis}", f"Fragility, {analysis} storeys", text, draw))
-    rates, of_rates, notes = rate_table(results, shown)
-    said = [f"Intensity: {asked.measure}.", *(_sentence(asked, row) for row in rows.to_dict("records"))]
-    tables = [_medians(results, asked, answer), *rates]
+    if RATES in results.answers:
+        rates = results.answer(RATES).frame
+        tables.append(_rates(results, rates))
+        if (beyond := rates[["beyond", f"beyond{ALONE}"]].max().max()) > MUCH_BEYOND:
+            notes.append(
+                f"Up to {beyond:.0%} of a rate comes from intensities above the last one of the hazard curve, where "
+                "its last line goes on: give the curve further."
+            )
+        text = "Annual rates at which limits are passed, by the intensity at which they are."
+        draw = partial(draw_contributions, shown.here(results.answer(CONTRIBUTIONS).frame), unit, shown)
+        pictures.append(Picture("fragility-rates", "What contributes to the annual rates", text, draw))
     return Report(
         **frame_of(results, shown, results.scene()),
-        answer=Section("", said, tables, pictures + of_rates, _notes(asked, answer) + notes),
+        answer=Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes),
         more=partial(background, results, shown, results.scene(), TABLES),
     )
 
 
-# The curves
+def _measure(results: Results) -> str:
+    """The intensity measure in words."""
+    spec, scale = results.resolved["fragility"], results.resolved["records"]["scale"]
+    swept = next((name for key, name in INTENSITY_KEYS.items() if key in results.units), "pga")
+    measure = str(spec.get("intensity") or swept)
+    if measure == "sa" and isinstance(scale, dict) and "period" in scale:
+        measure = f"sa({scale['period']:g} s)"
+    name, _, period = measure.partition("(")
+    return _MEASURES.get(name, name) + (f" at {period.removesuffix(')')}" if period else "")
+
+
+# In words
+
+
+def _medians(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
+    """Medians, spreads and their ratios with their intervals in brackets, a row a curve and point of the sweep."""
+    rows = []
+    for row in frame.to_dict("records"):
+        cells = place_of(results, frame, row, ("limit", "building"), ("case", "analysis"))
+        for end, what in _BOTH.items():
+            cells[unit.label(f"median {what}")] = median_text(row, end, unit)
+            cells[f"spread {what}"] = interval(row, "spread", end)
+        rows.append(cells | {"ratio of medians": interval(row, "ratio")})
+    return from_records("Intensity at which half of the motions pass", rows)
+
+
+def _rates(results: Results, frame: pd.DataFrame) -> Table:
+    """Annual rates of the limits with their intervals, a row as in `_medians`."""
+    rows = []
+    for row in frame.to_dict("records"):
+        cells = place_of(results, frame, row, ("limit", "building"), ("case", "analysis"))
+        for end, what in _BOTH.items():
+            cells[f"rate {what} [1/year]"] = interval(row, "rate", end)
+            share = row[f"probability{end}"]
+            cells[f"in {YEARS:g} years {what}"] = NOTHING if np.isnan(share) else f"{digits(100 * share, 3)} %"
+        rows.append(cells | {"ratio of rates": interval(row, "rate_ratio")})
+    return from_records("Annual rates of the limits", rows)
+
+
+def _sentence(row: Row, unit: Unit) -> str:
+    """One curve in words."""
+    medians = [
+        f"{median_text(row, end, unit, unit.name)} {words}" for end, words in _BOTH.items() if row[f"outcome{end}"]
+    ]
+    said = f"{subject(row['building'], row['limit'])}, {row['case']}, {row['analysis']}, median: {', '.join(medians)}"
+    if np.isnan(row["ratio"]):
+        return f"{said}."
+    if not (row["ratio_low"] > 1 or row["ratio_high"] < 1):
+        return f"{said}; a difference that may be chance in {counted(int(row['motions']), 'motion')}."
+    motion = "a weaker motion is enough" if row["ratio"] < 1 else "it takes a stronger motion"
+    return f"{said}; with pounding {motion}, by a factor of {interval(row, 'ratio')}."
+
+
+def subject(building: str, limit: str) -> str:
+    """The limit and the building that it is asked of; a limit may name the building itself."""
+    return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
+
+
+def median_text(row: Row, end: str, unit: Unit, named: str = "") -> str:
+    """A median with its interval; where there is none, outcome of the fit and what is known."""
+    outcome, low, high = str(row[f"outcome{end}"]), row[f"low{end}"], row[f"high{end}"]
+    if not outcome or not np.isnan(row[f"median{end}"]):
+        return interval(row, "median", end, unit.factor, named)
+    if outcome == Outcome.UNDECIDED:
+        outcome += f" in {int(row[f'undecided_motions{end}'])} of {int(row[f'motions{end}'])} motions"
+    ends = [digits(each / unit.factor, 3) for each in (low, high)]
+    known = " to ".join(ends) if low > 0 and high < np.inf else f"above {ends[0]}" if low > 0 else f"below {ends[1]}"
+    return f"{outcome}: {known} {named}".rstrip() if low > 0 or high < np.inf else outcome
+
+
+def _notes(spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
+    """What a reader should know of the rows."""
+    if (few := int(rows["motions"].min(skipna=True))) < FEWEST_TOLD:
+        yield f"No interval for fewer than {FEWEST_TOLD} motions: {counted(few, 'motion')} cannot tell it."
+    else:
+        share = f"{100 * spec['confidence']:.4g} %"
+        yield f"In brackets: {share} interval of {spec['draws']} bootstrap draws of the motions, the same for both."
+    names = ("returns", "failed", "undecided", "undecided_motions")
+    count = {name: int(rows[[name, f"{name}{ALONE}"]].sum().sum()) for name in names}
+    if count["returns"]:
+        which = counted(count["returns"], "motion holds", "motions hold")
+        yield f"{which} again above the first intensity that passes; the first one counts."
+    for name, what in (("failed", "failed"), ("undecided", "ended with a collapse before the limit was passed")):
+        if count[name]:
+            yield (
+                f"{counted(count[name], 'scene')} {what} (a scene that several rows need counts in each): counted "
+                "neither as holding nor as passing."
+            )
+    if number := count["undecided_motions"]:
+        yield (
+            f"{counted(number, 'motion is', 'motions are')} undecided: a collapse ended the scenes before the limit "
+            "was passed. A fit takes them to be like the others; from half of the motions on there is no curve."
+        )
+
+
+# Figures
 
 
 @styled
 def draw_curves(
-    asked: Asked, rows: pd.DataFrame, motions: pd.DataFrame, points: pd.DataFrame, shown: Evidence
-) -> Figure:
+    spec: Mapping[str, Any], across: str, unit: Unit, rows: pd.DataFrame, motions: pd.DataFrame, points: pd.DataFrame,
+    shown: Evidence,
+) -> Figure:  # fmt: skip
     """Probability against intensity: a line of panels for each limit, a panel for each building or pair.
 
     rows, motions, points : of the tables at the point shown; rows of one analysis
@@ -103,32 +190,33 @@ def draw_curves(
             ax.set_visible(False)
         for ax, building in zip(line, buildings, strict=False):
             here = rows[(rows["limit"] == limit) & (rows["building"] == building) & rows["case"].isin(look)]
-            _panel(ax, asked, here, motions, points, look)
-            ax.set(ylim=(0, 1), xlabel=asked.unit.label(asked.measure))
+            _panel(ax, spec["method"], unit, here, motions, points, look)
+            ax.set(ylim=(0, 1), xlabel=across)
             ax.set_title(subject(building, str(limit)), loc="left")
         line[0].set_ylabel("probability of passing the limit")
     shared_legend(figure, axes.flat)
-    entitle(figure, shown.title)
-    swept = [f"{key} = {shown.results.value_label(key, value)}" for key, value in shown.point.items() if key in rows]
-    where = f"At {', '.join(swept)}. " if swept else ""
-    left_out = f" Of {len(cases)} cases the first {MOST_CASES} are drawn." if len(cases) > MOST_CASES else ""
-    dots = {
-        "ida": "Markers: the share of motions that have passed by that intensity, by Kaplan and Meier where some are "
-        "undecided.",
-        "stripes": "Markers: the share of the decided motions that pass at each intensity.",
-    }.get(asked.spec["method"], "Curves from a line through the cloud of demands.")
-    bands = f"Bands: {100 * asked.spec['confidence']:.4g} % of {asked.spec['draws']} bootstrap draws of the motions."
+    said = [f"At {shown.told(rows)}."] if shown.told(rows) else []
+    said += {
+        "ida": ["Markers: the share of motions that have passed by that intensity, by Kaplan and Meier where some are "
+                "undecided."],
+        "stripes": ["Markers: the share of the decided motions that pass at each intensity."],
+    }.get(spec["method"], ["Curves from a line through the cloud of demands."])  # fmt: skip
     if rows["motions"].max() < FEWEST_TOLD:
-        bands = f"No bands for fewer than {FEWEST_TOLD} motions."
-    caption(figure, f"{where}{dots} {bands}{left_out} {motion_sentence(shown.records)}")
+        said.append(f"No bands for fewer than {FEWEST_TOLD} motions.")
+    else:
+        said.append(f"Bands: {100 * spec['confidence']:.4g} % of {spec['draws']} bootstrap draws of the motions.")
+    if len(cases) > MOST_CASES:
+        said.append(f"Of {len(cases)} cases the first {MOST_CASES} are drawn.")
+    finish(figure, shown.title, " ".join([*said, motion_sentence(shown.records)]))
     return figure
 
 
 def _panel(
-    ax: Axes, asked: Asked, rows: pd.DataFrame, motions: pd.DataFrame, points: pd.DataFrame, cases: Mapping[str, Look]
-) -> None:
+    ax: Axes, method: str, unit: Unit, rows: pd.DataFrame, motions: pd.DataFrame, points: pd.DataFrame,
+    cases: Mapping[str, Look],
+) -> None:  # fmt: skip
     """The curves of one limit and building: the building alone, which is the same in all cases, and every case."""
-    factor, up, right, where = asked.unit.factor, 0.04, 0.0, ["case", "analysis", "limit", "building"]
+    up, right, where = 0.04, 0.0, ["case", "analysis", "limit", "building"]
     everything = rows.to_dict("records")
     for end, row in ((ALONE, everything[0]), *((LINKED, row) for row in everything)):
         if not row[f"outcome{end}"]:
@@ -136,21 +224,21 @@ def _panel(
         mine, curve = (each[(each[where] == [row[name] for name in where]).all(axis=1)] for each in (motions, points))
         look, label = (_ALONE, "alone") if end else (cases[row["case"]], f"with pounding: {row['case']}")
         (line,) = ax.plot([], [], color=look.color, ls=look.line, lw=1.8, label=label)
-        x = curve["intensity"] / factor
-        if row[f"median{end}"] == row[f"median{end}"]:
+        x = curve["intensity"] / unit.factor
+        if np.isnan(row[f"median{end}"]):
+            said = textwrap.wrap(f"{label}: {median_text(row, end, unit)}", 50)
+            ax.text(0.98, up, "\n".join(said), transform=ax.transAxes, ha="right", fontsize=7.5, color=look.color)
+            up += 0.08 * len(said)
+        else:
             line.set_data(x, curve[f"probability{end}"])
             low, high = curve[f"probability_low{end}"], curve[f"probability_high{end}"]
             ax.fill_between(x, low, high, color=look.color, alpha=0.13, lw=0)
-        else:
-            said = textwrap.wrap(f"{label}: {median_text(asked, row, end)}", 50)
-            ax.text(0.98, up, "\n".join(said), transform=ax.transAxes, ha="right", fontsize=7.5, color=look.color)
-            up += 0.08 * len(said)
-        at, share = _shares(mine, end, asked.spec["method"])
+        at, share = _shares(mine, end, method)
         seen = mine[["intensity"] if "intensity" in mine else [f"held{end}", f"passed{end}"]].to_numpy(float)
-        right = max(right, x.max() if len(x) else 1.1 * seen[np.isfinite(seen)].max(initial=0.0) / factor)
-        if (is_in := at / factor <= right).any():  # a line without points would count as one at the corner
+        right = max(right, x.max() if len(x) else 1.1 * seen[np.isfinite(seen)].max(initial=0.0) / unit.factor)
+        if (is_in := at / unit.factor <= right).any():  # a line without points would count as one at the corner
             dots: dict[str, Any] = {"ls": "", "marker": look.marker, "ms": 3.2, "color": look.color, "alpha": 0.75}
-            ax.plot(at[is_in] / factor, share[is_in], clip_on=False, **dots)
+            ax.plot(at[is_in] / unit.factor, share[is_in], clip_on=False, **dots)
     ax.set_xlim(0, right or 1.0)
 
 
@@ -171,90 +259,27 @@ def _shares(rows: pd.DataFrame, end: str, method: str) -> tuple[np.ndarray, np.n
     return np.zeros(0), np.zeros(0)
 
 
-# In words
-
-
-def _medians(results: Results, asked: Asked, frame: pd.DataFrame) -> Table:
-    """Medians, spreads and their ratios with their intervals in brackets, a row a curve and point of the sweep.
-
-    A case or an analysis that is the same in all rows is left out.
-    """
-    rows = []
-    for row in frame.to_dict("records"):
-        cells = {name: row[name] for name in ("limit", "building")}
-        cells |= told_place(results, frame, row, ("case", "analysis"))
-        for end, what in _BOTH.items():
-            cells[asked.unit.label(f"median {what}")] = median_text(asked, row, end)
-            cells[f"spread {what}"] = interval(row, "spread", end)
-        rows.append(cells | {"ratio of medians": interval(row, "ratio")})
-    heads = list(rows[0]) if rows else []
-    return from_rows("Intensity at which half of the motions pass", heads, [list(row.values()) for row in rows])
-
-
-def _sentence(asked: Asked, row: Mapping[Any, Any]) -> str:
-    """One curve in words."""
-    medians = [
-        f"{median_text(asked, row, end, asked.unit.name)} {words}"
-        for end, words in _BOTH.items()
-        if row[f"outcome{end}"]
-    ]
-    said = f"{subject(row['building'], row['limit'])}, {row['case']}, {row['analysis']}, median: {', '.join(medians)}"
-    is_told = row["ratio_low"] == row["ratio_low"]
-    if row["ratio"] == row["ratio"] and (not is_told or row["ratio_low"] <= 1 <= row["ratio_high"]):
-        said += f"; a difference that may be chance in {counted(int(row['motions']), 'motion')}"
-    elif row["ratio"] == row["ratio"]:
-        motion = "a weaker motion is enough" if row["ratio"] < 1 else "it takes a stronger motion"
-        said += f"; with pounding {motion}, by a factor of {interval(row, 'ratio')}"
-    return f"{said}."
-
-
-def subject(building: str, limit: str) -> str:
-    """The limit and the building that it is asked of; a limit may name the building itself."""
-    return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
-
-
-def median_text(asked: Asked, row: Mapping[Any, Any], end: str = "", unit: str = "") -> str:
-    """A median with its interval; where there is none, outcome of the fit and what is known."""
-    outcome, low, high = str(row[f"outcome{end}"]), row[f"low{end}"], row[f"high{end}"]
-    if not outcome:
-        return NOTHING
-    if row[f"median{end}"] == row[f"median{end}"]:
-        return interval(row, "median", end, asked.unit.factor, unit)
-    if outcome == Outcome.UNDECIDED:
-        outcome += f" in {int(row[f'undecided_motions{end}'])} of {int(row[f'motions{end}'])} motions"
-    ends = [digits(each / asked.unit.factor, 3) for each in (low, high)]
-    known = " to ".join(ends) if low > 0 and high < np.inf else f"above {ends[0]}" if low > 0 else f"below {ends[1]}"
-    return f"{outcome}: {known} {unit}".rstrip() if low > 0 or high < np.inf else outcome
-
-
-def _notes(asked: Asked, rows: pd.DataFrame) -> list[str]:
-    """What a reader should know of the rows."""
-    spec, few = asked.spec, int(rows["motions"].min(skipna=True))
-    said = [
-        f"In brackets: {100 * spec['confidence']:.4g} % interval of {spec['draws']} bootstrap draws of the motions, "
-        "the same draws alone and with pounding."
-    ]
-    if few < FEWEST_TOLD:
-        said = [f"No interval for fewer than {FEWEST_TOLD} motions: {counted(few, 'motion')} cannot tell it."]
-
-    def count(name: str) -> int:
-        return sum(int(rows[f"{name}{end}"].fillna(0).sum()) for end in _BOTH)
-
-    if returns := count("returns"):
-        which = counted(returns, "motion holds", "motions hold")
-        said.append(f"{which} again above the first intensity that passes; the first one counts.")
-    for name, what in (("failed", "failed"), ("undecided", "ended with a collapse before the limit was passed")):
-        if number := count(name):
-            said.append(
-                f"{counted(number, 'scene')} {what} (a scene that several rows need counts in each): counted neither "
-                "as holding nor as passing."
-            )
-    if number := count("undecided_motions"):
-        said.append(
-            f"{counted(number, 'motion is', 'motions are')} undecided: a collapse ended the scenes before the limit "
-            "was passed. A fit takes them to be like the others; from half of the motions on there is no curve."
-        )
-    return said
+@styled
+def draw_contributions(rows: pd.DataFrame, unit: Unit, shown: Evidence) -> Figure:
+    """The annual rate per ln of the intensity, alone and with pounding: a panel for each limit and building."""
+    rows = rows[rows["analysis"] == rows["analysis"].iloc[-1]]
+    groups, look = rows.groupby(["limit", "building"], sort=False), looks(rows["case"].unique().tolist())
+    figure, axes = panels(-(-len(groups) // 2), min(len(groups), 2), 3.6, 2.8)
+    for ax in axes.flat[len(groups) :]:
+        ax.set_visible(False)
+    for ax, ((limit, building), mine) in zip(axes.flat, groups, strict=False):
+        for case, own in mine.groupby("case", sort=False):
+            at, width = np.sqrt(own["from"] * own["to"]) / unit.factor, np.log(own["to"] / own["from"])
+            if case == mine["case"].iloc[0] and own[f"rate{ALONE}"].notna().any():
+                ax.plot(at, own[f"rate{ALONE}"] / width, color=_ALONE.color, ls=_ALONE.line, lw=1.6, label="alone")
+            how = look[str(case)]
+            ax.plot(at, own["rate"] / width, color=how.color, ls=how.line, lw=1.8, label=f"with pounding: {case}")
+        ax.set_title(subject(str(building), str(limit)), loc="left")
+        ax.set(xscale="log", xlabel=unit.label("intensity"), ylabel="annual rate per ln of the intensity")
+        ax.set_ylim(bottom=0)
+    shared_legend(figure, axes.flat)
+    finish(figure, shown.title)
+    return figure
 
 
 def cite_fragility(resolved: Mapping[str, Any], used: Use) -> None:

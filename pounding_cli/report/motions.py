@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import GRAVITY, Motion, displacement, husid, significant_duration, spectrum, velocity
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
-from pounding_cli.report.style import FORMATS, caption, entitle, is_for_paper, new_figure, styled
+from pounding_cli.report.style import FORMATS, drawn_as, finish, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,17 +29,14 @@ def draw(motion: Motion, title: str, path: Path) -> None:
     if suffix not in FORMATS:
         hint = f"end the name with one of .{', .'.join(FORMATS)}"
         raise InputError(Problem(f"cannot draw a '{path.suffix}' file", hint, str(path)))
-    drawn = io.BytesIO()
-    draw_motion(motion, title).savefig(drawn, format=suffix, dpi=150)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(drawn.getvalue())
+    path.write_bytes(drawn_as(draw_motion(motion, title), suffix))
 
 
 @styled
 def draw_motion(motion: Motion, title: str) -> Figure:
     """Acceleration, velocity, displacement and Husid curve over time, and the spectrum."""
     figure = new_figure(8.0, 9.0)
-    entitle(figure, f"{title} ({motion.source})")
     *over_time, last = figure.subplots(5, 1, gridspec_kw={"height_ratios": [1, 1, 1, 1, 1.6]})
     times = motion.dt * np.arange(motion.acceleration.size)
     series = {
@@ -58,6 +54,7 @@ def draw_motion(motion: Motion, title: str) -> Figure:
     last.set_ylim(bottom=0.0)
     last.set_ylabel("pseudo-acceleration [g], 5 %")
     figure.align_ylabels([*over_time, last])
+    finish(figure, f"{title} ({motion.source})")
     return figure
 
 
@@ -66,7 +63,6 @@ def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     """Pseudo-accelerations in `unit` over the periods, the range that was met shaded."""
     target: TargetSpectrum = match.target
     figure = new_figure(6.4, 4.3)
-    entitle(figure, "Target spectrum", "bold")
     ax = figure.add_subplot()
     ax.axvspan(target.low, target.high, color="0.94", lw=0, zorder=0)
     for values in match.spectra.values():
@@ -83,7 +79,6 @@ def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     ax.set(xscale="log", xlim=(match.periods[0], match.periods[-1]), xlabel="period [s]")
     ax.set_ylim(bottom=0)
     ax.set_ylabel(f"pseudo-acceleration [{unit.name}], {100 * target.damping:g} % damping")
-    ax.set_title("" if is_for_paper() else title, loc="left", fontsize=8.5, color="0.25")
     ax.legend(fontsize=8)
-    caption(figure, f"{match.words} Shaded: that range.")
+    finish(figure, f"Target spectrum: {title}", f"{match.words} Shaded: that range.")
     return figure

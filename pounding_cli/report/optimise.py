@@ -1,27 +1,23 @@
-"""The report of `pound optimise`: the optimum, the number sought along every key, its map over the two that matter."""
+"""The report of `pound optimise`: the optimum, what the buildings do there, and the number sought along every key."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.tri import Triangulation
 
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, nominal
+from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.references import Use
-from pounding_cli.report.style import caption, entitle, name_axis, new_figure, styled
-from pounding_cli.report.sweep import COLOURS
-from pounding_cli.report.table import NOTHING, from_rows
+from pounding_cli.report.style import finish, name_axis, panels, shared_legend, styled
+from pounding_cli.report.table import NOTHING, column_of, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.optimise import DESIGN, OPTIMUM, POINTS, UNSETTLED
 from pounding_cli.workflows.optimise import NOTHING as NO_OPTIMUM
@@ -33,153 +29,118 @@ MOST_KEYS = 8
 """Keys that are drawn."""
 _AT_END = 1e-6
 """Of a range: nearer to its end than that, the optimum lies at it [-]."""
-_LINE, _BEST, _WRITTEN, _FLAT = "#0072B2", "#AA2211", "#E69F00", "0.9"
 
-Key = dict[Any, Any]
-"""A row of the table of keys."""
-_OF_KEY = ("value", "written")
-"""Its columns, beside the ends of ranges, in the unit of the key."""
+_SOUGHT = ["optimum", "as_written", "error"]
+"""Columns in the unit of the number sought."""
+_OF_KEY = ["value", "written", *(f"{name}_{end}" for name in ("flat", "together", "range") for end in ("from", "to"))]
+"""Columns in the unit of the key."""
 
-
-@dataclass(frozen=True)
-class Optimum:
-    """The answer as it was read back, keys in the units of the study.
-
-    keys : a row of the table for each
-    tried : every point; units : of its columns
-    design : what the buildings do at the optimum and with the study as written, a row for each quantity
-    """
-
-    keys: list[Key]
-    tried: pd.DataFrame
-    units: Mapping[str, Unit]
-    design: list[Key]
-
-    @classmethod
-    def of(cls, results: Results) -> Optimum:
-        """The answer in a results file."""
-        keys, points, design = (results.answer(name) for name in (OPTIMUM, POINTS, DESIGN))
-        units, tried = {name: column.unit for name, column in points.columns.items()}, points.frame.copy()
-        rows = keys.frame.to_dict("records")
-        for row in rows:
-            factor = units[row["key"]].factor
-            row |= {
-                name: row[name] / factor for name in map(str, row) if name in _OF_KEY or name.endswith(("_from", "_to"))
-            }
-            if pd.api.types.is_numeric_dtype(tried[row["key"]]):
-                tried[row["key"]] /= factor
-        return cls(rows, tried, units, design.frame.to_dict("records"))
-
-    @property
-    def first(self) -> Key:
-        """What is the same for all keys."""
-        return self.keys[0]
-
-    @property
-    def sought(self) -> str:
-        """What is sought least or most, with its unit."""
-        return self.units["value"].label(str(self.first["sought"]).partition(" ")[2])
-
-    def through(self, *free: Key) -> pd.DataFrame:
-        """The points with a number that differ from the optimum in some keys alone."""
-        here = self.tried["value"].notna()
-        for key in self.keys:
-            if key not in free:
-                here &= self.tried[key["key"]] == (key["option"] or key["value"])
-        return self.tried[here]
+Row = Mapping[Any, Any]
 
 
 def optimise_report(results: Results) -> Report:
     """What the search for an optimum says."""
     whole, results = results, results.first_sample()
-    found, shown = Optimum.of(results), nominal(results)
-    said, tables, pictures = sentences(found), list[Table](), list[Picture]()
-    if found.first["outcome"] != NO_OPTIMUM:
-        tables = [_optimum(found), _design(found)]
+    shown, scene = nominal(results), whole.scene()
+    keys, tried, units = _in_units(results)
+    first, design = keys.iloc[0].to_dict(), results.answer(DESIGN).frame.to_dict("records")
+    said, tables, pictures = _sentences(first, design, units["value"]), list[Table](), list[Picture]()
+    if first["outcome"] != NO_OPTIMUM:
+        tables = [_optimum(keys, tried, units), _design(results, design)]
+        draw = partial(draw_optimum, keys, tried, units, shown, " ".join(said))
         text = f"{said[0]} Along each key through the optimum, and every point that was tried."
-        draw = partial(draw_optimum, found, shown)
-        pictures = [Picture("optimise", "The optimum and its surroundings", text, draw, has_scale=True)]
-    scene = whole.scene()
+        pictures = [Picture("optimise", "The optimum and its surroundings", text, draw)]
     return Report(
-        **frame_of(results, shown, scene, len(scene[axis_keys(scene)].drop_duplicates())),
-        answer=Section("", said, tables, pictures, list(notes(found))),
+        **frame_of(results, shown, scene, is_sampled=True),
+        answer=Section("", said, tables, pictures, list(_notes(keys))),
         more=lambda: background(whole, shown, scene, ("records",)),
     )
 
 
-# In words
+def _in_units(results: Results) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Unit]]:
+    """Keys and points that were tried, in the units in which they are shown, and these by column."""
+    keys, points = results.answer(OPTIMUM).frame.copy(), results.answer(POINTS)
+    tried, units = points.frame.copy(), {name: column.unit for name, column in points.columns.items()}
+    units["value"] = _unit_of(results, keys["sought"].iloc[0], units["value"])
+    keys[_SOUGHT] /= units["value"].factor
+    keys[_OF_KEY] = keys[_OF_KEY].div(keys["key"].map(lambda key: units[key].factor), axis=0)
+    for name in ("value", *keys["key"]):
+        if pd.api.types.is_numeric_dtype(tried[name]):  # not of a choice
+            tried[name] /= units[name].factor
+    return keys, tried, units
 
 
-def _optimum(found: Optimum) -> Table:
+def _unit_of(results: Results, words: str, known: Unit) -> Unit:
+    """The unit in which a number is shown that is called "largest drift in stiff": that of the variable named alone."""
+    named = [word for word in words.split() if word in results.data]
+    return column_of(named[0], results.units).unit if len(named) == 1 else known
+
+
+def _optimum(keys: pd.DataFrame, tried: pd.DataFrame, units: Mapping[str, Unit]) -> Table:
     """A row for each key."""
 
     def text(*values: float) -> str:
-        return NOTHING if any(map(isnan, values)) else " to ".join(Unit().text(value, 4) for value in values)
+        return NOTHING if np.isnan(values).any() else " to ".join(Unit().text(value, 4) for value in values)
 
     rows = []
-    for key in found.keys:
-        spans = [text(key[f"{name}_from"], key[f"{name}_to"]) for name in ("flat", "together", "range")]
-        if key["option"]:
-            spans[2] = ", ".join(dict.fromkeys(map(str, found.tried[key["key"]])))
-        values = [key["option"] or text(key["value"]), key["written_option"] or text(key["written"])]
-        rows.append([found.units[key["key"]].label(key["key"]), *values, *spans])
+    for row in keys.to_dict("records"):
+        spans = [text(row[f"{name}_from"], row[f"{name}_to"]) for name in ("flat", "together", "range")]
+        if row["option"]:
+            spans[-1] = ", ".join(tried[row["key"]].unique())
+        values = [row["option"] or text(row["value"]), row["written_option"] or text(row["written"])]
+        rows.append([units[row["key"]].label(row["key"]), *values, *spans])
     heads = ("key", "best", "as written", "as good by itself", "as good with others", "searched")
     return from_rows("The optimum", heads, rows)
 
 
-def _design(found: Optimum) -> Table:
+def _design(results: Results, design: Sequence[Row]) -> Table:
     """What the buildings do at the optimum, and beside it with the study as written."""
 
-    def text(row: Key, value: float) -> str:
-        if value != value:
-            return NOTHING
-        if row["of"]:
-            return f"{value:.0f} of {row['of']}"
-        return f"{value:.5g} {row['unit'] if row['unit'] != '1' else ''}".rstrip()
+    def text(row: Row, value: float) -> str:
+        if np.isnan(value) or row["of"]:
+            return NOTHING if np.isnan(value) else f"{value:.0f} of {row['of']}"
+        return _unit_of(results, row["quantity"], Unit(row["unit"].removeprefix("1"))).text(value, 5)
 
     rows = [
         [row["quantity"], text(row, row["optimum"]), text(row, row["as_written"])]
-        for row in found.design
+        for row in design
         if row["quantity"] != "scenes that failed" or row["optimum"] or row["as_written"]
     ]
     return from_rows("What the buildings do", ("quantity", "at the optimum", "as written"), rows)
 
 
-def sentences(found: Optimum) -> list[str]:
+def _sentences(first: Row, design: Sequence[Row], unit: Unit) -> list[str]:
     """The answer, and what is left of contacts and flags at the optimum."""
-    first, unit = found.first, f" {found.units['value'].name}".rstrip()
     direction, _, sought = str(first["sought"]).partition(" ")
     what = f"{direction.capitalize()} of {sought}"
     if first["outcome"] == NO_OPTIMUM:
         return [f"{what}: no point gave a number that means something, so there is no answer."]
     worth = f" ± {first['error']:.1g}" if first["error"] > 0 else ""
-    said = f"{what}: {first['optimum']:.5g}{worth}{unit}"
-    if first["as_written"] == first["as_written"]:
-        said += f"; with the study as written: {first['as_written']:.5g}{unit}"
-    flags = [
-        row["quantity"].partition(": ")[2] for row in found.design if "flagged: " in row["quantity"] and row["optimum"]
-    ]
-    count, of = next((row["optimum"], row["of"]) for row in found.design if row["quantity"] == "scenes with contact")
-    contact = "no contact is left" if count == 0 else f"contact is left in {count:.0f} of {counted(of, 'scene')}"
-    if count != count:
-        contact = "contacts are not known, since a scene failed"
-    flagged = f"flagged: {', '.join(flags)}" if flags else "nothing is flagged"
-    return [f"{said}.", f"At the optimum {contact}; {flagged}."]
+    said = f"{what}: {first['optimum']:.5g}{worth} {unit.name}".rstrip()
+    if not np.isnan(first["as_written"]):
+        said += f"; with the study as written: {first['as_written']:.5g} {unit.name}".rstrip()
+    at = {row["quantity"]: row["optimum"] for row in design}
+    of = next(row["of"] for row in design if row["quantity"] == "scenes with contact")
+    contact = "contacts are not known, since a scene failed"
+    if not np.isnan(count := at["scenes with contact"]):
+        contact = f"contact is left in {count:.0f} of {counted(of, 'scene')}" if count else "no contact is left"
+    flags = ", ".join(name.partition(": ")[2] for name, number in at.items() if "flagged: " in name and number)
+    return [f"{said}.", f"At the optimum {contact}; {f'flagged: {flags}' if flags else 'nothing is flagged'}."]
 
 
-def notes(found: Optimum) -> Iterator[str]:
+def _notes(keys: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the numbers."""
-    first = found.first
-    if first["outcome"] != NO_OPTIMUM and first["error"] != first["error"]:
-        yield "The numerical error is not known: no scene near the optimum was assessed (`estimate:`)."
-    for key in found.keys if first["outcome"] != NO_OPTIMUM else ():
-        ends = np.array([key["range_from"], key["range_to"]], float)
-        near = np.abs(ends - key["value"]) <= _AT_END * abs(ends[1] - ends[0])
-        if near.any():
-            yield f"{key['key']} is best at the end of its range: a better value may lie beyond."
-    if first["outcome"] == UNSETTLED:
-        yield ("The search ended before the points of a generation were nearly as good: write more `generations:`.")
+    first = keys.iloc[0].to_dict()
     of = int(first["points"])
+    if first["outcome"] != NO_OPTIMUM:
+        if np.isnan(first["error"]):
+            yield "The numerical error is not known: no scene near the optimum was assessed (`estimate:`)."
+        ends = keys[["range_from", "range_to"]].to_numpy(float)
+        near = abs(ends - keys[["value"]].to_numpy(float)) <= _AT_END * np.ptp(ends, axis=1, keepdims=True)
+        for key in keys["key"][near.any(axis=1)]:
+            yield f"{key} is best at the end of its range: a better value may lie beyond."
+    if first["outcome"] == UNSETTLED:
+        yield "The search ended before the points of a generation were nearly as good: write more `generations:`."
     if first["failed"]:
         yield f"{counted(int(first['failed']), 'point')} of {of} gave no number: a scene failed, or has no such number."
     if first["meaningless"]:
@@ -189,88 +150,54 @@ def notes(found: Optimum) -> Iterator[str]:
         )
 
 
-# Figures
-
-
 @styled
-def draw_optimum(found: Optimum, shown: Evidence) -> Figure:
-    """A panel for each key, and the map."""
-    keys, mapped = found.keys[:MOST_KEYS], [key for key in found.keys if key["mapped"]]
-    count = len(keys) + bool(mapped)
-    columns = 2 if count == 4 else min(count, 3)
-    lines = -(-count // columns)
-    figure = new_figure(3.3 * columns + 0.6, 2.7 * lines + 0.9)
-    axes = figure.subplots(lines, columns, squeeze=False).ravel()
-    near = found.tried[found.tried["stage"].isin(["slices", "map", "as written"])]["value"].dropna()
-    values = [*(near if len(near) else found.tried["value"].dropna()), found.first["optimum"]]
-    room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values[-1]) or 1.0
-    for number, (ax, key) in enumerate(zip(axes, keys, strict=False)):
-        _along(ax, found, key, shown)
-        ax.set_ylim(min(values) - room, max(values) + room)
-        if number % columns == 0:
-            ax.set_ylabel(found.sought, fontsize=7.5)
-    if mapped:
-        _map(figure, axes[len(keys)], found, mapped, shown)
-    for ax in axes[count:]:
-        ax.axis("off")
-    handles = {h.get_label(): h for ax in axes[:count] for h in ax.get_legend_handles_labels()[0]}
-    below_title = (0.005, 1.0 - 0.27 / figure.get_figheight())
-    figure.legend(handles.values(), handles.keys(), loc="upper left", bbox_to_anchor=below_title, ncols=5, fontsize=8)
-    entitle(figure, f"{shown.title}\n")  # the second line is the legend's
-    caption(figure, f"{' '.join(sentences(found))} {motion_sentence(shown.records)}")
+def draw_optimum(
+    keys: pd.DataFrame, tried: pd.DataFrame, units: Mapping[str, Unit], shown: Evidence, said: str
+) -> Figure:
+    """The number sought over each key: every point that was tried, and a line through those that differ from the
+    optimum in this key alone."""
+    rows, best = keys.head(MOST_KEYS).to_dict("records"), keys["option"].where(keys["option"] != "", keys["value"])
+    is_best = pd.DataFrame({key: tried[key] == value for key, value in zip(keys["key"], best, strict=True)})
+    along = [tried[is_best.drop(columns=row["key"]).all(axis=1) & tried["value"].notna()] for row in rows]
+    values = pd.concat([*(line["value"] for line in along), keys["optimum"], keys["as_written"]]).dropna()
+    room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values.iloc[0]) or 1.0
+    columns = 2 if len(rows) == 4 else min(len(rows), 3)
+    figure, axes = panels(-(-len(rows) // columns), columns, 3.3, 2.7)
+    for ax, row, line in zip(axes.flat, rows, along, strict=False):
+        _along(ax, row, tried, line)
+        ax.set_ylim(values.min() - room, values.max() + room)
+        name_axis(ax, "x", [row["key"]], [units[row["key"]]], 7.5, 32)
+        ax.tick_params(labelsize=7.5)
+    for ax in axes.flat[len(rows) :]:
+        ax.set_visible(False)
+    for ax in axes[:, 0]:
+        ax.set_ylabel(units["value"].label(str(keys["sought"].iloc[0]).partition(" ")[2]), fontsize=7.5)
+    shared_legend(figure, axes.flat)
+    finish(figure, shown.title, f"{said} {motion_sentence(shown.records)}")
     return figure
 
 
-def _name(ax: Axes, which: str, found: Optimum, key: Key, shown: Evidence) -> None:
-    name_axis(ax, which, [key["key"]], [found.units[key["key"]]], 7.5, 32)
-    ax.tick_params(labelsize=7.5)
-
-
-def _along(ax: Axes, found: Optimum, key: Key, shown: Evidence) -> None:
-    """The number sought along one key through the optimum, every point behind it."""
-    name, frame, line = key["key"], found.tried, found.through(key)
-    dots: dict[str, Any] = {"ls": "", "marker": ".", "ms": 2.5, "color": "0.65", "label": "point tried"}
-    through: dict[str, Any] = {"color": _LINE, "label": "through the optimum"}
-    if key["option"]:
-        numbers, options = pd.factorize(frame[name].to_numpy())
-        shift = np.random.default_rng(1).uniform(-0.25, 0.25, len(numbers))
-        ax.plot(numbers + shift, frame["value"], **dots)
-        number = {option: place for place, option in enumerate(options)}
-        ax.plot([number[option] for option in line[name]], line["value"], ls="", marker="_", ms=16, mew=2, **through)
+def _along(ax: Axes, row: Row, tried: pd.DataFrame, line: pd.DataFrame) -> None:
+    """One panel; options of a choice stand beside each other."""
+    name, at, written, style = row["key"], row["value"], row["written"], dict[str, Any]()
+    x: Any = tried[name]
+    through: Any = line.sort_values(name)[name]
+    if row["option"]:
+        numbers, options = pd.factorize(x.to_numpy())
+        place = {option: number for number, option in enumerate(options)}
+        at, written = place[row["option"]], place.get(row["written_option"], np.nan)
+        x, through = numbers + np.random.default_rng(1).uniform(-0.25, 0.25, len(numbers)), through.map(place)
+        style = {"ls": "", "marker": "_", "ms": 16, "mew": 2}
         ax.set_xticks(range(len(options)), options)
-        at, written = float(number[key["option"]]), float(number.get(key["written_option"], np.nan))
     else:
-        if key["flat_from"] == key["flat_from"]:
-            ax.axvspan(key["flat_from"], key["flat_to"], color=_FLAT, lw=0, label="as good by itself")
-        ax.plot(frame[name], frame["value"], **dots)
-        line = line.sort_values(name)
-        ax.plot(line[name], line["value"], lw=1.6, **through)
-        ax.set_xscale(key["spacing"])
-        at, written = key["value"], key["written"]
-    if found.first["as_written"] == found.first["as_written"]:
-        mark: dict[str, Any] = {"marker": "D", "ms": 6, "color": _WRITTEN, "mec": "k", "label": "as written"}
-        ax.plot([written], [found.first["as_written"]], ls="", **mark)
-    ax.plot([at], [found.first["optimum"]], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6, label="optimum")
-    _name(ax, "x", found, key, shown)
-
-
-def _map(figure: Figure, ax: Axes, found: Optimum, keys: list[Key], shown: Evidence) -> None:
-    """Contours of the number over two keys, the others at the optimum; every point that lies there."""
-    frame = found.through(*keys)
-    frame = frame[frame["stage"].isin(["map", "slices"])]
-    x, y = (frame[key["key"]].to_numpy(float) for key in keys)
-    on_paper = [np.log(v) if key["spacing"] == "log" else v for v, key in zip((x, y), keys, strict=True)]
-    corners = Triangulation(x, y, Triangulation(*((v - v.min()) / np.ptp(v) for v in on_paper)).triangles)
-    drawn = ax.tricontourf(corners, frame["value"].to_numpy(float), levels=14, cmap=COLOURS)
-    bar = figure.colorbar(drawn, ax=ax, pad=0.02, aspect=22)
-    bar.ax.tick_params(labelsize=7.5)
-    bar.set_label(found.sought, fontsize=7.5)
-    ax.plot(x, y, ls="", marker=".", ms=1.5, color="0.85")
-    ax.plot(keys[0]["value"], keys[1]["value"], ls="", marker="*", ms=11, color=_BEST, mec="k", mew=0.6)
-    ax.set(xscale=keys[0]["spacing"], yscale=keys[1]["spacing"])
-    ax.grid(False)
-    for which, key in zip("xy", keys, strict=True):
-        _name(ax, which, found, key, shown)
+        ax.set_xscale(row["spacing"])
+        if not np.isnan(row["flat_from"]):
+            ax.axvspan(row["flat_from"], row["flat_to"], color="0.9", lw=0, label="as good by itself")
+    ax.plot(x, tried["value"], ls="", marker=".", ms=2.5, color="0.65", label="point tried")
+    ax.plot(through, line["value"][through.index], color="#0072B2", label="through the optimum", **style)
+    mark: dict[str, Any] = {"ls": "", "mec": "k", "mew": 0.6}
+    ax.plot(written, row["as_written"], marker="D", ms=6, color="#E69F00", label="as written", **mark)
+    ax.plot(at, row["optimum"], marker="*", ms=11, color="#AA2211", label="optimum", **mark)
 
 
 def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,15 +13,14 @@ from pounding_cli.laws import drawn
 from pounding_cli.numbers import counted
 from pounding_cli.report.background import background, frame_of, limits, trust
 from pounding_cli.report.claims import claim_sections
-from pounding_cli.report.document import Report, Section
+from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
 from pounding_cli.report.figures import RESPONSES, loop_pictures, profiles
 from pounding_cli.report.sweep import Asked, sweep_pictures
-from pounding_cli.report.table import NOTHING, column_of, digits, from_rows
+from pounding_cli.report.table import NOTHING, column_of, digits, from_records
 from pounding_cli.report.widgets import explored, players
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
 from pounding_cli.results.tables import Table
-from pounding_cli.solver.response import NEVER_CLOSES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -36,23 +36,20 @@ def run_report(results: Results, asked: Asked | None = None) -> Report:
     ------
     InputError : something asked for over the sweep is not there
     """
-    shown = nominal(results)
-    tables = [largest(results), means(shown)]
+    shown, scene = nominal(results), results.scene()
+    tables = [largest(results, scene), means(shown)]
     return Report(
-        **frame_of(results, shown, results.scene()),
-        answer=Section("", sentences(shown), tables, profiles(shown)[:1], notes(results, shown)),
-        more=partial(_more, results, shown, asked),
+        **frame_of(results, shown, scene),
+        answer=Section("", sentences(shown), tables, profiles(shown)[:1], notes(results, shown, scene)),
+        more=partial(_more, results, shown, scene, sweep_pictures(results, shown, asked)),
     )
 
 
-def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Section]:
-    swept, scenes = sweep_pictures(results, shown, asked), players(results)
-    kept, said = len(results.histories()), list[str]()
+def _more(results: Results, shown: Evidence, scene: pd.DataFrame, swept: list[Picture]) -> list[Section]:
+    kept, scenes, said = len(results.histories()), players(results), list[str]()
     if not kept:
-        keep = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.records['record'].iloc[0]}]}}}}"
-        said = [
-            f"This results file has no histories. To see moving buildings, add `{keep}` to the study and run it again."
-        ]
+        keep = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.names('record')[0]}]}}}}"
+        said = [f"No scene is kept over time. To see moving buildings, add `{keep}` to the study and run it again."]
     elif len(scenes) < kept:
         said = [f"{len(scenes)} of {kept} kept scenes have room here: keep fewer, or longer steps, `every: 20 ms`."]
     return [
@@ -61,7 +58,7 @@ def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Sectio
         Section("Moving buildings", said, widget="player", data={"scenes": scenes}),
         *claim_sections(results, shown.label),
         Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(shown)]),
-        *background(results, shown, results.scene(), TABLES),
+        *background(results, shown, scene, TABLES),
     ]
 
 
@@ -82,9 +79,8 @@ def sentences(shown: Evidence) -> list[str]:
     return [f"{shown.main}{where}{over}, largest over the height: {'; '.join(said)}."] if said else []
 
 
-def notes(results: Results, shown: Evidence) -> list[str]:
+def notes(results: Results, shown: Evidence, scene: pd.DataFrame) -> list[str]:
     """How far the numbers go, and what a reader should know of them."""
-    scene = results.scene()
     said = [
         f"{trust(scene, results.units)} {motion_sentence(shown.records)}",
         "μ: ductility; over alone: μ/μ₀ of inelastic, V/V₀ of elastic storeys, to the building alone under the same "
@@ -94,31 +90,27 @@ def notes(results: Results, shown: Evidence) -> list[str]:
         said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
     if len(shown.cases) > len(shown.plotted):
         said.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
-    if never := int(scene["dropped"].str.contains(NEVER_CLOSES, regex=False).sum()):
-        which = counted(never, "run has a gap that never closes", "runs have a gap that never closes")
-        said.append(f"{which}: of scenes that differ in such gaps alone, one was simulated.")
     for group in flag_groups_of(scene, results.units):
         said.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
-    limited = limits(results)
-    return [*said, *(limited.sentences[len(results.warnings) :] if limited else [])]
+    limited = [sentence for section in limits(results) for sentence in section.sentences]
+    return [*said, *limited[len(results.warnings) :]]  # warnings are printed before a run
 
 
-def largest(results: Results) -> Table:
+def largest(results: Results, scene: pd.DataFrame) -> Table:
     """The largest demand, ratio to the building alone, drift, acceleration, closing and shear of struck columns of
     every case and analysis over buildings, storeys, motions and points of the sweep, each with its place."""
-    scene, struck = results.scene(), results.struck()
+    struck, analyses = results.struck(), scene["analysis"].unique().tolist()
     storey = results.storey("mu", "mu_ratio", "V_ratio", "drift_ratio")  # no more: sweeps may be long
     inelastic = storey["analysis"] == "inelastic"
     storey["mu_ratio"] = storey["mu_ratio"].where(inelastic, storey.pop("V_ratio"))
     storey["mu"] = storey["mu"].where(inelastic)
-    analyses = scene["analysis"].unique().tolist()
     both = "μ/μ₀ (V/V₀ elastic)" if len(analyses) > 1 else "V/V₀" if analyses == ["elastic"] else "μ/μ₀"
-    wanted: dict[str, tuple[pd.DataFrame, str]] = {
+    wanted = {
         "μ": (storey, "mu"),
         both: (storey, "mu_ratio"),
         "drift": (storey, "drift_ratio"),
         "acceleration": (results.floor("acceleration"), "acceleration"),
-        "struck columns": (struck[struck["impacts"] > 0], "shear_demand"),
+        "struck columns": (struck[struck["impacts"] > 0] if len(struck) else struck, "shear_demand"),
     }
     flagged = flagged_scenes(scene)
     flagged = flagged[flagged["meaningless"]]
@@ -127,12 +119,10 @@ def largest(results: Results) -> Table:
     table = pd.DataFrame(cells | {"closing / gap": _closing(results), "flags": _flags(scene)})
     order = pd.MultiIndex.from_frame(scene[["case", "analysis"]].drop_duplicates())
     table = table.reindex(order).dropna(axis=1, how="all").fillna(NOTHING).reset_index()
-    marked = set(flagged[["case", "analysis"]].itertuples(index=False, name=None))
-    rows = [
-        [f"{case} {MARK}" if (case, analysis) in marked else case, analysis, *others]
-        for case, analysis, *others in table.itertuples(index=False, name=None)
-    ]
-    return from_rows("Largest of all runs, and where", list(table.columns), rows)
+    marked = set(zip(flagged["case"], flagged["analysis"], strict=True))
+    places = zip(table["case"], table["analysis"], strict=True)
+    table["case"] = [f"{place[0]} {MARK}" if place in marked else place[0] for place in places]
+    return from_records("Largest of all runs, and where", table.to_dict("records"))
 
 
 def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
@@ -171,26 +161,25 @@ def _flags(scene: pd.DataFrame) -> dict[tuple[str, str], str]:
     found, groups = {}, flag_groups_of(scene)
     place: Any
     for place, here in scene.groupby(["case", "analysis"], sort=False):
-        mine = [group for group in groups if (group.case, group.analysis) == place]
-        lost = len(failed_scenes(here))
-        said = [f"{lost} failed"] * (lost > 0) + [group.flag for group in mine]
-        if said:
-            found[place] = f"{max([lost, *(g.count for g in mine)])} of {len(here)}\n{'; '.join(said)}"
+        mine = {group.flag: group.count for group in groups if (group.case, group.analysis) == place}
+        if lost := len(failed_scenes(here)):
+            mine = {f"{lost} failed": lost} | mine
+        if mine:
+            found[place] = f"{max(mine.values())} of {len(here)}\n{'; '.join(mine)}"
     return found
 
 
 def means(shown: Evidence) -> Table:
     """The largest mean ratio to the building alone of every case and building, with its storey."""
     rows = []
-    for case in shown.cases:
-        for building in shown.built:
-            row: dict[str, Any] = {"case": shown.marked(case), "building": building}
-            for analysis, ratio in RESPONSES:
-                of, name = shown.means(case, analysis, building, ratio), f"{column_of(ratio).label} {analysis}"
-                row[f"{name}, roof"] = digits(of.iloc[-1]) if len(of) else np.nan
-                row[f"{name}, largest (storey)"] = f"{digits(of.max())} ({of.idxmax()})" if len(of) else np.nan
-            rows.append(row)
+    for case, building in product(shown.cases, shown.built):
+        row: dict[str, Any] = {"case": shown.marked(case), "building": building}
+        for analysis, ratio in RESPONSES:
+            of, name = shown.means(case, analysis, building, ratio), f"{column_of(ratio).label} {analysis}"
+            row[f"{name}, roof"] = digits(of.iloc[-1]) if len(of) else np.nan
+            row[f"{name}, largest (storey)"] = f"{digits(of.max())} ({of.idxmax()})" if len(of) else np.nan
+        rows.append(row)
     frame = pd.DataFrame(rows).dropna(axis=1, how="all").fillna(NOTHING)
     at = f" at {shown.label}" if shown.label else ""
     what = f"Ratios to the building alone, mean of {counted(len(shown.records), 'motion')}{at}"
-    return from_rows(what, list(frame.columns), frame.to_numpy().tolist())
+    return from_records(what, frame.to_dict("records"))

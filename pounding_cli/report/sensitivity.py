@@ -15,18 +15,18 @@ from matplotlib.figure import Figure
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.evidence import Evidence, axis_keys, motion_sentence, nominal
+from pounding_cli.report.evidence import Evidence, nominal
 from pounding_cli.report.references import Use
-from pounding_cli.report.style import caption, entitle, key_words, name_axis, new_figure, shared_legend, styled
-from pounding_cli.report.table import NOTHING, digits, from_rows, interval
+from pounding_cli.report.style import finish, key_words, new_figure, shared_legend, styled
+from pounding_cli.report.table import NOTHING, digits, from_records, from_rows, interval
 from pounding_cli.results.tables import Table
-from pounding_cli.workflows.sensitivity import FOUND, INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
+from pounding_cli.workflows.sensitivity import FOUND, INDICES, OUTPUTS, PERCENTILES, PROBABILITIES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
 MOST = 6
-"""Outputs in one figure, and keys whose samples are drawn; of more, the first and those that decide most."""
+"""Outputs in the figure; of more, the first are drawn."""
 
 _LOW, _HIGH, _FIRST, _TOTAL = "#0072B2", "#E69F00", "#56B4E9", "#000000"
 _SHOWN = {
@@ -35,53 +35,37 @@ _SHOWN = {
 }  # fmt: skip
 """Columns of the indices that a person reads."""
 
+Row = Mapping[Any, Any]
+
 
 def sensitivity_report(results: Results) -> Report:
     """What a sensitivity study says; figures and sentences at one point of the other swept keys."""
     whole, results = results, results.first_sample()
-    answer, shown = results.answer(INDICES), nominal(results)
-    tables, said, pictures = list[Table](), list[str](), list[Picture]()
-    frame = answer.frame[answer.frame["case"] != ""]  # claims rest on all cases: their probabilities say what decides
-    is_sobol, stated = "total" in frame, set[str]()
+    frame, shown, scene = results.answer(INDICES).frame, nominal(results), whole.scene()
+    of_cases = frame[frame["case"] != ""]  # claims rest on all cases: their probabilities say what decides
+    said, tables, pictures, stated = list[str](), list[Table](), list[Picture](), set[str]()
     if PROBABILITIES in results.answers:
         held = results.answer(PROBABILITIES).frame
-        stated = set(held["statement"])
-        tables.append(_probabilities(results, held))
-    if (frame["outcome"] == FOUND).any():
-        tables.append(_indices(results, frame))
-    drawn = []
-    for title, rows in parts(results, _at(results, frame, shown)):
-        if rows["output"].iloc[0] not in stated:
-            said.append(sentence(title, rows))
-        if rows["outcome"].iloc[0] == FOUND:
-            drawn.append((title, rows))
+        tables, stated = [_probabilities(results, held)], set(held["statement"])
+    found = of_cases[of_cases["outcome"] == FOUND]
+    if len(found):
+        tables.append(_indices(results, found))
+    for title, rows in parts(results, shown.here(of_cases)):
+        said += [] if rows["output"].iloc[0] in stated else [sentence(title, rows)]
     if OUTPUTS in results.answers:
-        outputs = _at(results, results.answer(OUTPUTS).frame, shown)
-        said += [spread_sentence(row) for row in outputs.to_dict("records")]
-    if drawn := drawn[:MOST]:
-        samples, text = results.answer(SAMPLES), " ".join(sentence(*each) for each in drawn)
-        draw = partial(draw_indices, is_sobol, drawn, shown)
-        pictures.append(Picture("sensitivity", "What decides the outputs", text, draw))
-        draw = partial(draw_samples, samples, _at(results, samples.frame, shown), drawn, shown)
-        text = "Every dot is a sample; the line is the mean of the output along the key."
-        pictures.append(Picture("sensitivity-samples", "The samples", text, draw))
-    scene = whole.scene()
+        said += map(spread_sentence, shown.here(results.answer(OUTPUTS).frame).to_dict("records"))
+    if drawn := list(parts(results, shown.here(found)))[:MOST]:
+        text = " ".join(sentence(*each) for each in drawn)
+        draw = partial(draw_indices, drawn, shown)
+        pictures = [Picture("sensitivity", "What decides the outputs", text, draw)]
     return Report(
-        **frame_of(results, shown, scene, len(scene[axis_keys(scene)].drop_duplicates())),
-        answer=Section("", said, tables, pictures, list(_notes(results, answer.frame))),
+        **frame_of(results, shown, scene, is_sampled=True),
+        answer=Section("", said, tables, pictures, list(_notes(results, frame))),
         more=lambda: background(whole, shown, scene, ("records",)),
     )
 
 
-def _at(results: Results, frame: pd.DataFrame, shown: Evidence) -> pd.DataFrame:
-    """The rows of the point that is shown; the samples, which are the last axis, are no point of it."""
-    for key, value in shown.point.items():
-        if key in frame and key not in results.swept[-1]:
-            frame = frame[frame[key] == value]
-    return frame
-
-
-def _where(results: Results, row: Mapping[Any, Any]) -> str:
+def _where(results: Results, row: Row) -> str:
     """Point of the other axes, case and analysis in words."""
     said = [f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row]
     return ", ".join([*said, f"case {row['case']}", str(row["analysis"])] if row["case"] else [*said, "all cases"])
@@ -92,35 +76,34 @@ def parts(results: Results, frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataF
     keys = [key for key in results.axes if key in frame]
     by = "total" if "total" in frame else "mu_star"
     for _, rows in frame.groupby([*keys, "case", "analysis", "output"], sort=False):
-        first = rows.iloc[0]
-        unit = f" [{first['unit']}]" if first["unit"] else ""
-        title = f"{first['output']}{unit}, {_where(results, first.to_dict())}"
+        first = rows.iloc[0].to_dict()
+        title = f"{Unit(first['unit']).label(first['output'])}, {_where(results, first)}"
         yield title, rows.sort_values(by, ascending=False, kind="stable")
 
 
 def _indices(results: Results, frame: pd.DataFrame) -> Table:
     """The indices of every output, those that decide most first, with intervals or standard errors."""
-    names, rows = [name for name in _SHOWN if name in frame], []
-    for title, part in parts(results, frame):
-        for row in part.to_dict("records") if part["outcome"].iloc[0] == FOUND else ():
-            rows.append([title, row["key"], *(_index(row, name) for name in names)])
-    return from_rows("What decides the outputs", ("output", "key", *(_SHOWN[name] for name in names)), rows)
 
+    def text(row: Row, name: str) -> str:
+        if f"{name}_low" in row:
+            return interval(row, name)
+        error = row.get(f"{name}_error", 0.0)
+        return digits(row[name], 3) + (f" ± {digits(error, 2)}" if error > 0 else "")
 
-def _index(row: Mapping[Any, Any], name: str) -> str:
-    if f"{name}_low" in row:
-        return interval(row, name)
-    error = row.get(f"{name}_error", np.nan)
-    return digits(row[name], 3) + (f" ± {digits(error, 2)}" if error > 0 else "")
+    rows = [
+        {"output": title, "key": row["key"]} | {head: text(row, name) for name, head in _SHOWN.items() if name in row}
+        for title, part in parts(results, frame)
+        for row in part.to_dict("records")
+    ]
+    return from_records("What decides the outputs", rows)
 
 
 def _probabilities(results: Results, frame: pd.DataFrame) -> Table:
     """How likely every statement holds, with its interval, and the key that decides it most."""
     rows = [
-        [row["statement"], _where(results, row), interval(row, "probability"),
-         row["decided_by"] or NOTHING]
+        [row["statement"], _where(results, row), interval(row, "probability"), row["decided_by"] or NOTHING]
         for row in frame.to_dict("records")
-    ]  # fmt: skip
+    ]
     return from_rows("How likely statements hold", ("statement", "where", "probability", "decided most by"), rows)
 
 
@@ -162,9 +145,9 @@ def _notes(results: Results, frame: pd.DataFrame) -> Iterator[str]:
 
 
 @styled
-def draw_indices(is_sobol: bool, drawn: list[tuple[str, pd.DataFrame]], shown: Evidence) -> Figure:
+def draw_indices(drawn: list[tuple[str, pd.DataFrame]], shown: Evidence) -> Figure:
     """A line of panels for each output: the output at both ends of each key, and the indices of the key."""
-    keys = len(drawn[0][1])
+    keys, is_sobol = len(drawn[0][1]), "total" in drawn[0][1]
     figure = new_figure(9.0 if is_sobol else 6.0, (0.33 * keys + 1.0) * len(drawn) + 0.8)
     axes = figure.subplots(len(drawn), 2 if is_sobol else 1, squeeze=False, sharey="row")
     for line, (title, most_first) in zip(axes, drawn, strict=True):
@@ -177,8 +160,8 @@ def draw_indices(is_sobol: bool, drawn: list[tuple[str, pd.DataFrame]], shown: E
             _dots(line[1], rows, y + 0.13, "total", _TOTAL, "total index")
             _dots(line[1], rows, y - 0.13, "first", _FIRST, "first order")
             line[1].axvline(0, color="0.3", lw=0.8)
-            line[1].set(xlabel="part of the variance", xlim=(min(-0.05, line[1].get_xlim()[0]), None))
-            line[1].set_xlim(right=max(1.0, line[1].get_xlim()[1]))
+            low, high = line[1].get_xlim()
+            line[1].set(xlabel="part of the variance", xlim=(min(-0.05, low), max(1.0, high)))
         else:
             _dots(line[0], rows, y, "mu_star", _TOTAL, "mean effect")
             line[0].plot(rows["sigma"], y, ls="", marker="x", ms=5, color=_HIGH, label="deviation")
@@ -187,7 +170,7 @@ def draw_indices(is_sobol: bool, drawn: list[tuple[str, pd.DataFrame]], shown: E
             ax.set_ylim(-0.6, keys - 0.4)
             ax.grid(False, axis="y")
     shared_legend(figure, axes[0], "outside lower center", columns=4)
-    entitle(figure, shown.title)
+    finish(figure, shown.title)
     return figure
 
 
@@ -206,44 +189,6 @@ def _dots(ax: Axes, rows: pd.DataFrame, y: np.ndarray, name: str, color: str, la
     x = rows[name].to_numpy(float)
     ends = np.maximum([x - rows[f"{name}_low"], rows[f"{name}_high"] - x], 0)
     ax.errorbar(x, y, xerr=ends, ls="", marker="o", ms=4.5, color=color, lw=1.2, capsize=2.5, label=label)
-
-
-@styled
-def draw_samples(samples: Table, frame: pd.DataFrame, drawn: list[tuple[str, pd.DataFrame]], shown: Evidence) -> Figure:
-    """The outputs over the keys: a line of panels for each output, a panel for each of the keys that decide most."""
-    wide = min(MOST, len(drawn[0][1]))
-    figure = new_figure(1.9 * wide + 0.8, 1.75 * len(drawn) + 0.8)
-    axes = figure.subplots(len(drawn), wide, squeeze=False, sharey="row")
-    for line, (title, rows) in zip(axes, drawn, strict=True):
-        first = rows.iloc[0]
-        here = frame[(frame["case"] == first["case"]) & (frame["analysis"] == first["analysis"])]
-        if "total" in rows:
-            here = here[here["independent"] == 1]
-        for ax, key in zip(line, rows["key"], strict=False):
-            _scatter(ax, here[key], here[f"output {first['output']}"].to_numpy(float), samples.columns[key].unit)
-            name_axis(ax, "x", [key], [samples.columns[key].unit], 7, 28)
-            ax.tick_params(labelsize=7)
-        line[0].set_ylabel(textwrap.fill(title, 30), fontsize=7)
-    entitle(figure, shown.title)
-    caption(figure, f"Dots: samples. Line: mean of the output along the key. {motion_sentence(shown.records)}")
-    return figure
-
-
-def _scatter(ax: Axes, column: pd.Series, values: np.ndarray, unit: Unit) -> None:
-    """Every sample, and the means over the options of a choice or along a number."""
-    samples = pd.DataFrame({"x": column.to_numpy(), "y": values})
-    if pd.api.types.is_numeric_dtype(column):
-        samples["x"] /= unit.factor
-        bins = pd.qcut(samples["x"].rank(method="first"), max(2, min(10, len(samples) // 8)), labels=False)
-        means, line = samples.groupby(bins).mean(), dict[str, Any](lw=1.8)
-    else:
-        numbers, names = pd.factorize(samples["x"])
-        means = samples.assign(x=numbers).groupby("x", as_index=False).mean()
-        samples["x"] = numbers + np.random.default_rng(1).uniform(-0.2, 0.2, len(numbers))
-        ax.set_xticks(range(len(names)), [name[:14] for name in names], rotation=35, ha="right")
-        line = {"ls": "", "marker": "_", "ms": 14, "mew": 2}
-    ax.plot(samples["x"], samples["y"], ls="", marker=".", ms=2, color="0.6")
-    ax.plot(means["x"], means["y"], color=_LOW, **line)
 
 
 def cite_sensitivity(resolved: Mapping[str, Any], used: Use) -> None:

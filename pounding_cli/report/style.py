@@ -112,15 +112,14 @@ def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **s
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 
 
-def legend(ax: Axes, cases: Mapping[str, str], **keywords: Any) -> None:
-    """A legend of cases alone, with their line and marker; `cases`: what each is called."""
+def case_handles(cases: Mapping[str, str]) -> list[Any]:
+    """Line and marker of every case for a legend; `cases`: what each is called."""
     from matplotlib.lines import Line2D
 
-    handles = [
+    return [
         Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, ms=5, lw=1.6, label=cases[case])
         for case, look in looks(list(cases)).items()
     ]
-    ax.legend(handles=handles, handlelength=3.2, **keywords)
 
 
 def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right upper", columns: int = 1) -> None:
@@ -147,16 +146,13 @@ def is_for_paper() -> bool:
     return _paper.get()
 
 
-def entitle(figure: Figure, title: str, weight: str = "normal") -> None:
-    """The study's title at the head of a figure."""
-    if not is_for_paper():
-        figure.suptitle(title, x=0.015, ha="left", fontsize=11, fontweight=weight)
-
-
-def caption(figure: Figure, text: str) -> None:
-    """A caption under the figure, wrapped to its width; of one for a paper it is kept for `save`."""
+def finish(figure: Figure, title: str, text: str = "") -> None:
+    """Title above a figure and caption below, wrapped to its width; for a paper `save` writes captions."""
     figure.set_label(text)
     if not is_for_paper():
+        figure.suptitle(
+            textwrap.fill(title, int(10 * figure.get_figwidth())), x=0.015, ha="left", fontsize=11, fontweight="bold"
+        )
         lines = textwrap.wrap(text, int(17 * figure.get_figwidth()), break_on_hyphens=False)
         figure.supxlabel("\n".join(lines), x=0.015, ha="left", fontsize=7.5, color="0.25")
 
@@ -165,10 +161,9 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = F
     """Write every figure in every format, of figures for a paper their captions too; returns the files."""
     files = []
     for name, figure in figures.items():
-        _settle(figure)
         for suffix in formats:
             files.append(folder / f"{file_name(name)}.{suffix}")
-            _write(figure, files[-1], suffix)
+            files[-1].write_bytes(drawn_as(figure, suffix))
     if figures and is_for_paper():
         said = [f"**{name}**: {figure.get_label()}\n" for name, figure in figures.items()]
         files.append(write_markdown(folder / "captions.md", said))
@@ -177,28 +172,22 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = F
 
 def data_address(figure: Figure) -> str:
     """A figure as SVG in a `data:` address, for a page."""
+    return f"data:image/svg+xml;base64,{base64.b64encode(drawn_as(figure, 'svg')).decode('ascii')}"
+
+
+def drawn_as(figure: Figure, suffix: str) -> bytes:
+    """A figure in a format: without a date in it, so that one that did not change is the same file; laid out once."""
+    from matplotlib import rc_context
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
     held = io.BytesIO()
-    _settle(figure)
-    _write(figure, held, "svg")
-    return f"data:image/svg+xml;base64,{base64.b64encode(held.getvalue()).decode('ascii')}"
-
-
-def _settle(figure: Figure) -> None:
-    """Lay a figure out once for all formats."""
-    from matplotlib import rc_context
-
     with rc_context(_SETTINGS):
-        figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-
-
-def _write(figure: Figure, target: Path | io.BytesIO, suffix: str) -> None:
-    """Without a date in it, a figure that did not change is the same file."""
-    from matplotlib import rc_context
-
-    dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-    with rc_context(_SETTINGS):
-        figure.savefig(target, format=suffix, metadata=dated)
+        if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
+            figure.draw_without_rendering()
+            figure.set_layout_engine("none")
+        dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+        figure.savefig(held, format=suffix, metadata=dated)
+    return held.getvalue()
 
 
 def key_words(key: str) -> str:
@@ -209,14 +198,15 @@ def key_words(key: str) -> str:
 
 
 def name_axis(
-    ax: Axes, which: str, keys: Sequence[str], units: Sequence[Any], size: float = 9.5, room: int = 0
-) -> None:  # fmt: skip
+    ax: Axes, which: str, keys: Sequence[str], units: Sequence[Any], size: float = 9.5, room: int = 80
+) -> None:
     """Entitle an axis ("x" or "y") with what keys are, and below with the keys; figures for a paper leave these out.
 
-    size : of the words [pt]; room : characters in a line, 0: any number
+    size : of the words [pt]; room : characters in a line
     """
     lines = [", ".join(unit.label(key_words(key)) for key, unit in zip(keys, units, strict=True))]
     if not is_for_paper() and any(key_words(key) != key for key in keys):
         lines.append(", ".join(keys))
-    label = "\n".join(textwrap.fill(line, room, break_long_words=False) if room else line for line in lines)
-    (ax.set_xlabel if which == "x" else ax.set_ylabel)(label, fontsize=size)
+    label = "\n".join(textwrap.fill(line, room, break_long_words=False) for line in lines)
+    ax.set(**{f"{which}label": label})
+    getattr(ax, f"{which}axis").label.set_size(size)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, field
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,14 +17,13 @@ from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
 from pounding_cli.report.figures import RESPONSES as PANELS
 from pounding_cli.report.figures import framed
-from pounding_cli.report.style import Look, caption, key_words, looks, name_axis, styled
+from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.report.table import column_of, digits
 from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.variables import RESPONSES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
     from pounding_cli.results.results import Results
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
 WORST = "worst"
 """What is said in place of a case or building for the largest over all of them."""
-MOST_CASES, MOST_BUILDINGS = 12, 6
+MOST_CASES, MOST_BUILDINGS = 6, 6
 """Cases of one figure, and buildings that get one of their own; further ones are drawn when asked for."""
 LARGE_RANGE = 20.0
 """Largest over smallest value above which an axis, or the colours of a map, are logarithmic."""
@@ -41,83 +40,57 @@ MOST_TICKS = 12
 COLOURS = "viridis"  # equal steps of a number are equal steps to the eye, also printed in grey
 
 
-@dataclass(frozen=True, eq=False)
-class SweptAxis:
-    """One axis of a sweep, or some of its points.
+class SweptAxis(NamedTuple):
+    """One axis of a sweep.
 
     keys : the swept keys; more than one where they move together
     points : one tuple a point, as long as `keys`: SI numbers or texts, as in the tables
     units : per key the unit the study wrote it in
+    coordinates : where the points stand: the first key's numbers in its unit; 1, 2, ... for texts
+    names : the points as ticks, without units: "5"; of keys that move together all values
     """
 
     keys: tuple[str, ...]
-    points: tuple[tuple[Any, ...], ...]
-    units: tuple[Unit, ...]
-
-    def __len__(self) -> int:
-        return len(self.points)
-
-    @property
-    def dim(self) -> str:
-        """Its dimension in the Dataset."""
-        return self.keys[0]
+    points: list[tuple[Any, ...]]
+    units: list[Unit]
+    coordinates: np.ndarray
+    names: list[str]
 
     @property
     def numeric(self) -> bool:
         """Whether the points stand on a scale: the first key's values are numbers."""
         return not any(isinstance(point[0], str) for point in self.points)
 
-    @property
-    def words(self) -> str:
-        """What the keys are, with their units, and the keys in brackets."""
-        named = zip(self.keys, self.units, strict=True)
-        return ", ".join(f"{unit.label(key_words(key))} ({key})" for key, unit in named)
-
-    @cached_property
-    def coordinates(self) -> np.ndarray:
-        """Where the points stand: the first key's numbers in its unit; 1, 2, ... for texts."""
-        if not self.numeric:
-            return np.arange(1.0, len(self) + 1)
-        return np.array([self.units[0].number(float(point[0])) for point in self.points])
-
-    @cached_property
-    def names(self) -> tuple[str, ...]:
-        """The points as ticks, without units: "5"; of keys that move together all values."""
-        bare = [Unit("", unit.factor) for unit in self.units]
-        return tuple(", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in self.points)
-
-    def point(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """The values of all keys at the point where some have given values.  Raises InputError: there is none."""
-        for point in (dict(zip(self.keys, values, strict=True)) for values in self.points):
-            if given.items() <= point.items():
-                return point
-        raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
-
-    def ascending(self) -> SweptAxis:
-        """The same with its points in the order in which they stand."""
-        return replace(self, points=tuple(self.points[place] for place in np.argsort(self.coordinates, kind="stable")))
+    def take(self, numbers: Sequence[int]) -> SweptAxis:
+        """Some of its points, in this order."""
+        points, names = [self.points[n] for n in numbers], [self.names[n] for n in numbers]
+        return SweptAxis(self.keys, points, self.units, self.coordinates[list(numbers)], names)
 
 
-def swept_axes(results: Results) -> tuple[SweptAxis, ...]:
+def swept_axes(results: Results) -> list[SweptAxis]:
     """The axes of a results file in the order of the study; none where nothing is swept."""
-    return tuple(
-        SweptAxis(tuple(keys), tuple(points_of(results, keys)), tuple(results.units[key] for key in keys))
-        for keys in results.swept
-    )
+    found = []
+    for keys in results.swept:
+        points, units = points_of(results, keys), [results.units[key] for key in keys]
+        bare = [Unit("", unit.factor) for unit in units]
+        names = [", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in points]
+        is_text = any(isinstance(point[0], str) for point in points)
+        numbers = [n + 1.0 if is_text else units[0].number(float(point[0])) for n, point in enumerate(points)]
+        found.append(SweptAxis(tuple(keys), points, units, np.array(numbers), names))
+    return found
 
 
 # numbers over the sweep
 
 
 def over_sweep(
-    results: Results, quantity: str, places: Mapping[str, Any] | None = None, axes: Sequence[SweptAxis] | None = None,
-    at: Mapping[str, Any] | None = None,
-) -> xr.Dataset:  # fmt: skip
+    results: Results, quantity: str, places: Mapping[str, Any] | None = None, index: Mapping[str, Any] | None = None
+) -> xr.Dataset:
     """A quantity over the sweep: per place the mean over the motions, at every point the place where it is largest.
 
     places : which case, analysis, building, storey, floor, link or record is looked at; all there are of the others
-    axes : in the order wanted, all axes of the sweep unless given
-    at : value (SI, as in the tables) of every key of the axes left out
+    index : by the first key of an axis the number of the point at which it is cut, or the numbers of some; all of the
+        others, in their order
 
     Returns `mean` and `std` over the motions in the unit that figures show, NaN where nothing is, and `void`: whether
     the scene of a motion carries a flag that takes the meaning from these numbers.
@@ -126,17 +99,14 @@ def over_sweep(
     ------
     InputError : a quantity, case, analysis, building, storey, floor, link or motion that is not there
     """
-    axes, at = swept_axes(results) if axes is None else axes, at or {}
-    dims = [axis.dim for axis in axes]
-    rows: dict[str, Any] = {
-        keys[0]: results.axes[key].index(at[key]) for keys in results.swept for key in keys if key in at
-    }
-    rows |= {axis.dim: list(map(points_of(results, axis.keys).index, axis.points)) for axis in axes}
-    values = _values(results, quantity, places or {}).isel(rows, drop=True)
+    index = index or {}
+    values = _values(results, quantity, places or {}).isel(index, drop=True)
     values = values / column_of(quantity, results.units).unit.factor
     flags = results.data["flags"].sel({name: values[name] for name in ("case", "analysis", "record")})
-    mean, void = values.mean("record"), meaningless(flags.isel(rows, drop=True)).any("record")
+    mean, void = values.mean("record"), meaningless(flags.isel(index, drop=True)).any("record")
     found = xr.Dataset({"mean": mean, "std": values.std("record", ddof=1), "void": void & np.isfinite(mean)})
+    every = [keys[0] for keys in results.swept if keys[0] in mean.dims]
+    dims = [*(dim for dim in index if dim in every), *(dim for dim in every if dim not in index)]
     found = found.reset_coords(drop=True)
     found = found.stack(place=[dim for dim in mean.dims if dim not in dims], create_index=False)
     return found.isel(place=abs(found["mean"]).fillna(-1.0).argmax("place")).transpose(*dims)
@@ -186,7 +156,7 @@ class Asked:
     at: Mapping[str, Any] = field(default_factory=dict)
 
 
-Panels = Sequence[tuple[str, str, Mapping[str, xr.Dataset]]]
+Panels = list[tuple[str, str, dict[str, xr.Dataset]]]
 """What stands in a figure: a quantity, its analysis, and its numbers by case."""
 
 
@@ -200,31 +170,31 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
     InputError : something asked for is not there
     """
     asked, every = asked or Asked(), swept_axes(results)
-    free = [axis for axis in every if len(axis) > 1 and asked.at.keys().isdisjoint(axis.keys)]
-    drawn = sorted(sorted(free, key=len, reverse=True)[:2], key=len)
-    if not drawn:
-        if asked.quantities:
-            hint = "leave --quantity out, or one of the swept keys free"
-            raise InputError(Problem(f"no swept key is left to draw {asked.quantities[0]} over", hint))
-        return []
-    cut: dict[str, Any] = {}
-    for axis in (axis for axis in every if axis not in drawn):
-        given = {key: asked.at[key] for key in axis.keys if key in asked.at}
-        cut |= axis.point(given or {key: shown.point[key] for key in axis.keys})
-    axes, found = [axis.ascending() for axis in drawn], []
+    free = [axis for axis in every if len(axis.points) > 1 and asked.at.keys().isdisjoint(axis.keys)]
+    free = sorted(sorted(free, key=lambda axis: -len(axis.points))[:2], key=lambda axis: len(axis.points))
+    if asked.quantities and not free:
+        hint = "leave --quantity out, or one of the swept keys free"
+        raise InputError(Problem(f"no swept key is left to draw {asked.quantities[0]} over", hint))
+    index: dict[str, Any] = {axis.keys[0]: np.argsort(axis.coordinates, kind="stable").tolist() for axis in free}
+    axes, cut, found = [axis.take(index[axis.keys[0]]) for axis in free], dict[str, Any](), list[Picture]()
+    for axis in (axis for axis in every if axis.keys[0] not in index):
+        given = {key: asked.at[key] for key in axis.keys if key in asked.at} or {k: shown.point[k] for k in axis.keys}
+        points = [dict(zip(axis.keys, point, strict=True)) for point in axis.points]
+        meant = [number for number, point in enumerate(points) if given.items() <= point.items()]
+        if not meant:
+            raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
+        index[axis.keys[0]] = meant[0]
+        cut |= points[meant[0]]
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_curves)
-    for name, building, wanted in _figures(shown, asked):
-        places = {**asked.places, "building": building} if building else asked.places
-        panels = []
+    for name, building, wanted in _figures(shown, asked) if axes else ():
+        places, panels = dict(asked.places) | ({"building": building} if building else {}), Panels()
         for analysis, quantity in wanted:
-            by_case = _by_case(results, shown, quantity, {**places, "analysis": analysis}, axes, cut)
-            if by_case:
+            if by_case := _by_case(results, shown, quantity, {**places, "analysis": analysis}, index):
                 panels.append((quantity, analysis, by_case))
         if panels:
-            drawing = partial(draw, results, shown, building, axes, panels, _said(shown, places, cut))
-            text = "Means over the motions at their largest place, case by case."
-            heading = f"{name.replace('-', ', ')}: over the sweep"
-            found.append(Picture(f"{name}-{kind}", heading, text, drawing, has_scale=kind == "map"))
+            drawing = partial(draw, shown, building, axes, panels, _said(shown, places, cut))
+            text, heading = "Means over the motions at their largest place, case by case.", name.replace("-", ", ")
+            found.append(Picture(f"{name}-{kind}", f"{heading}: over the sweep", text, drawing, kind == "map"))
     return found
 
 
@@ -242,14 +212,13 @@ def _figures(shown: Evidence, asked: Asked) -> Iterator[tuple[str, str, list[tup
 
 
 def _by_case(
-    results: Results, shown: Evidence, quantity: str, places: Mapping[str, Any], axes: Sequence[SweptAxis],
-    cut: Mapping[str, Any],
-) -> dict[str, xr.Dataset]:  # fmt: skip
+    results: Results, shown: Evidence, quantity: str, places: Mapping[str, Any], index: Mapping[str, Any]
+) -> dict[str, xr.Dataset]:
     """A quantity by case; cases that have none of it are left out."""
     found = {}
     for case in [places["case"]] if "case" in places else shown.plotted[:MOST_CASES]:
         named = {name: place for name, place in {**places, "case": case}.items() if place != WORST}
-        over = over_sweep(results, quantity, named, axes, cut)
+        over = over_sweep(results, quantity, named, index)
         if np.isfinite(over["mean"]).any():
             found[named.get("case", "worst of all cases")] = over
     return found
@@ -257,133 +226,109 @@ def _by_case(
 
 def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any]) -> str:
     """What is drawn, in a sentence without its full stop."""
-    motions = counted(len(shown.records["record"].unique()), "motion")
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
-    others = [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
-    what = f"Mean over the {motions}, at the place where it is largest"
-    return "; ".join([f"{motion_sentence(shown.records)} {what}", *where, *others])
+    where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
+    what = f"Mean over the {counted(len(shown.records), 'motion')}, at the place where it is largest"
+    return "; ".join([f"{motion_sentence(shown.records)} {what}", *where])
 
 
-def _set_axis(ax: Axes, side: Literal["x", "y"], axis: SweptAxis, names: Sequence[str], room: int = 0) -> None:
-    """Title of one side of a panel, and its ticks: `names` at 1, 2, ..., every so many where there are too many.
+def _finish(figure: Figure, shown: Evidence, building: str, panels: Panels, words: str, mark: str) -> Figure:
+    """Title and caption; `mark` : of numbers without meaning, where there are some."""
+    if any(over["void"].any() for *_, by_case in panels for over in by_case.values()):
+        words += f" {mark}: not meaningful for some motions."
+    finish(figure, ": ".join(filter(None, ("Over the sweep", building, shown.title))), words)
+    return figure
 
-    room : characters in a line of the title, 0: any number
+
+def _set_axis(ax: Axes, side: str, axis: SweptAxis, width: int, room: int = 80) -> None:
+    """Title of one side of a panel, and its ticks at 1, 2, ..., every so many where there are too many.
+
+    width, room : characters in a line of a tick, and of the title
     """
+    step = -(-len(axis.names) // MOST_TICKS)
+    names = [textwrap.fill(name, width) for name in axis.names[::step]] if width else []
     if names:
-        step = -(-len(names) // MOST_TICKS)
-        ax.set(**{f"{side}ticks": range(1, len(names) + 1, step), f"{side}ticklabels": names[::step]})
+        ax.set(**{f"{side}ticks": range(1, len(axis.names) + 1, step), f"{side}ticklabels": names})
     name_axis(ax, side, axis.keys, axis.units, room=room)
 
 
 @styled
-def draw_curves(
-    results: Results, shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str
-) -> Figure:
+def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
     """The swept axis across: the mean over the motions with its spread, a line a case.
 
     building : filled in the drawing of the group; words : what is drawn, for the caption
     """
     cases = list(dict.fromkeys(case for *_, by_case in panels for case in by_case))
     (axis,), look, columns = axes, looks(cases), min(len(panels), 2)
-    title, rows = f"Over the sweep: {building}".removesuffix(": "), -(-len(panels) // columns)
-    figure, lines = framed(shown, [building], rows, columns, title, size=(4.0, 3.2), cases=cases, periods=False)
+    x, is_scale = axis.coordinates, axis.numeric
+    figure, lines = framed(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
     flat = [ax for line in lines for ax in line]
-    names = [] if axis.numeric else [textwrap.fill(name, max(34 // len(axis), 9)) for name in axis.names]
     for ax, (quantity, analysis, by_case) in zip(flat, panels, strict=False):
         for case, over in by_case.items():
-            _curve(ax, axis, over, look[case])
+            (mean, std, void), how = (over[name].values for name in ("mean", "std", "void")), look[case]
+            if is_scale:
+                ax.fill_between(x, mean - std, mean + std, color=how.color, alpha=0.13, lw=0, zorder=1.5)
+            else:
+                ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=how.color, elinewidth=0.8, capsize=2)
+            line, size = how.line if is_scale else "none", 5 if len(x) <= 25 else 2.5
+            ax.plot(x, mean, color=how.color, ls=line, marker=how.marker, ms=size, lw=1.6, zorder=2.5)
+            ax.plot(x[void], mean[void], how.marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
         ax.set_title(analysis.capitalize(), loc="left")
-        ax.set_ylabel(label := column_of(quantity, results.units).head)
+        ax.set_ylabel(label := column_of(quantity, shown.results.units).head)
         if "₀" in label:  # 1 stands for the building alone
             ax.axhline(1, color="0.35", lw=1.0, zorder=1)
-        _set_axis(ax, "x", axis, names)
-        if axis.numeric and 0 < LARGE_RANGE * axis.coordinates[0] < axis.coordinates[-1]:
+        _set_axis(ax, "x", axis, 0 if is_scale else max(34 // len(x), 9))
+        if is_scale and 0 < LARGE_RANGE * x[0] < x[-1]:
             ax.set_xscale("log")
     for ax in flat[len(panels) :]:
         ax.axis("off")
-    caption(figure, f"{words}; bands: one standard deviation either way.{_marks(panels, 'Open grey markers')}")
-    return figure
-
-
-def _curve(ax: Axes, axis: SweptAxis, over: xr.Dataset, look: Look) -> None:
-    """The line of one case, its spread, and its points: grey and open where they mean nothing."""
-    x, mean, std, void = axis.coordinates, *(over[name].values for name in ("mean", "std", "void"))
-    if axis.numeric:
-        ax.fill_between(x, mean - std, mean + std, color=look.color, alpha=0.13, lw=0, zorder=1.5)
-    else:
-        ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=look.color, elinewidth=0.8, capsize=2)
-    ax.plot(x, mean, color=look.color, ls=look.line if axis.numeric else "none", lw=1.6, zorder=2.5)
-    size = 5 if len(x) <= 25 else 2.5
-    ax.plot(x[~void], mean[~void], look.marker, color=look.color, ms=size, zorder=3)
-    ax.plot(x[void], mean[void], look.marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
+    words = f"{words}; bands: one standard deviation either way."
+    return _finish(figure, shown, building, panels, words, "Open grey markers")
 
 
 @styled
-def draw_maps(
-    results: Results, shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str
-) -> Figure:
-    """One panel for every case of each quantity; its second axis is across. Points are cells of one size.
+def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
+    """A line of panels for each quantity, a panel for each case; the second axis is across. Points are cells of one
+    size, with their numbers where all have room; hatched where they mean nothing.
 
     building : filled in the drawing of the group; words : what is drawn, for the caption
     """
     from matplotlib.cm import ScalarMappable
-
-    columns = min(max(len(by_case) for *_, by_case in panels), 4)
-    lines = [
-        (quantity, analysis, by_case, list(by_case)[start : start + columns])
-        for quantity, analysis, by_case in panels
-        for start in range(0, len(by_case), columns)
-    ]
-    few = max(map(len, axes)) <= MOST_TICKS
-    along, across = (1.4 + 0.34 * max(len(axis), 3) if few else (5.0 if columns == 1 else 3.7) for axis in axes)
-    title = f"Over the sweep: {building}".removesuffix(": ")
-    figure, rows = framed(shown, [building], len(lines), columns, title, size=(across, along), cases=(), periods=False)
-    for row, (quantity, analysis, by_case, cases) in zip(rows, lines, strict=True):
-        norm = _norm(np.concatenate([over["mean"].values.ravel() for over in by_case.values()]))
-        for ax, case in zip(row, cases, strict=False):
-            _map(ax, axes, by_case[case], norm, few)
-            ax.set_title(f"{case}, {analysis}", loc="left")
-            ax.label_outer()
-        for ax in row[len(cases) :]:
-            ax.axis("off")
-        bar = figure.colorbar(ScalarMappable(norm, COLOURS), ax=row[: len(cases)], pad=0.02, aspect=18)
-        bar.set_label(column_of(quantity, results.units).head)
-    caption(figure, f"{words}. Grey: no number.{_marks(panels, 'Hatched')}")
-    return figure
-
-
-def _norm(values: np.ndarray) -> Normalize:
-    """The colour scale of all panels of a quantity."""
     from matplotlib.colors import LogNorm, Normalize
 
-    low, high = np.nanmin(values), np.nanmax(values)
-    if low > 0 and high > LARGE_RANGE * low:
-        return LogNorm(low, high)
-    return Normalize(low, high if high > low else low + 1e-3 * max(abs(low), 1.0))
+    columns, sizes = max(len(by_case) for *_, by_case in panels), [len(axis.points) for axis in axes]
+    few = max(sizes) <= MOST_TICKS
+    along, across = (1.4 + 0.34 * max(size, 3) if few else 3.7 for size in sizes)
+    figure, lines = framed(shown, building, len(panels), columns, (across, along))
+    for line, (quantity, analysis, by_case) in zip(lines, panels, strict=True):
+        values = np.concatenate([over["mean"].values.ravel() for over in by_case.values()])
+        low, high = np.nanmin(values), np.nanmax(values)
+        scaled: Any = LogNorm if 0 < LARGE_RANGE * low < high else Normalize
+        colours = ScalarMappable(scaled(low, high if high > low else low + 1e-3 * max(abs(low), 1.0)), COLOURS)
+        for ax, (case, over) in zip(line, by_case.items(), strict=False):
+            _map(ax, over, colours, few)
+            _set_axis(ax, "x", axes[1], 9)
+            _set_axis(ax, "y", axes[0], 12, room=24)
+            ax.set_title(f"{case}, {analysis}", loc="left")
+            ax.label_outer()
+        for ax in line[len(by_case) :]:
+            ax.axis("off")
+        bar = figure.colorbar(colours, ax=line[: len(by_case)], pad=0.02, aspect=18)
+        bar.set_label(column_of(quantity, shown.results.units).head)
+    return _finish(figure, shown, building, panels, f"{words}. Grey: no number.", "Hatched")
 
 
-def _map(ax: Axes, axes: Sequence[SweptAxis], over: xr.Dataset, norm: Normalize, few: bool) -> None:
-    """The map of one case: colours, hatched where they mean nothing; numbers in their cells where all have room."""
-    from matplotlib import colormaps
-
+def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
+    """The map of one case; `few` : whether its cells have room for their numbers."""
     mean, void = over["mean"].values, over["void"].values
-    y, x = (np.arange(1, len(axis) + 1) for axis in axes)
+    y, x = (np.arange(1, size + 1) for size in mean.shape)
     ax.grid(False)
     ax.set_facecolor("0.87")
-    _set_axis(ax, "x", axes[1], [textwrap.fill(name, 9) for name in axes[1].names])
-    _set_axis(ax, "y", axes[0], [textwrap.fill(name, 12) for name in axes[0].names], room=24)
-    ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=norm, cmap=COLOURS, shading="nearest", rasterized=True)
+    ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=colours.norm, cmap=COLOURS, shading="nearest", rasterized=True)
     ax.pcolor(x, y, np.ma.masked_equal(void, False), shading="nearest", hatch="//", alpha=0)
     for row, column in np.argwhere(np.isfinite(mean)) if few else ():
-        colour = colormaps[COLOURS](norm(mean[row, column]))
-        ink = "white" if float(np.dot(colour[:3], (0.299, 0.587, 0.114))) < 0.5 else "black"
+        colour = colours.to_rgba(mean[row, column])
+        ink = "white" if np.dot(colour[:3], (0.299, 0.587, 0.114)) < 0.5 else "black"
         box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
-        place, text = (x[column], y[row]), digits(float(mean[row, column]), 3)
-        ax.text(*place, text, ha="center", va="center", fontsize=7, color=ink, bbox=box)
-    ax.tick_params(length=3)
-
-
-def _marks(panels: Panels, mark: str) -> str:
-    """What a mark of numbers without meaning says, in a sentence; "" where there are none."""
-    void = any(over["void"].any() for *_, by_case in panels for over in by_case.values())
-    return f" {mark}: not meaningful for some motions." if void else ""
+        text = digits(float(mean[row, column]), 3)
+        ax.text(x[column], y[row], text, ha="center", va="center", fontsize=7, color=ink, bbox=box)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -15,6 +15,9 @@ from pounding_cli.numbers import Unit
 from pounding_cli.results import tables
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.texts import cells
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import Results
 
 PAGE_ROWS = 400
 """Rows of a table that a page carries in full."""
@@ -107,6 +110,21 @@ def from_rows(caption: str, heads: Sequence[str], rows: Sequence[Sequence[Any]],
     frame = pd.DataFrame([list(row) for row in rows], columns=range(len(heads)))
     columns: dict[Any, Column] = {number: Column(label=head) for number, head in enumerate(heads)}
     return Table(name, frame, columns, caption)
+
+
+def from_records(caption: str, rows: Sequence[Mapping[Any, Any]]) -> Table:
+    """The same of rows by heads."""
+    return from_rows(caption, list(rows[0]) if rows else [], [list(row.values()) for row in rows])
+
+
+def place_of(
+    results: Results, frame: pd.DataFrame, row: Mapping[Any, Any], names: Sequence[str], some: Sequence[str]
+) -> dict[str, str]:
+    """Where a row of an answer stands, by heading: some columns, swept keys in the units of the study, and of `some`
+    those that are not the same in all rows of the frame."""
+    place = {name: str(row[name]) for name in names}
+    place |= {results.axis_label(key): results.value_label(key, row[key]) for key in results.axes if key in frame}
+    return place | {name: str(row[name]) for name in some if len(frame[name].unique()) > 1}
 
 
 def right_aligned(found: pd.DataFrame) -> list[bool]:

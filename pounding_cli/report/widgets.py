@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,17 +13,16 @@ import xarray as xr
 from pounding_cli.laws import drawn
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
 from pounding_cli.report.figures import by_floor
-from pounding_cli.report.sweep import meaningless, swept_axes
+from pounding_cli.report.style import key_words
+from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
 from pounding_cli.report.table import column_of
 from pounding_cli.variables import RESPONSES
 
 if TYPE_CHECKING:
-    from pounding_cli.results.histories import History
     from pounding_cli.results.results import Results
 
 MOST_VALUES = 120_000
-"""Numbers that a page carries; of more no single motions and only the largest over the height, then only some points of
-the longest axes."""
+"""Numbers that a page carries; of more only means and the largest over the height, then fewer quantities."""
 MEAN = "mean"
 """What stands for all motions in the list of motions."""
 MOST_BYTES = 12_000_000
@@ -37,31 +35,27 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
     `mean`, `low`, `high` of a quantity: over case, motion, analysis, building or pair, level and the points of the
     sweep, the last fastest; None where there is nothing; low and high have one motion, the mean. Its `levels` are
     storeys or floors, [0] where only the largest over the height is here. `void`: over case, analysis and points how
-    many motions have numbers without meaning. `thinned`: every how many points of the longest axes are there.
+    many motions have numbers without meaning. `cut`: what the page leaves out, in words.
     """
-    axes, thinned, data = list(swept_axes(results)), 1, results.data.sel(case=shown.cases[:MOST_CASES])
-    arrays = {}
+    axes, data, cut = swept_axes(results), results.data.sel(case=shown.cases[:MOST_CASES]), list[str]()
+    dims, arrays, motions = [axis.keys[0] for axis in axes], dict[str, xr.DataArray](), shown.names("record")
     for variable in sorted((v for v in RESPONSES if v.charts and v.name in data), key=lambda v: not v.ratio):
         values = by_floor(data, variable.name) if variable.dims[-1] == "link" else data[variable.name]
         if (values.fillna(0.0) != 0).any():
             arrays[variable.name] = values
-    motions = data["record"].values.tolist()
-    size = sum(a.size for a in arrays.values()) * (3 / len(motions) + (len(motions) > 1))
+    size = sum(values.size for values in arrays.values()) * (3 / len(motions) + (len(motions) > 1))
     whole = size <= MOST_VALUES
     if not whole:
-        size = sum(a.size / a.shape[-1] for a in arrays.values()) * 3 / len(motions)
-    while size > MOST_VALUES and max(map(len, axes), default=0) > 2:
-        number = max(range(len(axes)), key=lambda number: len(axes[number]))
-        every_second = {axes[number].dim: slice(None, None, 2)}
-        data, arrays = data.isel(every_second), {name: values.isel(every_second) for name, values in arrays.items()}
-        axes[number], thinned, size = replace(axes[number], points=axes[number].points[::2]), 2 * thinned, size / 2
-    dims = [axis.dim for axis in axes]
+        cut = ["only the largest over the height", "only means over the motions"]
+        sizes = np.cumsum([3 * a.size / a.shape[-1] / len(motions) for a in arrays.values()])
+        names = [name for name, end in zip(arrays, sizes.tolist(), strict=True) if end <= MOST_VALUES] or [*arrays][:1]
+        cut += [f"{len(names)} of {len(arrays)} quantities"] * (len(names) < len(arrays))
+        arrays = {name: arrays[name] for name in names}
     void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
-    wanted = [tuple(shown.point[key] for key in axis.keys) for axis in axes]
     return {
         "axes": [
             {
-                "label": axis.words, "numeric": axis.numeric, "names": axis.names,
+                "label": axis_words(axis), "numeric": axis.numeric, "names": axis.names,
                 "values": [rounded(value) for value in axis.coordinates.tolist()],
             }
             for axis in axes
@@ -69,9 +63,14 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
         "quantities": [_quantity(name, values, whole, dims, results) for name, values in arrays.items()],
         "cases": data["case"].values.tolist(), "analyses": shown.analyses,
         "motions": [MEAN, *(motions if whole and len(motions) > 1 else [])], "void": void.values.ravel().tolist(),
-        "thinned": thinned, "heights": whole, "building": shown.main,
-        "point": [axis.points.index(w) if w in axis.points else 0 for axis, w in zip(axes, wanted, strict=True)],
+        "cut": cut, "heights": whole, "building": shown.main,
+        "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
     }  # fmt: skip
+
+
+def axis_words(axis: SweptAxis) -> str:
+    """What the keys of an axis are, with their units, and the keys in brackets."""
+    return ", ".join(f"{u.label(key_words(key))} ({key})" for key, u in zip(axis.keys, axis.units, strict=True))
 
 
 def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], results: Results) -> dict[str, Any]:
@@ -104,22 +103,20 @@ def rounded(value: float) -> float | int | None:
 def players(results: Results) -> list[dict[str, Any]]:
     """The kept scenes as the player reads them, as many as a page has room for: first those with contacts, of these the
     inelastic."""
-    scenes: list[dict[str, Any]] = []
-    left = MOST_BYTES
+    scenes, left = list[dict[str, Any]](), MOST_BYTES
     for row in results.histories().to_dict("records"):
         at = {keys[0]: points_of(results, keys).index(tuple(row[key] for key in keys)) for keys in results.swept}
-        evidence = at_point(results, at)
-        place = {"case": row["case"], "analysis": row["analysis"], "record": row["record"]}
-        scene = _scene(results.history(**place, **evidence.point), evidence, place)
+        scene = _scene(at_point(results, at), {name: row[name] for name in ("case", "analysis", "record")})
         if len(scene["series"]) <= left:  # of those that do not fit a shorter one may
             left -= len(scene["series"])
             scenes.append(scene)
     return sorted(scenes, key=lambda scene: (not scene["contact"], scene["analysis"] != "inelastic"))
 
 
-def _scene(history: History, evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
+def _scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
     """One scene: `series` has the ground, of every building its floors, and its sway and rocking where its foundation
     moves, and the force of every link."""
+    history = evidence.results.history(*place.values(), **evidence.point)
     series, buildings, links = [history.ground_acceleration], [], []
     for number, (name, rows) in enumerate(evidence.buildings.groupby("building", sort=False)):
         foundation = [history.sway[:, number], history.rocking[:, number]]

@@ -65,11 +65,9 @@ def meetings_in_words(group: Sequence[Building]) -> list[str]:
             columns, slab = (left, right)[strike.side], (right, left)[strike.side]
             said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
             said += f", at {100 * strike.at:.3g} % of its height"
-            if columns.columns is None:
-                said = f"left out: {said}; write `columns:` in {columns.name}"
-            else:
-                said = f"{said}, {100 * columns.columns:.3g} % of the storey"
-            found.append((slab.level(strike.slab), said))
+            left_out = f"left out: {said}; write `columns:` in {columns.name}"
+            share = f"{said}, {100 * (columns.columns or 0.0):.3g} % of the storey"
+            found.append((slab.level(strike.slab), left_out if columns.columns is None else share))
         lines += [f"{pair}{height:g} m: {said}" for height, said in sorted(found)]
     return lines
 
@@ -177,41 +175,30 @@ def places(names: Sequence[str]) -> tuple[str, ...]:
 @dataclass(frozen=True, eq=False)
 class Group:
     """The buildings by place and by name; of each pair of neighbours the floors that meet, and slabs that strike
-    columns whose share of the storey is known.
-
-    defined : every name that the file defines, sound or not
-    """
+    columns whose share of the storey is known."""
 
     buildings: tuple[Building, ...]
     types: Mapping[str, Building]
     common: tuple[dict[int, int], ...]
     strikes: tuple[tuple[Strike, ...], ...]
-    defined: Sequence[str] = ()
 
     @classmethod
-    def of(cls, names: Sequence[str], types: Mapping[str, Building], defined: Sequence[str] = ()) -> Group:
+    def of(cls, names: Sequence[str], types: Mapping[str, Building]) -> Group:
         placed = tuple(
             b if (b := types[name]).name == label else replace(b, name=label)
             for name, label in zip(names, places(names), strict=True)
         )
         roof = max((float(b.elevation[-1]) for b in placed if not isinstance(b, Wall)), default=0.0)
         placed = tuple(b.up_to(roof) if isinstance(b, Wall) else b for b in placed)
-        return cls.of_buildings(placed, types, defined)
+        return cls.of_buildings(placed, types)
 
     @classmethod
-    def of_buildings(
-        cls, placed: tuple[Building, ...], types: Mapping[str, Building], defined: Sequence[str] = ()
-    ) -> Group:
+    def of_buildings(cls, placed: tuple[Building, ...], types: Mapping[str, Building]) -> Group:
         """The group of buildings by place."""
         pairs = list(pairwise(placed))
         common = tuple(dict(meetings(*pair)[0]) for pair in pairs)
         strikes = tuple(tuple(s for s in meetings(*pair)[1] if pair[s.side].columns is not None) for pair in pairs)
-        return cls(placed, types, common, strikes, defined)
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether it stands in for one that is not sound, so that cases can be checked all the same."""
-        return not self.buildings
+        return cls(placed, types, common, strikes)
 
     def stiffness(self, given: Any) -> float:
         """A stiffness in N/m.  Raises KeyError for a building that is not defined."""

@@ -100,8 +100,8 @@ def links_between(
     ------
     InputError : with every problem found, each at its key; neighbours without a floor at one elevation
     """
-    names, problems, path = [building.name for building in buildings], Problems(""), ("cases", "case")
-    group = build.Group.of_buildings(tuple(buildings), dict(zip(names, buildings, strict=True)), names)
+    problems, path = Problems(""), ("cases", "case")
+    group = build.Group.of_buildings(tuple(buildings), {building.name: building for building in buildings})
     root = _tree(cases=_tree(case=_node(case, "")), impact=_node(impact, "impact"))
     build.check_meetings(group, root, problems)
     refuse_old(root, problems)

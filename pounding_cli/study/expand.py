@@ -100,7 +100,7 @@ class _Expansion:
         number, rest = divmod(row, len(self.analyses) * len(self.records))
         analysis, record = divmod(rest, len(self.records))
         first, motions = self._first(number)
-        return first.under(motions[record], self.analyses[analysis])
+        return replace(first, motion=motions[record], analysis=self.analyses[analysis])
 
     def _first_of(self, number: int) -> tuple[Scene, list[Motion]]:
         """The first scene of a point and case by their flat number, and all motions there."""

@@ -95,9 +95,6 @@ class Link(Model):
         law, ratio = link_laws().get(self.kind), getattr(self, "damping_ratio", None)
         if law is None:
             return
-        given = {name: value for name in ("gap", "stiffness") if isinstance(value := getattr(self, name, None), float)}
-        if conflict := law.conflict(**given):
-            yield (conflict[0],), *conflict[1:]
         if ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:
             what = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
             hint = f"write `restitution: {restitution_of(ratio):.3g}`, the e of that ratio there"

@@ -85,7 +85,7 @@ def links_of(
 def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
     """What the links of a case follow from: it, floors that meet, and what stiffnesses come to; None where they depend
     on more, as links on columns do."""
-    if group.is_empty or any(group.strikes):
+    if any(group.strikes):
         return None
     try:
         values = tuple(map(group.stiffness, (*_multiples(case), impact.stiffness)))
@@ -123,10 +123,6 @@ class _Builder:
             if link.kind not in known:
                 hint = f"{nearest(link.link, known)}; a law of your own stands under `laws`"
                 self.note((*path, n, "link"), f"link: '{link.link[:60]}' is not known", hint)
-        if self.group.is_empty:  # so that what is wrong with the links is told beside what is wrong with the group
-            for n, link in enumerate(case.links):
-                self.law(link, (*path, n))
-            return ()
         pairs, found = len(self.group.common), list[Link]()
         for n, link in enumerate(case.links):
             if (link.pair or 0) > pairs:
@@ -177,16 +173,13 @@ class _Builder:
         spoken = [each for each in spoken if each[1].link != "none"]
         if not strikes or not spoken:
             return []
-        n, link = spoken[0]
-        leave_out = "an entry of `links:`, `{link: none, at: columns}`, leaves these blows out"
-        if link.kind != link.link and len(spoken) == 1:
-            what = f"slabs strike columns here, and the law {link.kind} between a slab and columns is not modelled"
-            self.note(("impact", "law"), what, f"write `law: kelvin-voigt`; {leave_out}")
-        elif len(spoken) > 1 or link.link != Pounding.name:
-            what = "several links" if len(spoken) > 1 else link.link
+        n, link = spoken[-1] if len(spoken) < 2 else spoken[1]
+        if len(spoken) > 1 or link.link != Pounding.name:
+            what = "several links" if len(spoken) > 1 else link.kind
             message = f"slabs strike columns here, and {what} between a slab and columns is not modelled"
-            at = (*path, n if len(spoken) == 1 else spoken[1][0], "link")
-            self.note(at, message, f"write `{{link: pounding, at: columns}}` in `links:`; {leave_out}")
+            hint = "write an entry `{link: pounding, at: columns}`, and `impact: {law: kelvin-voigt}`; or `link: none`"
+            at = ("impact", "law") if link.kind != link.link and len(spoken) == 1 else (*path, n, "link")
+            self.note(at, message, hint)
         elif isinstance(law := self.law(link, (*path, n)), Pounding):
             return [_on_columns(strike, law, place, self.group) for strike in strikes]
         return []
@@ -199,40 +192,32 @@ class _Builder:
         if tag_of(link) == FORMULA:
             mine = self.laws.get(word)
             return self._made(lambda: mine(link.gap), path) if mine is not None else None
-        kind, impact = link_laws()[word], self.impact
-        values: dict[str, Any] = {"gap": link.gap, "dashpot": DashpotLaw(impact.dashpot)}
-        for name, given in (
-            ("stiffness", getattr(link, "stiffness", None)),
-            ("impact_stiffness", impact.stiffness),
-            *((name, getattr(link, name)) for name in own(kind)),
-        ):
-            at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
-            if name == "stiffness" and given is None:
-                given = LINK_STIFFNESS.read(kind.stiffness_default) if kind.stiffness_default else impact.stiffness
-            if name in kind.parameters() and (value := self._stiffness(given, at)) is None:
-                return None
-            values[name] = value if name in kind.parameters() else None
-        values |= self._losses(link, kind)
+        kind, impact, stiffness = link_laws()[word], self.impact, getattr(link, "stiffness", None)
+        if stiffness is None:
+            stiffness = LINK_STIFFNESS.read(kind.stiffness_default) if kind.stiffness_default else impact.stiffness
         cut = getattr(link, "tension_cut", None)
-        values["tension_cut"] = impact.tension_cut if cut is None else cut
+        values: dict[str, Any] = {
+            "gap": link.gap,
+            "stiffness": stiffness,
+            "impact_stiffness": impact.stiffness,
+            "dashpot": DashpotLaw(impact.dashpot),
+            "tension_cut": impact.tension_cut if cut is None else cut,
+            **self._losses(link, kind),
+            **{name: getattr(link, name) for name in own(kind)},
+        }
         wanted = {name: typed(kind, name, values[name]) for name in kind.parameters() if name in values}
+        for name, value in wanted.items():
+            try:
+                wanted[name] = self.group.stiffness(value)
+            except KeyError:
+                at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
+                known = nearest(value.building, self.group.types)
+                self.note(at, f"no building '{value.building}' is defined", known)
+                return None
         if conflict := kind.conflict(**{name: value for name, value in wanted.items() if isinstance(value, float)}):
             self.note((*path, conflict[0]), *conflict[1:])
             return None
         return self._made(lambda: kind(**wanted), path)
-
-    def _stiffness(self, given: Any, path: Steps) -> Any:
-        """A value as the law takes it, stiffnesses in N/m; None where its building is not defined or not sound."""
-        try:
-            return self.group.stiffness(given)
-        except KeyError:
-            if given.building not in self.group.defined:
-                self.note(
-                    path, f"no building '{given.building}' is defined", nearest(given.building, self.group.defined)
-                )
-        except ValueError:
-            pass  # of an empty group, whose faults are told
-        return None
 
     def _losses(self, link: Any, kind: type[LinkLaw]) -> dict[str, float | None]:
         """Damping ratio and coefficient of restitution: one of them is given, the other follows."""

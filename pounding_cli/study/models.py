@@ -337,6 +337,11 @@ class _Building(Model):
                 shown = type(self).model_fields[name].alias or name
                 yield (shown,), f"'{shown}' does not apply to a wall", "remove it, or `wall`", True
             return
+        tapered = () if isinstance(self.stiffness, StiffnessAt) else (("stiffness", "taper"),)
+        for one, other in (("stiffness", "period"), *tapered, ("yield_shear", "yield_"), ("rayleigh", "damping")):
+            if {one, other} <= self.model_fields_set:
+                what = f"'{one}' and '{other.strip('_')}' cannot both be given"
+                yield (one,), what, f"remove one: '{one}' stands in place of the other", True
         if self.count is None:
             yield (), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`"
         for name, length in self.lengths.items():

@@ -401,12 +401,11 @@ class _Motions:
                     raise _Wrong(("records", "scale"), f"table1 has no scale for '{name}'", hint)
                 return {name: float(records.entry(name).scale) for name in cut}
             case Pga():
-                return {name: records.scale_factor(motion, motion.pga, scale.pga) for name, motion in cut.items()}
+                return {name: records.scale_factor(each, each.pga, scale.pga) for name, each in cut.items()}
             case Pgv():
-                peaks = {name: records.pgv(motion) for name, motion in cut.items()}
-                return {name: records.scale_factor(cut[name], peak, scale.pgv) for name, peak in peaks.items()}
+                return {name: records.scale_factor(each, records.pgv(each), scale.pgv) for name, each in cut.items()}
             case Sa():
-                found = {n: records.spectrum(m, (scale.period,), scale.damping)[0] for n, m in cut.items()}
+                found = {name: records.spectrum(each, (scale.period,), scale.damping)[0] for name, each in cut.items()}
                 return {name: records.scale_factor(cut[name], sa, scale.sa) for name, sa in found.items()}
             case Spectrum() if target is not None:
                 return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)

@@ -55,17 +55,7 @@ def respelled(case: Mapping[str, Any]) -> dict[str, Any]:
         whole = outer | _mapping(pair)
         links += [{**link, **({"pair": number} if isinstance(pairs, list) else {})} for link in _of_pair(whole)]
     links = [link for n, link in enumerate(links) if link not in links[:n]]
-    if len(links) == 1:
-        return links[0]
-    common = {
-        key: value
-        for key, value in case.items()
-        if key not in (*_PLACES, "stiffness")
-        and any(key in link for link in links)
-        and all(link.get(key, value) == value for link in links)
-    }
-    bare = [{key: value for key, value in link.items() if key not in common} for link in links]
-    return {**common, "links": [link["link"] if list(link) == ["link"] else link for link in bare] or ["none"]}
+    return links[0] if len(links) == 1 else {"links": links or [{"link": "none"}]}
 
 
 def _mapping(value: Any) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from pounding_cli.laws import KELVIN_VOIGT, link_laws
-from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest
+from pounding_cli.study.file import Items, Map, Mark, Problems, nearest
 from pounding_cli.study.laws import LOSSES, POUNDING, SHARED, keys_of, kind_of
 from pounding_cli.study.models import BASE_SHEAR
 
@@ -24,9 +24,6 @@ ALTERNATIVES: dict[str, tuple[Sides, ...]] = {
 }
 """Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
 
-MOST_LIKES = 50
-"""Buildings that one may inherit from, one through the other."""
-
 
 def _alternatives(kind: str, stiffness: Any) -> tuple[Sides, ...]:
     """Those of a mapping; a `stiffness` that is itself made from a period takes the taper."""
@@ -36,24 +33,12 @@ def _alternatives(kind: str, stiffness: Any) -> tuple[Sides, ...]:
     return pairs
 
 
-def _refuse_alternatives(node: Any, kind: str, problems: Problems) -> None:
-    """Note every pair of keys in this one mapping that say the same thing in two ways."""
-    for one, other in _alternatives(kind, node.get("stiffness")) if isinstance(node, Map) else ():
-        first, second = [key for key in node if key in one], [key for key in node if key in other]
-        if first and second:
-            hint = f"remove one: '{first[0]}' stands in place of {' and '.join(repr(key) for key in sorted(other))}"
-            problems.add(node.marks[first[0]][0], f"'{first[0]}' and '{second[0]}' cannot both be given", hint)
-
-
 def inherited(buildings: Any, problems: Problems) -> Any:
     """The buildings with every `like:` carried out; those that lead to unknown names or in circles are noted and left
     out."""
     if not isinstance(buildings, Map):
         return buildings
     own = dict(buildings)
-    for node in own.values():
-        _refuse_alternatives(node, "building", problems)
-        _refuse_alternatives(get(node, "yield"), "yield", problems)
     done: dict[str, Any] = {}
     for name in own:
         for each in reversed(_chain(name, own, done, problems)):
@@ -85,12 +70,8 @@ def _chain(name: str, own: dict[str, Any], done: dict[str, Any], problems: Probl
             problems.add(mark, f"like: no building '{like}' is defined", nearest(like, known))
             break
         if like in chain:
-            shown = " -> ".join((*chain[:5], *(("...",) if len(chain) > 5 else ()), like))
+            shown = " -> ".join((*chain[-5:], like))
             problems.add(mark, f"like: is circular: {shown}", "let one of them stand on its own")
-            break
-        if len(chain) > MOST_LIKES:
-            message = f"like: leads through more than {MOST_LIKES} buildings"
-            problems.add(mark, message, "let one of them stand on its own")
             break
         name = like
     return chain

@@ -155,20 +155,22 @@ class Study:
                     root = put(root, path, value, mark)
         return root
 
-    def tree(self, point: Point) -> Map:
-        """The whole tree at a point, `like:` and links as the schema takes them; made to place problems."""
-        root = self._patched(point)
-        found = Map(root, root.mark, root.marks)
-        if "buildings" in found:
-            found["buildings"] = inherited(root["buildings"], Problems(""))
-        if isinstance(cases := root.get("cases"), Map):
-            impact, laws = root.get("impact"), root.get("laws") or ()
-            found["cases"] = Map({n: links_of(c, impact, laws) for n, c in cases.items()}, cases.mark, cases.marks)
-        return found
-
     def at(self, point: Point) -> Callable[[], Map]:
-        """As `tree`, made when it is first asked for: most points have no problems."""
-        return functools.cache(lambda: self.tree(point))
+        """The whole tree at a point, `like:` and links as the schema takes them, to place problems; made when it is
+        first asked for: most points have none."""
+
+        @functools.cache
+        def tree() -> Map:
+            root = self._patched(point)
+            found = Map(root, root.mark, root.marks)
+            if "buildings" in found:
+                found["buildings"] = inherited(root["buildings"], Problems(""))
+            if isinstance(cases := root.get("cases"), Map):
+                impact, laws = root.get("impact"), root.get("laws") or ()
+                found["cases"] = Map({n: links_of(c, impact, laws) for n, c in cases.items()}, cases.mark, cases.marks)
+            return found
+
+        return tree
 
     def _valid(self, kind: Any, value: Any, path: tuple[str, ...], point: Point) -> Any:
         """A part of the file validated; None where it is faulty."""
@@ -204,19 +206,10 @@ class Study:
         spec, path = self.building_spec(point, name), ("buildings", name)
         try:
             return None if spec is None else build.building(name, spec)
-        except UnstableError as error:
-            hint = "make it, or its foundation, stiffer or lighter, or write `p_delta: false`"
-            self.problems.at(self.tree(point), (*path, "p_delta"), str(error), hint)
         except (ValueError, ArithmeticError) as error:
-            hint = "check the building's masses, heights, period and stiffness"
-            self.problems.at(self.tree(point), path, str(error), hint)
+            at = (*path, "p_delta") if isinstance(error, UnstableError) else path
+            self.problems.at(self.at(point), at, str(error), "check its masses, heights, period, stiffness and P-Delta")
         return None
-
-    @property
-    def defined(self) -> list[str]:
-        """The names of all building types, sound or not."""
-        buildings = self.root.get("buildings")
-        return list(buildings) if isinstance(buildings, Map) else []
 
     def types(self, point: Point) -> dict[str, Building]:
         """The building types by name, those that are sound."""
@@ -226,12 +219,12 @@ class Study:
     @answer(lambda: ("buildings", "group"))
     def group(self, point: Point) -> build.Group | None:
         """The buildings by place and what meets between them; None where it is not sound."""
-        names, types, defined = self.section(point, "group"), self.types(point), self.defined
-        if names is None or not defined or not build.check_group(names, defined, self.root, self.problems):
+        names, types, defined = self.section(point, "group"), self.types(point), get(self.root, "buildings")
+        if names is None or not defined or not build.check_group(names, list(defined), self.root, self.problems):
             return None
-        if any(name not in types for name in names):
+        if any(name not in types for name in defined):
             return None
-        group = build.Group.of(names, types, defined)
+        group = build.Group.of(names, types)
         return group if build.check_meetings(group, self.root, self.problems) else None
 
     @answer(lambda: ("laws",))
@@ -259,10 +252,8 @@ class Study:
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong with them."""
         case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
-        if case is None or impact is None or laws is None:
+        if case is None or impact is None or laws is None or group is None:
             return None
-        if group is None:  # so that what is wrong with the links is told beside what is wrong with the group
-            group = build.Group((), self.types(point), (), (), self.defined)
         root, key = self.at(point), content(case, group, impact, laws)
         if key is not None and key in self._alike:
             return self._alike[key]
@@ -351,7 +342,7 @@ class Study:
 
     def _checked(self) -> Any:
         """The study as written, validated there and at every value of every axis.  Raises `InputError`."""
-        root, problems = self.tree(self.base), self.problems
+        root, problems = self.at(self.base)(), self.problems
         model = None
         try:
             model = schema.Study.model_validate(root)
@@ -402,9 +393,9 @@ class Study:
         for place, case in enumerate(model.report.plot or ()):
             if case not in model.cases:
                 problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
-        known, wanted = dict.fromkeys((*build.places(model.group), *model.group)), model.report.building
-        if wanted is not None and wanted not in known:
-            problems.at(root, ("report", "building"), f"no building '{wanted}' in the group", nearest(wanted, known))
+        known, name = dict.fromkeys((*build.places(model.group), *model.group)), model.report.building
+        if name not in (None, *known):
+            problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
 
 
 def load_study(path: str | Path) -> Study:

@@ -48,27 +48,25 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
     InputError : the study exists already, or its folder cannot be written
     """
     path = Path(name) if Path(name).suffix in (".yaml", ".yml") else Path(f"{name}.yaml")
-    stem = path.stem.replace("-", " ").replace("_", " ").strip()
-    if not stem.strip(". "):
+    title = path.stem.replace("-", " ").replace("_", " ").strip()
+    if not title.strip(". "):
         raise InputError(Problem(f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
-    source = resources.files(__package__) / "templates" / f"{template}.yaml"
-    schema = path.with_name(SCHEMA_FILE)
     if os.path.exists(path):  # False for a name that is too long: the next check refuses that
         raise InputError(Problem("is there already", "choose another name, or move it away", str(path)))
-    check_output(path)
-    text = schema_text() if TEMPLATES[template].command == "run" else ""
-    if text:
-        check_output(schema, mine=lambda _, head: head.startswith(text.encode()[:60]))
+    source = resources.files(__package__) / "templates" / f"{template}.yaml"
+    quoted = json.dumps(title[0].upper() + title[1:], ensure_ascii=False)
+    texts = {path: source.read_text(encoding="utf-8").replace("TITLE", quoted, 1)}
+    if TEMPLATES[template].command == "run":
+        texts[path.with_name(SCHEMA_FILE)] = schema_text()
+    for each in texts:
+        check_output(each, mine=lambda place, head: head.startswith(texts[place].encode()[:60]))
     try:
-        title = json.dumps(stem[0].upper() + stem[1:], ensure_ascii=False)
-        path.write_text(source.read_text(encoding="utf-8").replace("TITLE", title, 1), encoding="utf-8")
-        if not text:
-            return (path,)
-        schema.write_text(text, encoding="utf-8")
+        for each, text in texts.items():
+            each.write_text(text, encoding="utf-8")
     except OSError as error:
         hint = "choose a place that can be written"
         raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
-    return path, schema
+    return tuple(texts)
 
 
 def schema_text() -> str:

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import instead, link_laws
-from pounding_cli.study.file import MISSING_BLANK, Steps, dumped, get, nearest
+from pounding_cli.study.file import Steps, dumped, get, nearest
 from pounding_cli.study.laws import Link, keys_of, kind_of, link_models, own, tag
 from pounding_cli.study.quantity import Quantity, Read, Text, said
 
@@ -119,7 +119,7 @@ _SAID |= {"enum": _SAID["literal_error"], "list_type": _SAID["tuple_type"], "boo
 
 def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: Any) -> Told:
     """An error of pydantic in words; "" for what is told elsewhere."""
-    kind, context, given, owner = item["type"], item.get("ctx", {}), item.get("input"), _owner(path, root)
+    kind, context, given, owner = item["type"], item.get("ctx", {}), item.get("input"), _walk(root, path)[1]
     words = [step for step in path if isinstance(step, str) and not step.startswith("(")]
     name = (words[-1] if words else "the study")[:60]
     if kind in _SAID:
@@ -135,7 +135,11 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
         case "missing":
             return _missing(name, path, model, root)
         case "model_type" | "model_attributes_type" | "dict_type":
-            return _no_mapping(given, owner, path, model, root)
+            keys, field = keys_at(model, path, root), at(model, path)[1]
+            hint = f"write {{key: value}} with the keys {', '.join(keys)}"
+            if keys == ["links"] or (len(path) == 1 and field is not None and field.examples):
+                hint = _example(model, path[:1] if keys == ["links"] else path)
+            return f"{owner}{said(given)} is not a mapping", hint, False
         case "too_short":
             # Pydantic counts sound entries only: what is wrong with the others is told.
             is_so = context.get("actual_length") == len(given or ())
@@ -143,18 +147,18 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
     return f"{owner}{item['msg']}", _example(model, path), False
 
 
-def _owner(path: Steps, root: Any) -> str:
-    """The innermost key on a path, as `key: `."""
-    for end in range(len(path), 0, -1):
-        above = get(root, *_real(root, path[: end - 1]))
-        if isinstance(path[end - 1], str) and isinstance(above, dict) and path[end - 1] in above:
-            return f"{path[end - 1]}: "
-    return ""
+def _walk(root: Any, path: Steps) -> tuple[Any, str]:
+    """What the file has at a path, where steps that it lacks are passed over, and the innermost key there, `key: `."""
+    node, owner = get(root), ""
+    for step in path:
+        owner = f"{step}: " if isinstance(node, dict) and step in node else owner
+        node = node if (below := get(node, step)) is None else below
+    return node, owner
 
 
 def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
     """A key that does not belong where it stands."""
-    known, above = keys_at(model, path[:-1], root), get(root, *_real(root, path[:-1]))
+    known, above = keys_at(model, path[:-1], root), _walk(root, path[:-1])[0]
     owners, link = [law.name for law in link_laws().values() if name in keys_of(law)], get(above, "link")
     if "link" in known and owners:
         if link is None:
@@ -172,7 +176,7 @@ def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
 
 
 def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
-    known, above = keys_at(model, path[:-1], root), get(root, *_real(root, path[:-1]))
+    known, above = keys_at(model, path[:-1], root), _walk(root, path[:-1])[0]
     law = link_laws().get(kind_of(str(get(above, "link"))))
     if name == "link":
         return "'link' is missing", f"write `link: pounding`, {', '.join([*link_laws()][1:])} or none", False
@@ -180,25 +184,6 @@ def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
         contact = " here or under `impact`" if law.subtracts_gap else ""
         return f"'{name}' is missing", f"a {law.name} needs it{contact}: {own(law)[name].words}", False
     return f"'{name}' is missing", _example(model, path), False
-
-
-def _no_mapping(given: Any, owner: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
-    if isinstance(given, str) and (slip := MISSING_BLANK.match(given)):
-        return f"'{given}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`", False
-    keys, field = keys_at(model, path, root), at(model, path)[1]
-    hint = f"write {{key: value}} with the keys {', '.join(keys)}"
-    if keys == ["links"] or (field is not None and field.examples):
-        hint = _example(model, path[:1] if keys == ["links"] else path)
-    return f"{owner}{said(given)} is not a mapping", hint, False
-
-
-def _real(root: Any, path: Steps) -> Steps:
-    """The steps of a path that the file has."""
-    found: list[str | int] = []
-    for step in path:
-        if get(root, *found, step) is not None:
-            found.append(step)
-    return tuple(found)
 
 
 def _example(model: type[BaseModel], path: Steps) -> str:

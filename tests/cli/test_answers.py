@@ -80,8 +80,7 @@ def test_sensitivity_indices(folder, pound):
         assert interval(row, "total") in out
     assert pound("report", "results/uncertain-sensitivity.h5", "-q", "--format", "png")[0] == 0
     written = Path("results/uncertain-sensitivity")
-    for figure in ("sensitivity.png", "sensitivity-samples.png"):
-        assert (written / figure).stat().st_size > 10_000
+    assert (written / "sensitivity.png").stat().st_size > 10_000
     assert {path.name for path in (written / "tables").iterdir()} >= {"sensitivity.csv", "sensitivity_samples.csv"}
     assert "Saltelli" in pound("cite", "results/uncertain-sensitivity.h5")[1]
 

@@ -147,7 +147,6 @@ def test_the_page_answers_first(pound):
     page = Path("results/two-gap/report.html").read_text(encoding="utf-8")
     assert "A | B: required gap at floor 2, 3 motions. Elastic: mean" in page
     assert 'id="figure-required-gap"' in page
-    assert 'id="figure-required-gap-sweep"' in page
     assert 'id="explorer"' not in page
     assert "none: the buildings stand alone" in page
     assert "gap nan" not in page
@@ -388,7 +387,7 @@ def test_a_missing_factor_is_named_with_its_building(pound):
 @pytest.mark.parametrize(
     ("line", "place", "words"),
     [
-        ("yield: {code: UBC-1991, Cd: 5.5}", "4:58", "'Cd' and 'code' cannot both be given"),
+        ("yield: {code: UBC-1991, Cd: 5.5}", "4:42", "'code' does not go with the other keys here"),
         ("yield: {Cd: 5.5, Ie: 1}", "4:41", "'base_shear' is missing"),
         ("yield: {base_shear: 0.1, Cd: 0.5}", "4:63", "must be at least 1"),
         ("yield: {base_shear: 0.1, qd: q}", "4:63", "write a displacement behaviour factor q_d"),
@@ -480,7 +479,7 @@ def test_no_interval_of_few_motions(pound, motions):
     results = open_results("results/few-gap.h5")
     exact = pd.concat([results.table(name).query("rule == 'exact'") for name in ("gap", "property_line")])
     assert exact["contact_10"].notna().all()
-    why = f"No confidence interval for fewer than 5 motions: {motions} motions are too few to tell"
+    why = f"No confidence interval for fewer than 5 motions: {motions} motions cannot tell it"
     if motions < 5:
         assert exact[["contact_10_low", "contact_10_high"]].isna().all(axis=None)
         assert why in said

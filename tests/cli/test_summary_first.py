@@ -158,11 +158,11 @@ def test_the_sketch_is_to_scale_and_says_which_heights_are_assumed(pound, folder
     pound("report", "r.h5", "-o", "page", "--no-figures")
     storeys = [patch.get_height() for patch in sketch(open_results("r.h5")).axes[0].patches[:4]]
     assert np.array(storeys) / storeys[0] == pytest.approx([1, 1, 1, 4 / 3], rel=1e-2)
-    assert "writes no storey height" not in (folder / "page/report.html").read_text()
+    assert "writes no height" not in (folder / "page/report.html").read_text()
     (folder / "two.yaml").write_text(PLAIN)
     pound("run", "two.yaml", "-o", "r2.h5")
     pound("report", "r2.h5", "-o", "page2", "--no-figures")
-    assert "The study writes no storey height for low, high: 3 m." in (folder / "page2/report.html").read_text()
+    assert "Heights of low, high: 3 m, as the study writes no height." in (folder / "page2/report.html").read_text()
 
 
 def test_sensitivity_says_the_case_in_every_line_though_there_is_one(pound, folder):

@@ -2,7 +2,7 @@
 
 const TOP = 12, RIGHT = 16, BOTTOM = 46, HIGH = 400;
 
-function explorer(box, { axes, quantities, cases, analyses, motions, void: voids, heights, thinned, building, point }) {
+function explorer(box, { axes, quantities, cases, analyses, motions, void: voids, heights, cut, building, point }) {
   const controls = document.getElementById('explorer-controls'), legend = document.getElementById('explorer-legend');
   if (!quantities.length) return void box.append(h('p', { class: 'nothing' }, 'Nothing to draw: no run of this study ended.'));
   const points = axes.reduce((all, one) => all * one.values.length, 1), looks = caseLooks(cases), hidden = new Set();
@@ -145,8 +145,7 @@ function explorer(box, { axes, quantities, cases, analyses, motions, void: voids
     const dash = s('line', { x1: 1, x2: 37, y1: 7, y2: 7, 'stroke-width': 2, 'stroke-dasharray': looks[kase].dash, style: `stroke:${looks[kase].color}` });
     legend.append(h('label', {}, check, s('svg', { viewBox: '0 0 38 14', 'aria-hidden': 'true' }, dash, marker(looks[kase], 19, 7)), name));
   });
-  const cut = [...(heights ? [] : ['only the largest over the height']), ...(thinned > 1 ? [`every ${thinned}th point of its longest axes`] : [])];
-  if (cut.length) box.after(h('p', { class: 'note' }, `This sweep is large: the page has ${cut.join(' and ')}; tables/ has all.`));
+  if (cut.length) box.after(h('p', { class: 'note' }, `This sweep is large: the page has ${cut.join(', ')}; tables/ has all.`));
   arrange();
   drawnToWidth(box, draw);
 }

@@ -30,8 +30,7 @@ function player(root, { scenes }) {
         state.speed = Number(value);
       }), h('label', { class: 'check' }, slow, 'slow at impacts')),
     scrub, strip, readout, key,
-    h('p', { class: 'note' }, ...[['Space', 'plays and pauses'], ['←', ''], ['→', 'one sample, with'], ['Shift', '0.1 s'], ['P', ''], ['N', 'previous and next impact']]
-      .flatMap(([name, does]) => [h('kbd', {}, name), ` ${does} `])),
+    h('p', { class: 'note' }, 'Keys: Space plays and pauses, ← → one sample (with Shift 0.1 s), P N previous and next impact.'),
   );
 
   function open(number) {
@@ -48,7 +47,6 @@ function player(root, { scenes }) {
     const { scene } = state;
     state.ink = inks();
     state.at = layout(scene, Math.max(canvas.parentElement.clientWidth, 240), state.scale);
-    state.strips = stripsOf(scene, state.ink);
     const kinds = new Set(scene.links.map(({ drawn }) => drawn));
     const said = [
       `Displacements and gaps are drawn ${state.at.scale === 1 ? 'to the scale of the heights' : `${state.at.scale} times larger than heights`}.`,
@@ -114,7 +112,7 @@ function player(root, { scenes }) {
   function draw() {
     const { scene, at, time, ink } = state;
     drawStage(canvas, scene, at, time, state.glow, ink);
-    drawStrips(strip, scene, state.strips, time, at.width, ink);
+    drawStrips(strip, scene, time, at.width, ink);
     scrub.value = Math.round(time / scene.dt);
     scrub.setAttribute('aria-valuetext', `${asText(time)} s`);
     if (state.playing && performance.now() - state.told < 100) return;
