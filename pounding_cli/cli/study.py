@@ -139,8 +139,6 @@ def _lines(plan: Plan) -> list[str]:
         f"scenes     {len(plan)}, with estimate: {plan.estimate}",
         *(f"  run      {count:6d} {what}" for what, count in found.scenes.items()),
     ]
-    if found.looked_at < 1:
-        lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
     lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]
