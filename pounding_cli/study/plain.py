@@ -45,14 +45,10 @@ the keys there (none: any), and the unit where it does not write them."""
 def unit_in(root: Any, quantity: str) -> Unit:
     """The unit a study writes a quantity of PLACES in: the first one found, SI where there are bare numbers only."""
     sections, keys, usual = PLACES[quantity]
-    kind, bare = Quantity(quantity, usual.si, ""), False
-    for section in sections:
-        for value in _scalars(get(root, *section), keys, not keys):
-            unit = unit_of([value], kind)
-            if written_unit(value) == unit.name:
-                return unit
-            bare = bare or isinstance(value, int | float)
-    return Unit(usual.si, 1.0, usual.si) if bare else usual
+    found = [value for section in sections for value in _scalars(get(root, *section), keys, not keys)]
+    unit = unit_of(found, Quantity(quantity, usual.si, ""))
+    is_written = any(written_unit(value) == unit.name or isinstance(value, int | float) for value in found)
+    return unit if is_written else usual
 
 
 def _scalars(node: Any, keys: Sequence[str], inside: bool) -> Iterator[Any]:
