@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pounding_cli.laws import link_laws
 from pounding_cli.study.file import Items, Map, Problems, dumped
-from pounding_cli.study.laws import LOSSES, keys_of
 
 GONE = ("elsewhere", "by_floor", "pairs", "at_columns")
 """Keys of a case, and `link` with a list."""
@@ -46,16 +44,20 @@ def bracket_axes(given: Any) -> dict[str, Any]:
 
 
 def respelled(case: Mapping[str, Any]) -> dict[str, Any]:
-    """A case with its links as one list; flat where it comes to one link."""
+    """A case with its links as one list, which take the other keys of the case; flat where it comes to one link."""
     pairs, links = case.get("pairs"), list[dict[str, Any]]()
     for number, pair in enumerate(pairs if isinstance(pairs, list) else [{}], start=1):
-        outer = dict(case)
-        if not isinstance(pair, Mapping) or pair.get("link", case.get("link")) != case.get("link"):
-            outer.pop("stiffness", None)  # that of another law
-        whole = outer | _mapping(pair)
-        links += [{**link, **({"pair": number} if isinstance(pairs, list) else {})} for link in _of_pair(whole)]
+        own, place = _mapping(pair), {"pair": number} if isinstance(pairs, list) else {}
+        whole = {**case, **own}
+        if own.get("link", case.get("link")) != case.get("link") and "stiffness" not in own:
+            whole.pop("stiffness", None)  # that of another law
+        more = {key: value for key, value in own.items() if key not in _PLACES}
+        links += [{**link, **place} for link in _of_pair(whole, more)]
     links = [link for n, link in enumerate(links) if link not in links[:n]]
-    return links[0] if len(links) == 1 else {"links": links or [{"link": "none"}]}
+    shared = {key: value for key, value in case.items() if key not in (*_PLACES, "stiffness")}
+    if len(links) < 2:
+        return {**links[0], **shared, **links[0]} if links else {"links": ["none"]}
+    return {**shared, "links": [link["link"] if list(link) == ["link"] else link for link in links]}
 
 
 def _mapping(value: Any) -> dict[str, Any]:
@@ -66,47 +68,44 @@ def _list(value: Any) -> list[Any]:
     return list(value) if isinstance(value, list) else [value]
 
 
-def _of_pair(whole: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """The links of one pair of neighbours."""
+def _of_pair(whole: Mapping[str, Any], more: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The links of one pair of neighbours.
+
+    whole : the keys around them; more : those of the pair alone
+    """
     floors, elsewhere, columns = whole.get("floors", "all"), whole.get("elsewhere"), whole.get("at_columns")
     listed = None if floors == "all" else _list(floors)
     single = {int(floor): each for floor, each in _mapping(whole.get("by_floor")).items() if str(floor).isdigit()}
-    for link, own in _links(whole, whole.get("link", "none")):
+    for link, own in _links(whole, more, whole.get("link", "none")):
         chosen = listed if own in (None, "all") else _list(own)
         if chosen is None:
             yield {**link, **({"floors": {"except": list(single)}} if single else {})}
         elif mine := [floor for floor in chosen if floor not in single and floor in (listed or chosen)]:
             yield {**link, "floors": mine}
     for floor, each in single.items():
-        yield from ({**link, "floors": floor} for link, _ in _links(whole, each) if link["link"] != "none")
+        yield from ({**link, "floors": floor} for link, _ in _links(whole, more, each) if link["link"] != "none")
     if listed is not None and elsewhere not in (None, "none"):
         out = [*listed, *(floor for floor in single if floor not in listed)]
         rest = {"except": out} if "none" in single.values() else "rest"
-        yield from ({**link, "floors": rest} for link, _ in _links(whole, elsewhere))
+        yield from ({**link, "floors": rest} for link, _ in _links(whole, more, elsewhere))
     if columns is not None:
-        yield from ({**link, "at": "columns"} for link, _ in _links(whole, columns))
+        yield from ({**link, "at": "columns"} for link, _ in _links(whole, more, columns))
 
 
-def _links(outer: Mapping[str, Any], entry: Any) -> Iterator[tuple[dict[str, Any], Any]]:
-    """The links of an entry with all keys that their laws take, and the floors that each names itself.
-
-    outer : the keys that stand around the entry; entry : a word, a mapping, or a list of these
-    """
+def _links(whole: Mapping[str, Any], more: Mapping[str, Any], entry: Any) -> Iterator[tuple[dict[str, Any], Any]]:
+    """The links of an entry, a word, a mapping, or a list of these, and the floors that each names itself."""
     for one in _list(entry):
         own = _mapping(one)
+        keys = {key: value for key, value in own.items() if key not in _PLACES}
         if "link" not in own:
-            # A stiffness beside several links does not say which it is of.
-            aside = (*_PLACES, "stiffness") if isinstance(outer.get("link"), list) else _PLACES
-            for link, _ in _links(outer, outer.get("link", "none")):
-                yield {**link, **{key: value for key, value in own.items() if key not in aside}}, own.get("floors")
-            continue
-        word = own["link"]
-        law, found = link_laws().get(str(word)), {"link": word}
-        for layer in (own, outer) if word != "none" else ():
-            for key, value in layer.items():
-                is_loss = key in LOSSES and any(each in found for each in LOSSES)
-                is_taken = law is None or key in keys_of(law)
-                of_another = key == "stiffness" and layer is outer and outer.get("link") not in (word, one)
-                if key not in _PLACES and key not in found and is_taken and not is_loss and not of_another:
-                    found[key] = value
-        yield found, own.get("floors")
+            if isinstance(whole.get("link"), list):
+                keys.pop("stiffness", None)  # beside several links it does not say which it is of
+            for link, _ in _links(whole, more, whole.get("link", "none")):
+                yield {**link, **keys}, own.get("floors")
+        elif own["link"] == "none":
+            yield {"link": "none"}, own.get("floors")
+        else:
+            keys = {**more, **keys}
+            if whole.get("link") == own["link"] and "stiffness" in whole:
+                keys.setdefault("stiffness", whole["stiffness"])
+            yield {"link": own["link"], **keys}, own.get("floors")
