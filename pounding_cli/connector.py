@@ -14,8 +14,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from pounding_cli.points import Point, value
 from pounding_cli.report.document import Picture
-from pounding_cli.report.style import finish, new_figure, styled
-from pounding_cli.study.axes import Axis
+from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
 
@@ -203,7 +202,7 @@ def cites(study: Study) -> dict[str, str]:
     return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if study.connector.damping_ratio else {})
 
 
-def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
+def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points), has_scale=True)]
@@ -211,13 +210,10 @@ def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[
 
 @styled
 def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
-    """One panel a point of the sweep, of the first twelve, |R1| solid and |R2| dashed."""
-    drawn = points[:12]
-    columns = min(len(drawn), 3)
-    rows = -(-len(drawn) // columns)
-    figure = new_figure(3.6 * columns + 0.6, 3.0 * rows + 0.9)
-    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    for ax, point in zip(panels, drawn, strict=False):
+    """One panel a point of the sweep, of the first four, |R1| solid and |R2| dashed."""
+    drawn = points[:4]
+    figure, axes = panels(1, len(drawn), sharex=True, sharey=True)
+    for ax, point in zip(axes[0], drawn, strict=True):
         data, x = point.data, point.data["frequency"].to_numpy()
         ax.plot(x, data["R1"], color="#000000", lw=1.6, label="system 1")
         ax.plot(x, data["R2"], color="#0072B2", linestyle=(0, (5, 2)), lw=1.6, label="system 2")
@@ -228,9 +224,7 @@ def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
         ax.axhline(1, color="0.35", lw=1.0, zorder=1)
         ax.set_title(point.label or "response ratios", loc="left")
         ax.set(xlabel="Ω / ω₁₀", ylabel="largest displacement over that alone", xlim=(x[0], x[-1]), ylim=(0, None))
-    for ax in panels[len(drawn) :]:
-        ax.axis("off")
-    panels[0].legend(loc="upper right")
+    axes[0, 0].legend(loc="upper right")
     left = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
     finish(figure, title, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
     return figure

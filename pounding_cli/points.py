@@ -6,7 +6,7 @@ Study : pydantic model of its file
 solve(study) : a Dataset of values with unit and meaning (`value`); `notes` among its attributes is a list of sentences
 SHOWN : names of the numbers that a terminal prints
 cites(study) : {reference: what for}
-pictures(title, points, axes) : the figures, the most important first
+pictures(title, points) : the figures, the most important first
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
         unit = _UNITS.get(each.attrs["units"], Unit(each.attrs["units"], 1.0, each.attrs["units"]))
         columns[name] = Column(each.attrs["long_name"], unit, name.replace("_", " "))
     shown = frame[[name for name in (*swept, *asked.SHOWN) if name in frame]]
-    pictures = asked.pictures(sweep.title, done, sweep.axes) if done else []
+    pictures = asked.pictures(sweep.title, done) if done else []
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
     failed = len(points) - len(done)

@@ -151,11 +151,8 @@ def _notes(spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
     else:
         share = f"{100 * spec['confidence']:.4g} %"
         yield f"In brackets: {share} interval of {spec['draws']} bootstrap draws of the motions, the same for both."
-    names = ("returns", "failed", "undecided", "undecided_motions")
+    names = ("failed", "undecided", "undecided_motions")
     count = {name: int(rows[[name, f"{name}{ALONE}"]].sum().sum()) for name in names}
-    if count["returns"]:
-        which = counted(count["returns"], "motion holds", "motions hold")
-        yield f"{which} again above the first intensity that passes; the first one counts."
     for name, what in (("failed", "failed"), ("undecided", "ended with a collapse before the limit was passed")):
         if count[name]:
             yield (

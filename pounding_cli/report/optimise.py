@@ -32,7 +32,7 @@ _AT_END = 1e-6
 
 _SOUGHT = ["optimum", "as_written", "error"]
 """Columns in the unit of the number sought."""
-_OF_KEY = ["value", "written", *(f"{name}_{end}" for name in ("flat", "together", "range") for end in ("from", "to"))]
+_OF_KEY = ["value", "written", *(f"{name}_{end}" for name in ("good", "range") for end in ("from", "to"))]
 """Columns in the unit of the key."""
 
 Row = Mapping[Any, Any]
@@ -84,12 +84,12 @@ def _optimum(keys: pd.DataFrame, tried: pd.DataFrame, units: Mapping[str, Unit])
 
     rows = []
     for row in keys.to_dict("records"):
-        spans = [text(row[f"{name}_from"], row[f"{name}_to"]) for name in ("flat", "together", "range")]
+        spans = [text(row[f"{name}_from"], row[f"{name}_to"]) for name in ("good", "range")]
         if row["option"]:
             spans[-1] = ", ".join(tried[row["key"]].unique())
         values = [row["option"] or text(row["value"]), row["written_option"] or text(row["written"])]
         rows.append([units[row["key"]].label(row["key"]), *values, *spans])
-    heads = ("key", "best", "as written", "as good by itself", "as good with others", "searched")
+    heads = ("key", "best", "as written", "as good", "searched")
     return from_rows("The optimum", heads, rows)
 
 
@@ -191,8 +191,8 @@ def _along(ax: Axes, row: Row, tried: pd.DataFrame, line: pd.DataFrame) -> None:
         ax.set_xticks(range(len(options)), options)
     else:
         ax.set_xscale(row["spacing"])
-        if not np.isnan(row["flat_from"]):
-            ax.axvspan(row["flat_from"], row["flat_to"], color="0.9", lw=0, label="as good by itself")
+        if not np.isnan(row["good_from"]):
+            ax.axvspan(row["good_from"], row["good_to"], color="0.9", lw=0, label="as good")
     ax.plot(x, tried["value"], ls="", marker=".", ms=2.5, color="0.65", label="point tried")
     ax.plot(through, line["value"][through.index], color="#0072B2", label="through the optimum", **style)
     mark: dict[str, Any] = {"ls": "", "mec": "k", "mew": 0.6}

@@ -156,8 +156,7 @@ class FragilitySpec(Model):
     )
     fill: Annotated[int, Whole(0, 1000)] = key(
         4,
-        "intensities solved below the one at which a motion passes, and among those that a collapse leaves "
-        "undecided (`ida`), in case it passes there too",
+        "intensities solved below the one at which a motion passes (`ida`), in case it passes there too",
     )
     hazard: Hazards | None = key(None, f"{_HAZARD_KEY}: adds the annual rate of every limit", {"k0": 1e-4, "k": 2.5})
     confidence: Annotated[float, CONFIDENCE] = key("90 %", "confidence of all intervals")
@@ -254,7 +253,6 @@ class OptimiseSpec(Model):
         None, "points of a generation; default: 12 for each key, at least 20"
     )
     slice_points: Annotated[int, Whole(5, 1001)] = key(21, "points along each key through the optimum")
-    map_points: Annotated[int, Whole(5, 201)] = key(15, "points along each of the two keys of the map")
     seed: SEED = key(1, "seed of the search")
 
     def wrong(self) -> Iterator[Wrong]:

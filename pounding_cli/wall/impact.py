@@ -18,7 +18,9 @@ from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.points import value
-from pounding_cli.wall.study import MOST_STEPS, Section, Study
+from pounding_cli.wall.study import Section, Study
+
+MOST_ELEMENTS, MOST_STEPS = 250_000, 200_000
 
 HISTORIES = {
     "time": ("s", "time"),
@@ -220,12 +222,16 @@ class System:
 
 
 def build(study: Study) -> System:
-    """Couple the plane-stress wall and the frame at the floors; the base is fixed."""
+    """Couple the plane-stress wall and the frame at the floors; the base is fixed.  InputError: too many elements."""
     (low, high), floors = study.patch, study.frame.floors
     breaks = sorted({0.0, *floors, low, high})
     breaks = [y for place, y in enumerate(breaks) if place == 0 or y - breaks[place - 1] > 1e-9]
-    y = _grid_lines(breaks, study, (low, high))
-    mesh = MeshQuad.init_tensor(_grid_lines([0.0, study.wall.length], study, (0.0, 0.0)), y)
+    x, y = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0)), _grid_lines(breaks, study, (low, high))
+    if x.size * y.size > MOST_ELEMENTS:
+        raise InputError(
+            Problem(f"a mesh of {x.size * y.size} elements", "give a larger `mesh.size`, or `growth: 0.2`")
+        )
+    mesh = MeshQuad.init_tensor(x, y)
     linear = study.mesh.element == "linear"
     basis = Basis(mesh, ElementVector(ElementQuad1() if linear else ElementQuad2()), intorder=2 if linear else 4)
     wall, thickness = basis.N, study.wall.thickness

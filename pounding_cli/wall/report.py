@@ -1,8 +1,8 @@
-"""Figures of an impact: stress on the mesh, histories, peaks over a sweep."""
+"""Figures of an impact: stress on the mesh, histories."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 from matplotlib.collections import PolyCollection
@@ -11,18 +11,10 @@ from matplotlib.figure import Figure
 from pounding_cli.points import Point
 from pounding_cli.report.document import Picture
 from pounding_cli.report.style import finish, new_figure, styled
-from pounding_cli.study.axes import Axis
 from pounding_cli.wall.study import Study
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
 # As many points have their histories drawn.
-
-_OF_SWEEPS = (
-    ("peak_force", 1e6, "peak force [MN]"),
-    ("averaged_stress", 1e6, "averaged stress [N/mm²]"),
-    ("wall_stress", 1e6, "stress of an element [N/mm²]"),
-    ("reach", 1.0, "distance to half of the averaged stress [m]"),
-)
 
 SHOWN = ("peak_force", "peak_time", "separation", "wall_stress", "averaged_stress", "beam_stress", "column_stress",
          "wall_shear", "wall_moment")  # fmt: skip
@@ -38,17 +30,14 @@ def cites(study: Study) -> dict[str, str]:
     }
 
 
-def pictures(title: str, points: Sequence[Point], axes: Sequence[Axis]) -> list[Picture]:
-    """The stresses at the last point, histories, and the peaks against every swept key."""
-    drawn: list[tuple[str, str, Callable[[], Figure]]] = [
-        ("stress", "Von Mises stress on the mesh", partial(draw_stress, title, points[-1])),
-        ("history", "Contact force, speed of the striker, energy, and stress at the struck face",
-         partial(draw_histories, title, points[: len(_COLORS)])),
-    ]  # fmt: skip
-    for axis in (axis for axis in axes if len(axis) > 1):
-        key = axis.names[0]
-        drawn.append((key.replace(".", "-"), f"Peaks against {key}", partial(draw_sweep, title, points, axis)))
-    return [Picture(name, heading, heading, draw, has_scale=True) for name, heading, draw in drawn]
+def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
+    """The stresses at the last point, and histories."""
+    stress = "Von Mises stress on the mesh"
+    history = "Contact force, speed of the striker, energy, and stress at the struck face"
+    return [
+        Picture("stress", stress, stress, partial(draw_stress, title, points[-1]), has_scale=True),
+        Picture("history", history, history, partial(draw_histories, title, points[: len(_COLORS)]), has_scale=True),
+    ]
 
 
 @styled
@@ -100,25 +89,5 @@ def draw_histories(title: str, points: Sequence[Point]) -> Figure:
     energy.legend(loc="lower right", frameon=True)
     if point.label:
         force.legend(fontsize=6.5)
-    finish(figure, title)
-    return figure
-
-
-@styled
-def draw_sweep(title: str, points: Sequence[Point], axis: Axis) -> Figure:
-    """Peak force, peak and averaged stress, and how far the stress reaches, against one swept key."""
-    key, unit = axis.names[0], axis.units[0]
-    figure = new_figure(9.2, 6.2)
-    curves: dict[str, list[Point]] = {}
-    for point in points:  # a curve joins points that differ in this key alone
-        others = [part for part in point.label.split(", ") if not part.startswith(f"{key} =")]
-        curves.setdefault(", ".join(others), []).append(point)
-    for ax, (name, size, label) in zip(figure.subplots(2, 2).ravel(), _OF_SWEEPS, strict=True):
-        for color, (alike, part) in zip(_COLORS, curves.items(), strict=False):
-            x = [v if isinstance(v := point.swept[key], str) else unit.number(v) for point in part]
-            ax.plot(x, [float(point.data[name]) / size for point in part], color=color, marker="o", ms=4, label=alike)
-        ax.set(xlabel=unit.label(key), ylabel=label, ylim=(0, None))
-    if len(curves) > 1:
-        figure.axes[0].legend(fontsize=7)
     finish(figure, title)
     return figure

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
+from pounding_cli.numbers import Unit
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.build import places
 from pounding_cli.study.expression import (
@@ -98,6 +100,9 @@ def _reduced(how: str, numbers: np.ndarray, there: np.ndarray, axes: tuple[int, 
     return np.where(there, numbers, np.inf).min(axis=axes, initial=np.inf)
 
 
+Meanings = dict[str, tuple[str, str]]
+"""Unit and meaning of columns."""
+
 Said = TypeVar("Said", Expression, Statement)
 
 
@@ -158,6 +163,20 @@ def values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[objec
         tuple(member.value(u) for factor, u in zip(factors, row, strict=True) for member in factor.members)
         for row in points.tolist()
     ]
+
+
+def key_columns(factors: Sequence[Factor], points: np.ndarray) -> tuple[pd.DataFrame, Meanings, dict[str, Unit]]:
+    """A column of every key at points, with unit and meaning of each, and the unit that people read numbers in; points
+    as in `at_points`."""
+    columns, meant, units = dict[str, Any](), Meanings(), dict[str, Unit]()
+    for factor, u in zip(factors, points.T, strict=True):
+        for member in factor.members:
+            values = member.number(u)
+            columns[member.key] = [member.labels[int(n)] for n in values] if member.options else values
+            meant[member.key] = "" if member.options else member.unit.si or "1", f"varies: {member.key}"
+            if not member.options:
+                units[member.key] = member.unit
+    return pd.DataFrame(columns), meant, units
 
 
 def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -187,14 +187,12 @@ class Brackets(NamedTuple):
 
     held : highest intensity below the first pass at which it holds; 0: none
     passed : that of the first pass; inf: none
-    returns : whether it holds at a higher one again
     is_open : whether a collapse leaves open if it passes above all at which it holds
     undecided : its scenes that a collapse ended before the limit was passed
     """
 
     held: np.ndarray
     passed: np.ndarray
-    returns: np.ndarray
     is_open: np.ndarray
     undecided: np.ndarray
 
@@ -205,7 +203,7 @@ def brackets(x: np.ndarray, demand: np.ndarray) -> Brackets:
     holds, lost = (demand <= 1) & (demand != UNDECIDED), demand == UNDECIDED
     held = np.where(holds & (x < passed[:, None]), x, 0.0).max(axis=1)
     is_open = (np.where(lost, x, 0.0).max(axis=1) > held) & (passed == np.inf)
-    return Brackets(held, passed, (holds & (x > passed[:, None])).any(axis=1), is_open, lost.sum(axis=1))
+    return Brackets(held, passed, is_open, lost.sum(axis=1))
 
 
 def _observed(x: np.ndarray, demand: np.ndarray, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -262,8 +260,6 @@ def _curve(
         "undecided": lost.sum(),
         "undecided_motions": is_open.sum(),
     }
-    if method == "ida":
-        row["returns"] = said.returns.sum()
     if outcome is Outcome.FITTED:
         for name in ("median", "spread"):
             values = getattr(fits, name)
@@ -353,7 +349,7 @@ def _three(name: str) -> list[str]:
 def _columns(method: str) -> dict[str, list[str]]:
     """The columns of every table behind those that say where its numbers stand."""
     curve = ["outcome", *_three("median"), *_three("spread"), "low", "high", "motions", "scenes", "failed", "undecided",
-             "undecided_motions", "returns", "unfitted"]  # fmt: skip
+             "undecided_motions", "unfitted"]  # fmt: skip
     motion, rate = ["demand", "undecided"], [*_three("rate"), "probability", "beyond"]
     if method == "ida":
         motion = ["held", "passed", "undecided"]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import partial
 from itertools import islice, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,22 +14,23 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.reading import shortened
 from pounding_cli.results.dataset import dataset
 from pounding_cli.results.flags import is_void, parted
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.expression import Expression, Quantity, read_expression
-from pounding_cli.study.file import Problems, get, nearest, parse
+from pounding_cli.study.file import Problems, get, nearest
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
-from pounding_cli.workflows.expressions import at_points, error_of, read_all, values_of
+from pounding_cli.workflows.expressions import at_points, error_of, key_columns, read_all, values_of
 from pounding_cli.workflows.search import Point, Search
 from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, refuse_histories, tabled
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pounding_cli.batch.solve import Solver
 
 OPTIMUM, DESIGN, POINTS = "optimise", "optimise_design", "optimise_points"
@@ -37,6 +38,9 @@ OPTIMUM, DESIGN, POINTS = "optimise", "optimise_design", "optimise_points"
 
 MOST_CORNERS = 512
 """Corners of the ranges that are checked before anything is solved."""
+
+FLAT = 0.01
+"""As good as the optimum is what lies within this share of it [-]."""
 
 FOUND = "found"
 UNSETTLED = "the last generation was reached before its points were nearly as good"
@@ -147,20 +151,13 @@ def check_written(study: Study, path: Path) -> None:
 
     Raises
     ------
-    InputError : as `question_of` and `Question.text`; or the study would be another one there
+    InputError : as `question_of` and `Question.text`; or the path is in another folder
     """
     question = question_of(study)
-    text, first = question.text(question.middle), (0,) * len(study.axes)
-    why = "its motions would be others"
-    try:
-        found = Study(path, text, parse(text, shortened(path)))
-        one, other = ({n: used.use.digest for n, used in each.motions(first).items()} for each in (found, study))
-        if one == other:
-            return
-    except InputError as error:
-        why = error.problems[0].message
-    hint = "write it beside the study: motions are sought there" if path.parent != study.path.parent else ""
-    raise InputError(Problem(f"the study would not run from there: {why}", hint or "change the study", str(path)))
+    question.text(question.middle)
+    if path.parent.resolve() != study.path.parent.resolve():
+        hint = "write it beside the study: motions are sought there"
+        raise InputError(Problem("the study would not run from another folder", hint, str(path)))
 
 
 # The search
@@ -191,110 +188,96 @@ class Optimise(Workflow):
         question.check_corners()
 
         def function(points: list[Point], is_rough: bool) -> tuple[np.ndarray, np.ndarray]:
-            solved = _Solved(question, solver, points, is_rough)
-            return question.sign * solved.sought[: len(points)], solved.errors[: len(points)]
+            plan = question.plan(points)
+            found = _sought(question, plan, dataset(plan, solver.responses(plan, rough=is_rough)))[: len(points)]
+            return question.sign * found["value"].to_numpy(), found["error"].to_numpy()
 
         search = Search(function, [factor.options for factor in question.factors], question.spec, question.written)
         search.run()
-        # what only led to the valley keeps its rough numbers
-        whole, tried = _Solved(question, solver, list(search.tried), is_rough=True), list(search.tried)
+        tried = list(search.tried)
+        plan = question.plan(tried)
+        data = dataset(plan, solver.responses(plan, rough=True))  # what only led to the valley keeps its rough numbers
+        sought = _sought(question, plan, data)
         best = None if search.best is None else tried.index(search.best)
-        written = len(whole.sought) - 1 if search.written is None else tried.index(search.written)
+        written = len(sought) - 1 if search.written is None else tried.index(search.written)
+        columns = {"optimum": best, "as_written": written}
         tables = [
-            tabled(OPTIMUM, _optimum(search, question, whole, written), star=question.expression.unit),
-            tabled(DESIGN, _design(question, whole, {"optimum": best, "as_written": written})),
-            _points(search, question, whole),
+            tabled(OPTIMUM, _optimum(search, question, plan, sought, columns), star=question.expression.unit),
+            tabled(DESIGN, _design(question, plan, data, sought["value"], columns)),
+            _points(search, question, sought[: len(tried)]),
         ]
-        return Found(whole.plan, whole.data, tables)
+        return Found(plan, data, tables)
 
 
 ASKED = Optimise()
 
 
-class _Solved:
-    """The scenes of some points; the last axis of their plan holds the points, and behind them the study as it is
-    written where no point stands for it."""
+def _by_point(plan: Plan, values: np.ndarray) -> np.ndarray:
+    """Values over all axes in the one case and analysis, shape (other points of the sweep, points, ...)."""
+    return values.reshape(-1, len(plan.axes[-1].values), *values.shape[len(plan.axes) :])
 
-    def __init__(self, question: Question, solver: Solver, points: Sequence[Point], is_rough: bool) -> None:
-        self.question, self.plan = question, question.plan(points)
-        self.data = dataset(self.plan, solver.responses(self.plan, rough=is_rough))
-        self.one = self.data.sel(case=[question.case], analysis=[question.analysis])
 
-    def by_point(self, values: np.ndarray) -> np.ndarray:
-        """Values over all axes, the one case and the one analysis; shape (other points of the sweep, points, ...)."""
-        axes = self.plan.axes
-        return values.reshape(-1, len(axes[-1].values), *values.shape[len(axes) + 2 :])
-
-    @cached_property
-    def is_void(self) -> np.ndarray:
-        """Whether the number means nothing at a point, because a link of a scene went where its law has no meaning."""
-        void = np.vectorize(is_void, otypes=[bool])(self.one["flags"].values)
-        return np.asarray(self.by_point(void.any(axis=-1)).any(axis=0))
-
-    @cached_property
-    def _sought(self) -> np.ndarray:
-        """The number sought at every point of the sweep and of the search."""
-        return self.by_point(values_of(self.question.expression, self.one, self.question.spec.over_motions))
-
-    @cached_property
-    def sought(self) -> np.ndarray:
-        """The number sought at every point, over a sweep its mean or its worst; NaN where it has none or no meaning."""
-        sign, is_mean = self.question.sign, self.question.spec.over_sweep == "mean"
-        values = self._sought.mean(axis=0) if is_mean else sign * (sign * self._sought).max(axis=0)
-        return np.where(self.is_void, np.nan, values)
-
-    @property
-    def errors(self) -> np.ndarray:
-        """The numerical error of the number sought at every point."""
-        errors = self.by_point(error_of(self.question.expression, self.one, self.question.spec.over_motions))
-        if self.question.spec.over_sweep == "mean":
-            return errors.mean(axis=0)
-        worst = np.nan_to_num(self.question.sign * self._sought, nan=np.inf).argmax(axis=0)
-        return errors[worst, np.arange(errors.shape[1])]
-
-    def largest(self, quantity: Quantity) -> np.ndarray:
-        """A quantity at every point: over the motions as the number sought is, over a sweep its mean or the largest."""
-        expression = Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
-        values = self.by_point(values_of(expression, self.one, self.question.spec.over_motions))
-        return values.mean(axis=0) if self.question.spec.over_sweep == "mean" else values.max(axis=0)
+def _sought(question: Question, plan: Plan, data: xr.Dataset) -> pd.DataFrame:
+    """The number sought, a row for every point: over a sweep its mean or its worst (`value`, NaN where it has none or
+    no meaning), its numerical error, and whether a link of a scene went where its law has no meaning."""
+    spec, one = question.spec, data.sel(case=question.case, analysis=question.analysis)
+    values, errors = (
+        _by_point(plan, each(question.expression, one, spec.over_motions)) for each in (values_of, error_of)
+    )
+    void = np.vectorize(is_void, otypes=[bool])(_by_point(plan, one["flags"].values)).any(axis=(0, 2))
+    if spec.over_sweep == "mean":
+        value, error = values.mean(axis=0), errors.mean(axis=0)
+    else:
+        worst = np.nan_to_num(question.sign * values, nan=np.inf).argmax(axis=0), np.arange(values.shape[1])
+        value, error = values[worst], errors[worst]
+    return pd.DataFrame({"value": np.where(void, np.nan, value), "error": error, "meaningless": void})
 
 
 # The tables
 
 
-def _optimum(search: Search, question: Question, whole: _Solved, written: int) -> pd.DataFrame:
-    """A row for each key; `written` : number of the point of the study as it is written."""
-    best, sign, tried = search.best, question.sign, search.tried
-    void, near = int(whole.is_void[: len(tried)].sum()), list[Point]()
+def _optimum(
+    search: Search, question: Question, plan: Plan, sought: pd.DataFrame, at: dict[str, int | None]
+) -> pd.DataFrame:
+    """A row for each key.
+
+    sought : `_sought`
+    at : numbers of the best point and of the study as it is written
+    """
+    cube, best = np.array(list(search.tried)), at["optimum"]
+    tried, value = sought[: len(cube)], sought["value"].to_numpy()
     first: dict[str, Any] = {
-        "sought": f"{'least' if sign > 0 else 'most'} {question.expression}",
-        "as_written": whole.sought[written],
+        "sought": f"{'least' if question.sign > 0 else 'most'} {question.expression}",
+        "as_written": value[at["as_written"]],
         "outcome": NOTHING if best is None else FOUND if search.is_settled else UNSETTLED,
         "points": len(tried),
-        "failed": int(np.isnan(whole.sought[: len(tried)]).sum()) - void,
-        "meaningless": void,
+        "failed": int((tried["value"].isna() & ~tried["meaningless"]).sum()),
+        "meaningless": int(tried["meaningless"].sum()),
     }
+    near = np.zeros(0, bool)
     if best is not None:
-        tolerance, least = search.tolerance, search.value(best)
-        first |= {"optimum": sign * least, "error": search.error, "tolerance": tolerance}
-        near = [point for point, each in tried.items() if each.value <= least + tolerance]
+        above, share = question.sign * (tried["value"] - value[best]), FLAT * abs(value[best])
+        known = sought["error"][best]  # where it is not known, the largest known among points as good
+        error = tried["error"][above <= share].max() if np.isnan(known) else known
+        tolerance = np.fmax(error, share)
+        near = (above <= tolerance).to_numpy()
+        first |= {"optimum": value[best], "error": error, "tolerance": tolerance}
     rows = []
     for number, factor in enumerate(question.factors):
         row = {**first, "key": factor.key, "unit": factor.unit.si or factor.unit.name, "spacing": factor.spacing}
-        row |= {"option": "", "written_option": "", "mapped": int(number in search.mapped)}
+        row |= {"option": "", "written_option": ""}
         if best is not None:
-            row |= {"place": best[number], **_value(factor, best[number], "value", "option")}
+            row |= {"place": cube[best, number], **_value(factor, cube[best, number], "value", "option")}
         if search.written is not None:
             row |= _value(factor, search.written[number], "written", "written_option")
         else:
-            given = whole.plan.axes[-1].values[-1][number]
+            given = plan.axes[-1].values[-1][number]
             row["written_option" if isinstance(given, str) else "written"] = given
-        spans = {"flat": search.flat.get(number), "range": (0.0, 1.0)}
-        if near:
-            spans["together"] = min(point[number] for point in near), max(point[number] for point in near)
-        for name, span in spans.items():
-            if span is not None and not factor.options:
-                row[f"{name}_from"], row[f"{name}_to"] = factor.number(np.array(span)).tolist()
+        if not factor.options:
+            row["range_from"], row["range_to"] = factor.number(np.array([0.0, 1.0])).tolist()
+        if not factor.options and best is not None:
+            good = cube[near, number]
+            row["good_from"], row["good_to"] = factor.number(np.array([good.min(), good.max()])).tolist()
         rows.append(row)
     return pd.DataFrame(rows).reindex(columns=list(columns_of(OPTIMUM)))
 
@@ -305,29 +288,36 @@ def _value(factor: Factor, u: float, number: str, option: str) -> dict[str, Any]
     return {option: factor.labels[int(value)]} if factor.options else {number: value}
 
 
-def _design(question: Question, whole: _Solved, at: dict[str, int | None]) -> pd.DataFrame:
+def _design(
+    question: Question, plan: Plan, data: xr.Dataset, sought: pd.Series, at: dict[str, int | None]
+) -> pd.DataFrame:
     """What the buildings do at the optimum, and with the study as it is written: a row for each quantity.
 
+    sought : the number sought at every point
     at : by the names of the columns, the numbers of these points
     """
-    buildings, one = whole.plan.buildings, whole.one
-    failed = ~np.isin(whole.by_point(one["status"].values), OUTCOMES)
+    spec, one = question.spec, data.sel(case=question.case, analysis=question.analysis)
+    failed = ~np.isin(_by_point(plan, one["status"].values), OUTCOMES)
     known, of = ~failed.any(axis=(0, 2)), failed[:, 0].size
     impacts, quantities = np.zeros(failed.shape), dict[str, Quantity]()
-    for place, building in enumerate(buildings):
+    for place, building in enumerate(plan.buildings):
         for name in ("V_ratio", "mu", "drift", "acceleration"):
             quantities[f"largest {name} in {building}"] = Quantity(name, "largest", place)
-    if whole.plan.links.places:
-        impacts = np.nan_to_num(whole.by_point(one["impacts"].values)).sum(axis=-1)
+    if plan.links.places:
+        impacts = np.nan_to_num(_by_point(plan, one["impacts"].values)).sum(axis=-1)
         quantities |= {f"largest {name}": Quantity(name) for name in ("peak_force", "max_closing")}
     rows: list[tuple[str, str, int, np.ndarray]] = [
-        (str(question.expression), question.expression.unit or "1", 0, whole.sought),
+        (str(question.expression), question.expression.unit or "1", 0, sought.to_numpy()),
         ("contacts, all motions", "1", 0, np.where(known, impacts.sum(axis=(0, 2)), np.nan)),
         ("scenes with contact", "1", of, np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan)),
         ("scenes that failed", "1", of, failed.sum(axis=(0, 2))),
-        *((text, VARIABLES[each.name].unit, 0, whole.largest(each)) for text, each in quantities.items()),
     ]
-    flags = whole.by_point(one["flags"].values)
+    for text, quantity in quantities.items():
+        expression = Expression(quantity.name, "", (quantity,), partial(_alone, quantity))
+        values = _by_point(plan, values_of(expression, one, spec.over_motions))
+        over_sweep = values.mean(axis=0) if spec.over_sweep == "mean" else values.max(axis=0)
+        rows.append((text, VARIABLES[quantity.name].unit, 0, over_sweep))
+    flags = _by_point(plan, one["flags"].values)
     shown = [number for number in at.values() if number is not None]
     for flag in dict.fromkeys(flag for cell in flags[:, shown].flat for flag, _ in parted(cell)):
         has = np.vectorize(lambda cell, flag=flag: any(flag == each for each, _ in parted(cell)), otypes=[bool])(flags)
@@ -338,18 +328,15 @@ def _design(question: Question, whole: _Solved, at: dict[str, int | None]) -> pd
     return frame[list(columns_of(DESIGN))]
 
 
-def _points(search: Search, question: Question, whole: _Solved) -> Table:
+def _alone(quantity: Quantity, value: Callable[[Quantity], np.ndarray]) -> np.ndarray:
+    """An expression that is one quantity."""
+    return value(quantity)
+
+
+def _points(search: Search, question: Question, sought: pd.DataFrame) -> Table:
     """Every point that was tried, in the order in which the search asked for it."""
-    cube, tried = np.array(list(search.tried)), list(search.tried.values())
-    frame: dict[str, Any] = {"point": np.arange(1, len(cube) + 1), "stage": [each.stage for each in tried]}
-    units, meant = {}, dict[str, tuple[str, str]]()
-    for factor, u in zip(question.factors, cube.T, strict=True):
-        values = factor.number(u)
-        frame[factor.key] = [factor.labels[int(value)] for value in values] if factor.options else values
-        meant[factor.key] = "" if factor.options else factor.unit.si or "1", f"varies: {factor.key}"
-        if not factor.options:
-            units[factor.key] = factor.unit
-    frame["value"] = question.sign * np.array([each.value for each in tried])
-    frame["error"] = [each.error for each in tried]
-    frame["meaningless"] = whole.is_void[: len(tried)].astype(int)
-    return tabled(POINTS, pd.DataFrame(frame), units=units, star=question.expression.unit, more=meant)
+    keys, meant, units = key_columns(question.factors, np.array(list(search.tried)))
+    keys.insert(0, "point", range(1, len(keys) + 1))
+    keys.insert(1, "stage", [each.stage for each in search.tried.values()])
+    found = keys.join(sought.astype({"meaningless": int}))
+    return tabled(POINTS, found, units=units, star=question.expression.unit, more=meant)

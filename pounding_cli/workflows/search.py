@@ -2,9 +2,8 @@
 
 Differential evolution (Storn, R. and Price, K. (1997). Differential evolution. Journal of Global Optimization 11,
 341-359) finds the valley, the simplex method (Nelder, J. A. and Mead, R. (1965). A simplex method for function
-minimization. The Computer Journal 7(4), 308-313) its bottom, both by SciPy. Then the surroundings are looked at: along
-every coordinate, where the function leaves the bottom, and over the two coordinates that matter most. Where that finds
-a lower point, the search goes on from there.
+minimization. The Computer Journal 7(4), 308-313) its bottom, both by SciPy. Then the function is looked at along every
+coordinate; where that finds a lower point, the search goes on from there.
 
 The points follow from the seed and the values alone. A search that is begun again looks at the same points.
 """
@@ -29,11 +28,8 @@ Function = Callable[[list[Point], bool], tuple[np.ndarray, np.ndarray]]
 """function(points, rough) -> values, NaN where there is none, and their errors, NaN where not known; shape (points,).
 `rough`: these points only lead to the valley, whose bottom later ones look at."""
 
-WRITTEN, SEARCH, POLISH, SLICES, MAP = "as written", "search", "polish", "slices", "map"
+WRITTEN, SEARCH, POLISH, SLICES = "as written", "search", "polish", "slices"
 """The stages."""
-
-FLAT = 0.01
-"""The bottom is where the function is within this share of its least value [-]."""
 
 _DIGITS = 9
 """Of a coordinate: points closer than that are one."""
@@ -51,13 +47,10 @@ _GAIN = 1e-5
 """A polish that gains less is the last [-]."""
 
 _SAME = 1e-6
-"""A point in the surroundings that is lower by less is no better than the best one [-]."""
-
-_NARROW = 1e-3
-"""Width of the interval in which the function leaves the bottom."""
+"""A point along a coordinate that is lower by less is no better than the best one [-]."""
 
 _RETURNS = 3
-"""Times that the search goes on from a lower point that its surroundings hold."""
+"""Times that the search goes on from a lower point along a coordinate."""
 
 
 class Tried(NamedTuple):
@@ -82,8 +75,6 @@ class Search:
     ----------
     tried : every point that was looked at, in that order
     best : the point of the least value, the first of several; None where no point has a value
-    flat : of continuous coordinates, between which ends the function stays on its bottom, the others at the best point
-    mapped : the two coordinates of the map
     is_settled : whether the population came together before its generations were spent
     """
 
@@ -95,30 +86,12 @@ class Search:
         self.continuous = [number for number, many in enumerate(options) if not many]
         self.tried: dict[Point, Tried] = {}
         self.best: Point | None = None
-        self.flat: dict[int, tuple[float, float]] = {}
-        self.mapped: tuple[int, ...] = ()
         self.is_settled = True
 
     def value(self, point: Point) -> float:
         """The value of a point that was looked at; infinite where it has none."""
         value = self.tried[point].value
         return np.inf if np.isnan(value) else value
-
-    @property
-    def error(self) -> float:
-        """The error of the least value; where it is not known, the largest known on the bottom; NaN: there is none."""
-        assert self.best is not None
-        least = self.tried[self.best]
-        if not np.isnan(least.error):
-            return least.error
-        near = [each.error for each in self.tried.values() if each.value <= least.value + FLAT * abs(least.value)]
-        return max((error for error in near if not np.isnan(error)), default=np.nan)
-
-    @property
-    def tolerance(self) -> float:
-        """By how much the function may lie above its least value on the bottom: its error, or a share of it."""
-        assert self.best is not None
-        return float(np.fmax(self.error, FLAT * abs(self.value(self.best))))
 
     def key(self, point: Sequence[float]) -> Point:
         """The point as it is known: choices in the middle of their share."""
@@ -132,7 +105,7 @@ class Search:
         if self.written is not None:
             self._look([self.written], WRITTEN)
         if not self.continuous and np.prod(self.options) <= _FEW_COMBINATIONS:
-            self._look(list(product(*(self._across(number, 0) for number in range(len(self.options))))), SEARCH)
+            self._look(list(product(*(self._across(number) for number in range(len(self.options))))), SEARCH)
             self._take_lowest()
             return
         self._evolve()
@@ -141,7 +114,14 @@ class Search:
             if self.best is not None and self.continuous:
                 self._polish(self.best)
                 self._take_lowest()
-            if self.best is None or not self._finds_lower_around(self.best):
+            if self.best is None:
+                return
+            slices = [
+                self._moved(self.best, {number: u}) for number in range(len(self.options))
+                for u in self._across(number)
+            ]  # fmt: skip
+            self._look(slices, SLICES)
+            if not self._take_lowest(_SAME):
                 return
 
     def _take_lowest(self, least: float = 0.0) -> bool:
@@ -165,10 +145,10 @@ class Search:
         """A point with other values of some coordinates."""
         return self.key([moves.get(number, u) for number, u in enumerate(point)])
 
-    def _across(self, number: int, points: int) -> list[float]:
-        """Values of a coordinate: every choice, or so many points from end to end."""
+    def _across(self, number: int) -> list[float]:
+        """Values of a coordinate: every choice, or points from end to end."""
         options = self.options[number]
-        return [(each + 0.5) / options for each in range(options)] or np.linspace(0.0, 1.0, points).tolist()
+        return [(each + 0.5) / options for each in range(options)] or np.linspace(0, 1, self.spec.slice_points).tolist()
 
     def _evolve(self) -> None:
         """Differential evolution until all points of a generation are nearly as good."""
@@ -206,41 +186,3 @@ class Search:
             best = min(self.tried, key=self.value)
             if before - self.value(best) <= _GAIN * abs(before):
                 return
-
-    def _finds_lower_around(self, best: Point) -> bool:
-        """Look at slices through the best point, the ends of its flat bottom, and a map over two coordinates; whether
-        one of them is lower."""
-        slices = [
-            self._moved(best, {number: u}) for number in range(len(best))
-            for u in self._across(number, self.spec.slice_points)
-        ]  # fmt: skip
-        while slices:  # halve the intervals in which the function leaves the bottom, all at once
-            self._look(slices, SLICES)
-            if self._take_lowest(_SAME):
-                return True
-            ends = {number: self._ends(number, best) for number in self.continuous}
-            slices = [
-                self._moved(best, {number: (inside + outside) / 2})
-                for number, both in ends.items() for inside, outside in both
-                if _NARROW < abs(outside - inside) < np.inf
-            ]  # fmt: skip
-        self.flat = {number: (low, high) for number, ((low, _), (high, _)) in ends.items()}
-        if len(self.flat) > 1:
-            narrow = sorted(self.continuous, key=lambda number: self.flat[number][1] - self.flat[number][0])[:2]
-            self.mapped = one, other = tuple(sorted(narrow))
-            line = np.linspace(0.0, 1.0, self.spec.map_points).tolist()
-            self._look([self._moved(best, {one: u, other: v}) for u in line for v in line], MAP)
-        return self._take_lowest(_SAME)
-
-    def _ends(self, number: int, best: Point) -> list[tuple[float, float]]:
-        """Below and above the best point along a coordinate: the last value on the bottom and the first beyond it,
-        infinite where there is none."""
-        line = [
-            (point[number], self.value(point) <= self.value(best) + self.tolerance) for point in self.tried
-            if (point[:number], point[number + 1 :]) == (best[:number], best[number + 1 :])
-        ]  # fmt: skip
-        here, outside = best[number], [u for u, is_in in line if not is_in]
-        low = max((u for u in outside if u < here), default=-np.inf)
-        high = min((u for u in outside if u > here), default=np.inf)
-        inside = [u for u, _ in line if low < u < high]
-        return [(min(inside), low), (max(inside), high)]

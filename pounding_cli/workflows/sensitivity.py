@@ -19,7 +19,7 @@ from pounding_cli.study.expression import Expression, Statement, read_expression
 from pounding_cli.study.file import Problems
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
-from pounding_cli.workflows.expressions import at_points, distinct, read_all, values_of
+from pounding_cli.workflows.expressions import at_points, distinct, key_columns, read_all, values_of
 from pounding_cli.workflows.workflow import Found, Table, Workflow, refuse_histories, swept, tabled
 
 if TYPE_CHECKING:
@@ -416,17 +416,10 @@ def _where(plan: Plan, series: Sequence[Series]) -> pd.DataFrame:
 
 def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Table:
     """All samples in the order of the method with their outputs; a block for each point, case and analysis."""
-    count, meant, units = len(question.cube), dict[str, tuple[str, str]](), {}
-    keys = pd.DataFrame({"sample": np.arange(1, count + 1), "independent": 0})
-    keys.loc[question.independent, "independent"] = 1
-    for factor, u in zip(question.factors, question.cube.T, strict=True):
-        for member in factor.members if factor.key != MOTION else ():
-            values, text = member.number(u), f"varies: {member.key}"
-            if member.options:
-                keys[member.key], meant[member.key] = [member.labels[int(n)] for n in values], ("", text)
-            else:
-                keys[member.key], meant[member.key] = values, (member.unit.si or "1", text)
-                units[member.key] = member.unit
+    count, are_keys = len(question.cube), [factor.key != MOTION for factor in question.factors]
+    keys, meant, units = key_columns(question.keys[0], question.cube[:, are_keys])
+    keys.insert(0, "sample", range(1, count + 1))
+    keys.insert(1, "independent", np.isin(np.arange(count), question.independent).astype(int))
     if question.drawn is not None:
         counts = [Counter(question.motions[number] for number in numbers) for numbers in question.drawn]
         said = [" + ".join(name if n == 1 else f"{n} {name}" for name, n in each.items()) for each in counts]

@@ -31,7 +31,6 @@ optimise:
   population: 8
   generations: 4
   slice_points: 5
-  map_points: 5
 """
 
 
@@ -209,7 +208,7 @@ def test_as_written_stands_outside_the_ranges(pound):
     """A key whose default is another key's value, and one outside its range. Fails if as written means nearest."""
     over = "cases.other.restitution: {from: 0.3, to: 0.4}\n    buildings.B.period: {from: 0.2 s, to: 0.3 s}"
     text = FEW[: FEW.index("    cases.joined.gap: {choice")] + f"    {over}\n  population: 5\n  generations: 1\n"
-    Path("few.yaml").write_text(text.replace("case: joined", "case: other") + "  slice_points: 5\n  map_points: 5\n")
+    Path("few.yaml").write_text(text.replace("case: joined", "case: other") + "  slice_points: 5\n")
     code, _out, _ = pound("optimise", "few.yaml")
     assert code == 0
     results = open_results("results/few-optimise.h5")
@@ -313,7 +312,7 @@ def test_a_study_that_is_there_is_not_replaced_unless_told(pound):
         ("folder.yaml", "the output is a folder"),
         ("weak.txt/best.yaml", "cannot be written"),
         ("elsewhere/best.yaml", "write it beside the study: motions are sought there"),
-        ("other/best.yaml", "its motions would be others"),
+        ("other/best.yaml", "write it beside the study: motions are sought there"),
         ("a" * 300 + ".yaml", "cannot be written"),
     ],
 )

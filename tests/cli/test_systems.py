@@ -89,6 +89,9 @@ def test_a_point_that_fails_leaves_the_others(folder, pound):
     code, _, err = pound("wall", "w.yaml", "-o", "w.h5")
     assert code == 1
     assert "failed: striker.mass = 1e-6 kg: refused: an impact this short" in err
+    fine = Path("w.yaml").read_text().replace("size: 1 m", "size: 1 mm, growth: 0")
+    Path("fine.yaml").write_text(fine)
+    assert "elements: give a larger `mesh.size`" in pound("wall", "fine.yaml", "-o", "fine.h5")[2]
     frame = pd.read_csv("w/tables/wall.csv")
     assert np.isnan(frame["peak_force"]).tolist() == [False, True]
     assert frame["status"].str.partition(":")[0].tolist() == ["done", "refused"]

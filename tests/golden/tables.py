@@ -49,9 +49,7 @@ PROSE = ["estimated", "effects", "dropped", "advice", "flags", "detail", "digest
 NOISE = ("error", "sensitivity", "residual")
 """Columns with one of these words are sizes of errors; `residual_drift` is a result."""
 
-LOOSE = {"contact_time": 1e-4, "impulse": 1e-4} | dict.fromkeys(
-    ("value", "place", "flat_from", "flat_to", "together_from", "together_to"), 1e-3
-)
+LOOSE = {"contact_time": 1e-4, "impulse": 1e-4} | dict.fromkeys(("value", "place", "good_from", "good_to"), 1e-3)
 """Relative tolerance of columns that grazing contacts amplify, and of the place of an optimum, which is flat."""
 ANSWERS = 1e-6
 """Tolerance of answers, at least: statistics amplify the errors of the scenes; and of histories, kept in 4 bytes."""
