@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from pounding_cli.api.scenes import history
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.bilinear_contact import BilinearContact
 from pounding_cli.laws.hertz import Hertz, HertzDamp, Jankowski
@@ -27,7 +28,6 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.report.style import RC
-from pounding_cli.solver.histories import history
 
 FOLDER = Path(__file__).parent
 BLUE, RED, GREY = "#0072B2", "#AA2211", "#777777"
@@ -83,7 +83,7 @@ def loop_of_link(law: LinkLaw) -> tuple[np.ndarray, np.ndarray]:
         for name, k in zip(("soft", "stiff"), stiffness, strict=True)
     )
     scene = Scene(floors, (Link(0, 1, 1, law),), pulse(-4.0, 0.4), Analysis.ELASTIC)
-    kept = history(scene, 1e-9, 2e-5)
+    kept = history(scene, 2e-5, 1e-9)
     force = kept.link_force[:, 0]
     closing = kept.displacement[:, 0, 0] - kept.displacement[:, 1, 0] - (0.0 if law.name in WITHIN_THE_GAP else GAP)
     if law.name in ALWAYS:
@@ -101,7 +101,7 @@ def loop_of_storey(law: type[StoreyLaw]) -> tuple[np.ndarray, np.ndarray]:
         "one", [MASS], [3.0], [stiffness], [6e5], [0.05], 0.5, 0.0,
         storey_law=law, law_parameters=parameters, collapse=np.inf,
     )  # fmt: skip
-    kept = history(Scene((building,), (), pulse(4.5, 2.0, 3.0), Analysis.INELASTIC), 1e-9, 1e-3)
+    kept = history(Scene((building,), (), pulse(4.5, 2.0, 3.0), Analysis.INELASTIC), 1e-3, 1e-9)
     moving = kept.time <= 2.0
     return kept.drift[moving, 0, 0] * stiffness / 6e5, kept.shear[moving, 0, 0] / 6e5
 

@@ -5,24 +5,23 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import os
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
+from typing import TYPE_CHECKING, NamedTuple
 
 from pounding_cli.batch.cache import Cache, cache_of
 from pounding_cli.batch.pool import pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.batch.solve import Solver
-from pounding_cli.errors import InputError
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
-from pounding_cli.results.file import facts, write
+from pounding_cli.outputs import check_output
+from pounding_cli.results.file import facts, is_results, write
 from pounding_cli.results.histories import kept_histories
-from pounding_cli.results.keys import solution_key, solver_version
-from pounding_cli.results.owner import check_results, written_place
+from pounding_cli.results.solved import solution_key, solver_version
 from pounding_cli.workflows import workflow_of
 
 if TYPE_CHECKING:
@@ -30,8 +29,7 @@ if TYPE_CHECKING:
     from pounding_cli.workflows.workflow import Workflow
 
 
-@dataclass(frozen=True)
-class Failure:
+class Failure(NamedTuple):
     """A scene without a result: where it stands in the study, what happened, what to do about it."""
 
     place: str
@@ -97,11 +95,14 @@ def run_study(
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
         content = _content(workflow, workflow.plan(study))
-        check_results(output, study, workflow.name, replace)
+        _check_output(output, study, workflow.name, replace)
         if not replace and (scenes := _finished(output, content)) is not None:
             return Outcome(output, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
-        _tell_reuse(cache, told)
+        if cache.was_damaged:
+            told.say(f"{cache.path} was damaged: what it held is solved again")
+        if cache.forget_other(f"solver {solver_version()} "):
+            told.say(f"{cache.path} was made with another solver: all scenes are solved again")
         solver = Solver(cache, workers_of, told)
         try:
             found = workflow.run(study, solver)
@@ -110,43 +111,73 @@ def run_study(
             raise
         plan = found.plan
         histories = kept_histories(plan, found.dataset, told.say)
-        wall = time.perf_counter() - begin
         said = {
             "content": content,
-            "study_file": written_place(study, output),
+            "study_file": _place_of(study, output),
             "answers": json.dumps([table.name for table in found.tables]),
             "scenes_solved_last": solver.solved,
             "scenes_reused_last": solver.reused,
-            "wall_seconds_last": wall,
+            "wall_seconds_last": time.perf_counter() - begin,
             "engine": solver.engine,
             "workers": solver.workers,
         }
         write(output, found.dataset.assign_attrs(said), found.tables, histories)
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
-    failures = tuple(_failures(plan, solver))
-    done = solver.solved - len(solver.failed)
-    wall = time.perf_counter() - begin
-    counts = done, len(solver.failed), solver.reused
-    return Outcome(output, *counts, failures, solver.engine, solver.workers, solver.seconds, wall)
+    return Outcome(
+        output, solver.solved - len(solver.failed), len(solver.failed), solver.reused, tuple(_failures(plan, solver)),
+        solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
+    )  # fmt: skip
+
+
+def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> None:
+    """Make sure that the results of a study can be written at `path`, before anything is computed; makes the folder.
+
+    Results of the same study are replaced: those that came from the same file, whatever it says by now; or from a file
+    that is no longer there, with the same title. A study that is Python data is known by its title.
+
+    Raises
+    ------
+    InputError : as `outputs.check_output`; results of another study or another command; damaged results that do not
+        tell their study; not with `replace`
+    """
+    check_output(path, [study.path], lambda place, _: is_results(place))
+    if replace or not path.exists() or not path.stat().st_size:
+        return
+    try:
+        held = facts(path, version=None)
+    except InputError:
+        said = "damaged results whose study cannot be read"
+    else:
+        place, command = str(held.get("study_file", "")), held.get("workflow", held.get("kind", "run"))
+        there = path.parent / place.replace("\0", "")
+        is_file = bool(place) and os.path.exists(there)
+        if there.resolve() == study.path.resolve() if is_file else held.get("title") == study.title:
+            said = "" if command == workflow else f"results of `pound {command}`"
+        else:
+            said = f"another study: '{held.get('title')}'" + (f" ({place})" if place else "")
+    if said:
+        hint = "name another file with -o, or use --replace to delete it (in Python: replace=True)"
+        raise InputError(Problem(f"the output holds {said}", hint, str(path)))
+
+
+def _place_of(study: Study, results: Path) -> str:
+    """How a results file names the file of its study: the path from its own folder, which still fits where a project is
+    moved, copied or sent; "" for a study that is Python data."""
+    if study.from_data:
+        return ""
+    try:
+        return os.path.relpath(study.path.resolve(), results.parent.resolve())
+    except ValueError:  # another drive
+        return str(study.path.resolve())
 
 
 def _content(workflow: Workflow, plan: Plan) -> str:
     """SHA-256 of all that results follow from: the study, its scenes, the solver."""
-    study = plan.study
-    sha = hashlib.sha256()
-    for part in (
-        solution_key(plan),
-        workflow.name,
-        study.title,
-        study.text,
-        json.dumps(study.resolved(), default=str, sort_keys=True),
-        repr(([(row.point, row.case, row.analysis, row.record) for row in plan.kept], plan.every)),
-    ):
-        sha.update(part.encode() + b"\0")
-    sha.update(np.ascontiguousarray(plan.digests).data)
-    sha.update(np.ascontiguousarray(plan.numbers).data)
-    return sha.hexdigest()
+    study, kept = plan.study, (plan.kept, plan.every)
+    resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
+    said = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
+    return hashlib.sha256(said.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
 
 
 def _finished(output: Path, content: str) -> int | None:
@@ -157,13 +188,6 @@ def _finished(output: Path, content: str) -> int | None:
         return int(known["scenes"]) if same else None
     except (InputError, KeyError):
         return None
-
-
-def _tell_reuse(cache: Cache, told: Progress) -> None:
-    if cache.was_damaged:
-        told.say(f"{cache.path} was damaged: what it held is solved again")
-    if cache.forget_other(f"solver {solver_version()} "):
-        told.say(f"{cache.path} was made with another solver: all scenes are solved again")
 
 
 def _failures(plan: Plan, solver: Solver) -> Iterator[Failure]:

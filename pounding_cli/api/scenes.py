@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,10 +70,8 @@ def motion(
     ------
     InputError : no such motion, a file that cannot be read, a missing time step, an unknown unit
     """
-    if isinstance(source, str | Path):
-        found = _named_or_read(source, dt, unit, name)
-    else:
-        found = _from_array(source, dt, unit, name)
+    found = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
+    found = found if name is None else replace(found, name=name)
     if duration != "whole":
         found = found.windowed(quantity(TIME, duration, "duration"))
     if pga is None:
@@ -113,19 +112,16 @@ def scene(
     """
     if analysis not in list(Analysis):
         raise InputError(Problem(f"the analysis '{analysis}' is not known", "write elastic or inelastic", "analysis"))
-    row = by_place(buildings)
-    given = [link for link in links or () if isinstance(link, Link)]
-    between: tuple[Link, ...] = tuple(given)
-    if links is not None and len(given) == len(links):
+    row, time = by_place(buildings), quantity(_TAIL, tail, "tail")
+    between = [link for link in links or () if isinstance(link, Link)]
+    if links is not None and len(between) == len(links):
         if case:
             raise InputError(Problem(f"'links' leaves no place for {', '.join(case)}", "give one or the other"))
     elif len(row) > 1:
         what = {"link": link} if links is None else {"links": links}
-        between = links_between(row, {**what, **case}, impact or {})
+        between = list(links_between(row, {**what, **case}, impact or {}))
     try:
-        return Scene(row, between, motion, Analysis(analysis), quantity(_TAIL, tail, "tail"))
-    except InputError:
-        raise
+        return Scene(row, tuple(between), motion, Analysis(analysis), time)
     except ValueError as error:
         raise InputError(Problem(str(error))) from None
 
@@ -146,31 +142,29 @@ def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -
     from pounding_cli.results.histories import History
     from pounding_cli.solver.histories import history as kept
 
-    return History.of(kept(scene, accuracy, quantity(_EVERY, every, "every")))
+    return History(kept(scene, accuracy, quantity(_EVERY, every, "every")))
 
 
-def _from_array(values: Any, dt: float | str | None, unit: str | None, name: str | None) -> Motion:
+def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion:
     factor = records.acceleration_unit(unit or "m/s2")
     if factor is None:
         raise InputError(Problem(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.UNITS)}"))
     if dt is None:
         raise InputError(Problem("an array does not say its time step", "give it: dt=0.01, or dt='10 ms'"))
+    step = quantity(TIME, dt, "dt")
     try:
-        return Motion(name or "motion", quantity(TIME, dt, "dt"), factor * np.asarray(values, dtype=float))
-    except InputError:
-        raise
+        return Motion("motion", step, factor * np.asarray(values, dtype=float))
     except (TypeError, ValueError) as error:
         raise InputError(Problem(str(error), "give accelerations in equal steps of time, shape (n,)")) from None
 
 
-def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None, name: str | None) -> Motion:
+def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None) -> Motion:
     word = str(source)
     if isinstance(source, str) and word in records.names():
         if dt is not None or unit is not None:
             raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
-        found = records.find(word)
-        return found if name is None else Motion(name, found.dt, found.acceleration, found.source)
+        return records.find(word)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.entry(word)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
-    return records.read_file(Path(word).expanduser(), dt=step, unit=unit, name=name).motion
+    return records.read_file(Path(word).expanduser(), dt=step, unit=unit).motion

@@ -29,8 +29,8 @@ def cache_of(output: Path) -> Path:
 
 
 class Cache:
-    """Responses by scene digest and by the key of how they were solved (`keys.solution_key`); a row that is damaged is
-    as if it were not there.
+    """Responses by scene digest and by the key of how they were solved (`solution_key`); a row that is damaged is as if
+    it were not there.
 
     Parameters
     ----------

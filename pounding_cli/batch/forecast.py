@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding_cli.batch.solve import BESIDE
 from pounding_cli.errors import InputError
 from pounding_cli.model.effects import effects_of
 
@@ -16,34 +17,26 @@ if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
 
 MOST_SCENES = 2000
-"""Scenes whose effects are looked at; of more, as many spread evenly."""
+"""Scenes whose effects are looked at; of more, as many spread evenly, each for as many as it stands for."""
 
 START = 1.0
 """Time of a run besides its scenes [s]: imports, compiled kernels loaded, a file with its summary."""
 
-BESIDE = 0.4e-3
-"""Time a scene spends outside the solver [s]: laid out, peaks out, kept on disk, written."""
-
 RUNS = {"none": 1.0, "sample": 1.2, "all": 2.4}
 """Runs of a scene by `estimate`: one whose error and sensitivity are asked for is run again, more finely."""
-
-ALONE, GROUP = "of a building alone", "of the group"
-"""What is solved: baselines, and rows of buildings."""
 
 
 @dataclass
 class Forecast:
     """What will run.
 
-    scenes : ALONE or GROUP -> number of scenes
+    scenes : "of a building alone" or "of the group" -> number of scenes
     kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
-    looked_at : share of the scenes whose effects were looked at
     """
 
     scenes: dict[str, int]
     kept: Counter[str] = field(default_factory=Counter)
     dropped: Counter[str] = field(default_factory=Counter)
-    looked_at: float = 1.0
 
 
 def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
@@ -51,7 +44,7 @@ def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
     _, columns = (each[numbers] for each in plan.first)
     group = numbers[columns == 0]
     step = max(1, len(group) // MOST_SCENES)
-    found = Forecast({ALONE: int((columns > 0).sum()), GROUP: len(group)}, looked_at=1 / step)
+    found = Forecast({"of a building alone": int((columns > 0).sum()), "of the group": len(group)})
     for scene in plan.scenes(group[::step]):
         effects = effects_of(scene)
         found.kept.update(dict.fromkeys(effects.kept, step))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.results.keys import solver_version
+from pounding_cli.results.solved import solver_version
 
 ENGINES = ("threads", "processes", "dask", "serial")
 
@@ -59,16 +59,16 @@ def pool(name: str, workers: int | None = None, scheduler: str | None = None) ->
         raise InputError(Problem(f"the engine '{name}' has no scheduler", "add --engine dask"))
     if name == "dask":
         return _dask(workers, scheduler)
-    count = workers or cores()
+    count = 1 if name == "serial" else workers or _cores()
     if name == "processes":
         how = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
         if os.name == "posix":
             how.set_forkserver_preload(["pounding_cli.batch.attempt"])
         return Pool(name, count, lambda: ProcessPoolExecutor(count, how, _begin))
-    return Pool(name, 1 if name == "serial" else count, lambda: ThreadPoolExecutor(count))
+    return Pool(name, count, lambda: ThreadPoolExecutor(count))
 
 
-def cores() -> int:
+def _cores() -> int:
     """Cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
@@ -103,17 +103,27 @@ def _dask(workers: int | None, scheduler: str | None) -> Pool:
     except ImportError:
         hint = "install it: pip install 'pounding-cli[dask]'"
         raise InputError(Problem("the engine 'dask' needs the package distributed", hint)) from None
-    own: dict[str, Any] = {"n_workers": workers or cores(), "threads_per_worker": 1, "dashboard_address": None}
-    about = {"address": scheduler, "timeout": PATIENCE} if scheduler else own | {"silence_logs": 50}
+    own = {"n_workers": workers or _cores(), "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    about: dict[str, Any] = {"address": scheduler, "timeout": PATIENCE} if scheduler else own
     try:
         client = Client(set_as_default=False, **about)
     except (OSError, ValueError, RuntimeError) as error:
         said = (str(error) or type(error).__name__).splitlines()[0]
         hint = "start one with `dask scheduler`, and give its address, e.g. tcp://node:8786"
         raise InputError(Problem(f"no Dask scheduler answers at {scheduler} ({said})", hint)) from None
-    if scheduler and (problem := _other_workers(client, scheduler)):
-        _close(client)
-        raise InputError(problem)
+
+    def close() -> None:
+        with contextlib.suppress(Exception):  # what it solved is kept
+            client.close(timeout=5)
+
+    try:
+        versions = set(client.run(solver_version).values()) if scheduler else set()
+    except Exception as error:  # whatever a worker without this program may say
+        versions = {f"none: {error}"}
+    if other := sorted(versions - {solver_version()}):
+        close()
+        what = f"a worker at {scheduler} has another version of pounding_cli ({other[0]})"
+        raise InputError(Problem(what, f"install {solver_version()} on every worker"))
     seen = time.monotonic()
 
     def check() -> None:
@@ -127,22 +137,6 @@ def _dask(workers: int | None, scheduler: str | None) -> Pool:
             raise InputError(Problem("the Dask cluster has no worker any more", hint))
 
     threads = max(1, sum(client.nthreads().values()))
-    count = min(threads, workers or threads)
-    return Pool("dask", count, lambda: client.get_executor(pure=False, retries=0), check, lambda: _close(client))
-
-
-def _other_workers(client: Any, scheduler: str) -> Problem | None:
-    """What is wrong with workers: they have another program, whose numbers could differ."""
-    try:
-        versions = set(client.run(solver_version).values())
-    except Exception as error:  # whatever a worker without this program may say
-        versions = {f"none: {error}"}
-    if other := sorted(versions - {solver_version()}):
-        what = f"a worker at {scheduler} has another version of pounding_cli ({other[0]})"
-        return Problem(what, f"install {solver_version()} on every worker")
-    return None
-
-
-def _close(client: Any) -> None:
-    with contextlib.suppress(Exception):  # what it solved is kept
-        client.close(timeout=5)
+    return Pool(
+        "dask", min(threads, workers or threads), lambda: client.get_executor(pure=False, retries=0), check, close
+    )

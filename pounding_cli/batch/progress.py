@@ -8,7 +8,7 @@ import sys
 import time
 from typing import Any, TextIO
 
-from pounding_cli.numbers import counted, time_text
+from pounding_cli.numbers import counted
 
 
 class Progress:
@@ -19,16 +19,11 @@ class Progress:
 
     def __init__(self) -> None:
         self.done = self.failed = self.reused = self.left = 0
-        self._begun, self._before = 0.0, 0
 
     def start(self, total: int, reused: int) -> None:
         """So many scenes more are to be solved; `reused` of those that are wanted were found."""
         self.reused, self.left = reused, self.left + total
         self.show()
-
-    def compiled(self) -> None:
-        """What came so far was compiled meanwhile, and says nothing about the time that the rest takes."""
-        self._begun, self._before = time.monotonic(), self.done + self.failed
 
     def step(self, done: int, failed: int) -> None:
         """So many scenes came back, with and without a result."""
@@ -45,17 +40,9 @@ class Progress:
         """No more scenes for now."""
 
     @property
-    def seconds_left(self) -> float | None:
-        """Time that the rest will take if it is like what came since kernels were compiled [s]; None before that."""
-        come = self.done + self.failed - self._before
-        return (time.monotonic() - self._begun) / come * self.left if self._begun and come else None
-
-    @property
     def words(self) -> str:
         """The counts in a line."""
-        found = f"{self.done} done, {self.failed} failed, {self.reused} reused, {self.left} left"
-        seconds = self.seconds_left
-        return found + (f", about {time_text(seconds)} to go" if seconds is not None and self.left else "")
+        return f"{self.done} done, {self.failed} failed, {self.reused} reused, {self.left} left"
 
 
 class Lines(Progress):
@@ -97,21 +84,19 @@ class JsonLines(Lines):
         super().say(json.dumps({"event": event, "time": round(time.time(), 3), **facts}))
 
     def report(self, event: str) -> None:
-        counts = {"done": self.done, "failed": self.failed, "reused": self.reused, "left": self.left}
-        self.tell(event, **counts, seconds_left=self.seconds_left)
+        self.tell(event, done=self.done, failed=self.failed, reused=self.reused, left=self.left)
 
 
 class Bar(Progress):
     """A bar on the terminal with the counts and the time left."""
 
     def __init__(self) -> None:
+        from rich import progress
         from rich.console import Console
-        from rich.progress import BarColumn, TextColumn
-        from rich.progress import Progress as Rich
 
         super().__init__()
-        columns = (TextColumn("scenes"), BarColumn(), TextColumn("{task.description}"))
-        self._rich = Rich(*columns, console=Console(stderr=True), transient=True)
+        columns = "scenes", progress.BarColumn(), "{task.description}", progress.TimeRemainingColumn()
+        self._rich = progress.Progress(*columns, console=Console(stderr=True), transient=True)
         self._task = self._rich.add_task("", total=None)
 
     def show(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
@@ -15,8 +14,7 @@ import numpy as np
 from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import Pool, end
 from pounding_cli.batch.progress import Progress
-from pounding_cli.results.keys import solution_key
-from pounding_cli.results.solved import Row, Solved, encode
+from pounding_cli.results.solved import Row, Solved, encode, solution_key
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
@@ -33,6 +31,9 @@ MOST_SCENES = 128
 
 TIMED = 16
 """Scenes that are solved here first, to see how long one takes."""
+
+BESIDE = 0.4e-3
+"""Time that a scene takes outside its kernel [s]."""
 
 WORTH_WORKERS = 1.0
 """Work [s] from which starting workers pays."""
@@ -69,7 +70,6 @@ class Solver:
         self.failed: dict[bytes, tuple[str, str]] = {}
         self.engine, self.workers = "none", 1
         self._seen: set[bytes] = set()  # solved now, or found
-        self._mean: float | None = None  # time of a scene [s], once kernels are compiled
 
     def responses(self, plan: Plan, numbers: np.ndarray | None = None, rough: bool = False) -> Solved:
         """The responses of a plan's scenes, solved where the cache has none.
@@ -141,19 +141,14 @@ class Solver:
             return numbers, task.rows(list(plan.scenes(numbers)))
 
         self.engine = "serial" if self.engine == "none" else self.engine
-        if self._mean is None:
-            first = _first_of_kinds(plan, order)
-            yield here(first)  # compiles, or loads what was compiled
-            self.progress.compiled()
+        if not self.solved:
+            first = order[:: max(1, len(order) // TIMED)]
+            yield from map(here, _parts(first, 1))  # the first compiles, or loads what was compiled
             order = np.setdiff1d(order, first)
-            timed, begin = order[:: max(4, len(order) // TIMED)], time.perf_counter()
-            yield from map(here, _parts(timed, 1))
-            order = np.setdiff1d(order, timed)
-            self._mean = (time.perf_counter() - begin) / len(timed) if len(timed) else None
-        mean, workers = self._mean or 0.0, self.pool.workers
-        size = int(np.clip(GROUP_SECONDS / max(mean, 1e-6), 1, MOST_SCENES))
+        each, workers = BESIDE + self.seconds / max(self.solved, 1), self.pool.workers
+        size = int(np.clip(GROUP_SECONDS / each, 1, MOST_SCENES))
         by_one = self.pool.name == "serial" or (workers == 1 and self.pool.name == "threads")
-        if by_one or mean * len(order) < WORTH_WORKERS:
+        if by_one or each * len(order) < WORTH_WORKERS:
             yield from map(here, _parts(order, size))
         elif len(order):
             self.engine, self.workers = self.pool.name, workers
@@ -210,11 +205,3 @@ def _by_workers(parts: list[np.ndarray], pool: Pool, task: Task, plan: Plan) -> 
                     todo.extendleft(_parts(numbers, 1))
     finally:
         end(executor, running)
-
-
-def _first_of_kinds(plan: Plan, order: np.ndarray) -> np.ndarray:
-    """One scene of every case and analysis, alone and with neighbours: between them they need all that is compiled."""
-    rows, columns = plan.first
-    kinds = rows[order] // len(plan.records) % (len(plan.cases) * len(plan.analyses))
-    kinds = np.where(columns[order] > 0, -1 - kinds % len(plan.analyses), kinds)
-    return order[np.sort(np.unique(kinds, return_index=True)[1])]

@@ -8,7 +8,6 @@ import io
 import os
 import sys
 from contextlib import suppress
-from typing import NoReturn
 
 import click
 
@@ -87,7 +86,14 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # looking for some reads a file of every package
-    _end(_run())
+    code = _run()
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):  # nobody reads it any more: what cannot be written is dropped
+            with suppress(OSError, ValueError), open(os.devnull, "w") as nowhere:
+                os.dup2(nowhere.fileno(), stream.fileno())
+    sys.exit(code)
 
 
 def _run() -> int:
@@ -114,17 +120,6 @@ def _run() -> int:
         return NOBODY_READS if ended.code else 0
     except Exception as error:
         return _unforeseen(error)
-
-
-def _end(code: int) -> NoReturn:
-    """End with an exit code; what cannot be written any more, since nobody reads it, is dropped."""
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except (OSError, ValueError):
-            with suppress(OSError, ValueError), open(os.devnull, "w") as nowhere:
-                os.dup2(nowhere.fileno(), stream.fileno())
-    sys.exit(code)
 
 
 def _unforeseen(error: Exception) -> int:

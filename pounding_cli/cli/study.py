@@ -139,8 +139,6 @@ def _lines(plan: Plan) -> list[str]:
         f"scenes     {len(plan)}, with estimate: {plan.estimate}",
         *(f"  run      {count:6d} {what}" for what, count in found.scenes.items()),
     ]
-    if found.looked_at < 1:
-        lines.append(f"           effects judged by one scene in {1 / found.looked_at:.0f}")
     lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]
@@ -171,7 +169,8 @@ def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """The links of a case at the first point of the sweep, in words."""
     said = Counter[str]()
     for link in plan.build(case * len(plan.analyses) * len(plan.records)).links:
-        kind, stiffness = "slab against columns" if link.columns else link.kind, link.law.initial_stiffness
+        kind = "slab against columns" if link.columns else link.kind
+        stiffness = getattr(link.law, "stiffness", link.law.steepest[0])
         stiff = f", {strength.text(stiffness, 4)}" if stiffness > 0 and not link.columns else ""
         said[f"{kind}, gap {width.text(link.gap)}{stiff}"] += 1
     return "; ".join(f"{count} x {what}" for what, count in said.items()) or "no links: runs as buildings alone"

@@ -180,7 +180,7 @@ def _channel(text: Text, label: re.Pattern[str], data: re.Pattern[str], example:
         message = f"the file holds {len(series)} channels of acceleration: {listed}"
         hint = "select one: channel: 1 beside the file in a study, or --channel 1"
         raise text.refuse(message, hint, min(series) + 1)
-    channel = text.channel or 1
+    channel = 1 if text.channel is None else text.channel
     if not 1 <= channel <= len(series):
         raise text.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", min(series) + 1)
     index = list(series)[channel - 1]

@@ -17,7 +17,7 @@ from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
 from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
-from pounding_cli.results.bracket import advice, depends, spreads
+from pounding_cli.results.bracket import advice, spreads
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
 from pounding_cli.results.tables import Column, Table
 
@@ -80,14 +80,7 @@ def limits(results: Results) -> list[Section]:
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
-    tables, found = [], list(spreads(results.data))
-    for key in dict.fromkeys(spread.key for spread in found):
-        mine = [spread for spread in found if spread.key == key]
-        heads = ["result", *(f"at {value}" for value in mine[0].ends)]
-        rows = [[spread.quantity, *spread.words] for spread in mine]
-        what = f"Bracket of {key}: results at both ends over those at {mine[0].middle}, median (smallest to largest)"
-        tables.append(from_rows(what, heads, rows))
-        said += depends(mine)
+    tables = [from_rows(*each) for each in spreads(results.data)]
     said += filter(None, [advice(results.data)])
     return [Section("What limits these numbers", said, tables)] if said or tables else []
 

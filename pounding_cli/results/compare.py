@@ -5,23 +5,19 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from pounding_cli.results.results import Results
-from pounding_cli.variables import BUILDINGS, COORDINATES, COUNTED, ITSELF, PLACE, RECORDS, RESPONSES, Variable
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
+from pounding_cli.variables import COORDINATES, COUNTED, ITSELF, PLACE, RESPONSES
 
 ROUNDING = 1e-12
 """Relative difference [-] that two machines may show in the same computation."""
 
 SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py", "platform", "machine")
-
-_CHANGES = ["table", "column", "place", "before", "after", "difference", "carried"]
 
 
 @dataclass(frozen=True)
@@ -71,29 +67,22 @@ def compare(first: Results, second: Results) -> Comparison:
     so are the peaks of buildings alone.  Where there is no estimate the accuracy asked stands in; a fixed-step method
     has none, and is compared to rounding.  Counts are compared exactly.
     """
-    import pandas as pd
-
     before, after = _scenes(first), _scenes(second)
     both = before.index.intersection(after.index, sort=False)
     one, other = before.loc[both], after.loc[both]
     failed = one["status"] != other["status"]
-    found, compared = [pd.DataFrame(columns=_CHANGES)], 0
-    for rows, count in _numbers(first, second) if len(both) else ():
-        compared += count
-        found += [rows] if len(rows) else []
-    changes = pd.concat(found[1:] or found, ignore_index=True)
-    worst_first = np.argsort(-(changes["difference"] / changes["carried"]).to_numpy(float), kind="stable")
+    changes, compared = _changes(first.data, second.data)
     lines = difflib.unified_diff(first.study_text.splitlines(), second.study_text.splitlines(), lineterm="", n=0)
-    versions = [[str(each.attrs.get(f"software_{name}", "-")) for each in (first, second)] for name in SOFTWARE]
+    old, new = ({name: str(each.attrs.get(f"software_{name}", "-")) for name in SOFTWARE} for each in (first, second))
     ours, theirs = (dict(_flat(each.resolved)) for each in (first, second))
     return Comparison(
         [line for line in lines if not line.startswith(("---", "+++", "@@"))],
         [(key, ours.get(key), theirs.get(key)) for key in ours | theirs if ours.get(key) != theirs.get(key)],
-        [(name, old, new) for name, (old, new) in zip(SOFTWARE, versions, strict=True) if old != new],
+        [(name, old[name], new[name]) for name in SOFTWARE if old[name] != new[name]],
         before.index.difference(after.index, sort=False).tolist(),
         after.index.difference(before.index, sort=False).tolist(),
         list(zip(both[failed], one["status"][failed], other["status"][failed], strict=True)),
-        changes.iloc[worst_first].reset_index(drop=True),
+        changes,
         compared,
         int((one["error_estimate"].isna() | other["error_estimate"].isna()).sum()),
     )
@@ -101,64 +90,41 @@ def compare(first: Results, second: Results) -> Comparison:
 
 def _scenes(results: Results) -> pd.DataFrame:
     """The table of accuracy by scene in words."""
-    frame = results.accuracy()
-    places = frame[[*results.axes, *PLACE]]
-    return frame.set_index(places.apply(lambda place: _words(place.index, place), axis=1))
+    frame, place = results.accuracy(), [*results.axes, *PLACE]
+    return frame.set_index(pd.Index([_words(place, at) for at in frame[place].itertuples(index=False, name=None)]))
 
 
-def _numbers(first: Results, second: Results) -> Iterator[tuple[pd.DataFrame, int]]:
-    """Of every variable the numbers that changed, of scenes that both files have, and how many were compared."""
-    import xarray as xr
-
-    one, other = xr.align(first.data, second.data, join="outer", fill_value={"status": ""})
-    here = (one["status"] != "") & (other["status"] != "")
-    (estimated, asked), more = _errors(one), _errors(other)
-    estimated, asked = estimated + more[0], asked + more[1]
-    for v in (*RESPONSES, *BUILDINGS, *RECORDS):
-        is_given = v not in RESPONSES
-        if v.kind == "s" or v.name not in one.keys() | one.coords or v.name not in other.keys() | other.coords:
+def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
+    """The numbers that changed, of scenes that both files have, worst first; and how many were compared."""
+    one, other = xr.align(first, second, join="outer", fill_value={"status": ""})
+    here, compared, found = (one["status"] != "") & (other["status"] != ""), 0, []
+    accuracies = [(each, each["accuracy"].fillna(0.0)) for each in (one, other)]  # none is asked of fixed steps
+    pairs = [(each["error_estimate"].fillna(accuracy).clip(ROUNDING / 2), accuracy) for each, accuracy in accuracies]
+    estimated, asked = sum(estimate for estimate, _ in pairs), sum(np.fmax(*pair) for pair in pairs)
+    for v in RESPONSES:
+        if not (v.judged and v.name in one and v.name in other):
             continue
         a, b = one[v.name], other[v.name]
         size: Any = np.fmax(abs(a), abs(b))
-        is_compared = np.isfinite(a) | np.isfinite(b)
-        if is_given:  # what only one file has comes with its scenes
-            is_compared, error = np.isfinite(a) & np.isfinite(b), xr.full_like(a, ROUNDING)
-        elif not v.judged:
-            continue
-        else:
-            # the estimate of a building alone stands in no table: it is no worse than the accuracy asked
-            error = estimated if v.judged == ITSELF and not v.alone else 0.0 * asked if v.judged == COUNTED else asked
-            if v.judged not in (ITSELF, COUNTED):  # near zero it has no relative error
-                whole = xr.concat([abs(one[v.judged]), abs(other[v.judged])], "file")
-                size = whole.max(["file", *v.dims[len(PLACE) :]])
-            is_compared = is_compared & here
+        error, is_known = asked, (np.isfinite(a) | np.isfinite(b)) & here
+        if v.judged == COUNTED:
+            error = 0.0 * asked
+        elif v.judged == ITSELF:  # the estimate of a building alone stands in no table: it is no worse than asked
+            error = asked if v.alone else estimated
+        else:  # near zero it has no relative error
+            whole: Any = np.fmax(abs(one[v.judged]), abs(other[v.judged]))
+            size = whole.max(v.dims[len(PLACE) :])
         with np.errstate(invalid="ignore", divide="ignore"):
-            difference = (abs(a - b) / size).where(a != b, 0.0).fillna(np.inf)
-        yield _changed(v, a, b, difference.where(is_compared, 0.0), error), int(is_compared.sum())
-
-
-def _errors(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
-    """Of every scene the error of its peaks [-]: estimated, and what was asked where the estimate does not speak."""
-    accuracy = data["accuracy"].fillna(0.0)  # none is asked of fixed steps
-    estimated = data["error_estimate"].fillna(accuracy).clip(ROUNDING / 2)
-    return estimated, estimated.where(estimated > accuracy, accuracy)
-
-
-def _changed(v: Variable, a: xr.DataArray, b: xr.DataArray, difference: xr.DataArray, error: Any) -> pd.DataFrame:
-    """The places at which a and b differ by more than `error`."""
-    import pandas as pd
-
-    dims = a.dims
-    error = error.broadcast_like(a).transpose(*dims)
-    difference = difference.transpose(*dims)
-    at = np.nonzero((difference > error).values)
-    names = [a[dim].values[number] for dim, number in zip(dims, at, strict=True)]
-    levels = {"link": "link", "floor": "floor", "storey": "storey", "record": "scene"}
-    table = "records" if v in RECORDS else "buildings" if v in BUILDINGS else levels[str(dims[-1])]
-    values = [each.transpose(*dims).values[at] for each in (a, b, difference, error)]
-    places = [_words(dims, place) for place in zip(*names, strict=True)]
-    column = v.name.removeprefix("record_")
-    return pd.DataFrame(dict(zip(_CHANGES, [table, column, places, *values], strict=True)))
+            difference = (abs(a - b) / size).where(a != b, 0.0).fillna(np.inf).where(is_known, 0.0)
+        compared += int(is_known.sum())
+        numbers = xr.Dataset({"before": a, "after": b, "difference": difference, "carried": error})
+        frame = numbers.reset_coords(drop=True).to_dataframe(dim_order=list(a.dims))
+        frame = frame[frame["difference"] > frame["carried"]]
+        place = [_words(a.dims, each) for each in frame.index]
+        found.append(frame.assign(table=str(a.dims[-1]), column=v.name, place=place).reset_index(drop=True))
+    changes = pd.concat(found, ignore_index=True)
+    worst = np.argsort(-(changes["difference"] / changes["carried"]).to_numpy(float), kind="stable")
+    return changes.iloc[worst].reset_index(drop=True), compared
 
 
 def _words(dims: Iterable[Any], place: Iterable[Any]) -> str:

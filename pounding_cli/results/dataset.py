@@ -20,9 +20,8 @@ from pounding_cli.model.links import columns_struck, ends_on_columns, link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted
-from pounding_cli.results.file import unit_attributes
-from pounding_cli.results.keys import FORMAT, FORMAT_VERSION, solution_key, solver_version
-from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points
+from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
+from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
 from pounding_cli.solver.response import COLLAPSED, DONE
 from pounding_cli.study.plan import Plan
 from pounding_cli.variables import RATIOS, STOREY, VARIABLES, Variable

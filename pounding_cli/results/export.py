@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import importlib
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import pandas as pd
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
-from pounding_cli.results.file import has_seal
+from pounding_cli.results.file import has_seal, put
 from pounding_cli.results.netcdf import content
 from pounding_cli.results.results import Results
 from pounding_cli.texts import cells
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 FORMATS = {"csv": ".csv", "parquet": ".parquet", "excel": ".xlsx", "netcdf": ".nc"}
 """Format -> suffix of its files."""
 
-_NEEDS = {"parquet": "pyarrow", "excel": "openpyxl", "netcdf": "h5netcdf"}
-_MOST_ROWS = 1_048_575
+MOST_ROWS = 1_048_575
 """Rows of an Excel sheet below its heading."""
+
+_NEEDS = {"parquet": "pyarrow", "excel": "openpyxl", "netcdf": "h5netcdf"}
 
 
 def export(
@@ -48,70 +48,50 @@ def export(
         written, more rows than an Excel sheet takes
     """
     named = {suffix: name for name, suffix in FORMATS.items()}.get(output.suffix.lower()) if output else None
-    if form is not None and named is not None and form != named:
-        raise InputError(Problem(f"{output} is not a name for {form}", f"end it in {FORMATS[form]}, or name a folder"))
     form = form or named or "csv"
+    if named not in (None, form):
+        raise InputError(Problem(f"{output} is not a name for {form}", f"end it in {FORMATS[form]}, or name a folder"))
     try:
         importlib.import_module(_NEEDS.get(form, "io"))
     except ImportError:
         what = f"{form} needs the package {_NEEDS[form]}, which is not installed"
         raise InputError(Problem(what, f"pip install {_NEEDS[form]}")) from None
-    stem = results.path.with_suffix("")
     is_folder = form in ("csv", "parquet") and named is None
-    path = output or (Path(f"{stem}-{form}") if is_folder else Path(f"{stem}{FORMATS[form]}"))
+    stem, chosen = results.path.with_suffix(""), tuple(dict.fromkeys(tables)) or results.tables
+    path = output or Path(f"{stem}-{form}" if is_folder else f"{stem}{FORMATS[form]}")
     if form == "netcdf":
         if tables:
             raise InputError(Problem("netCDF takes the whole file, no single tables", "leave the tables out"))
         check_output(path, [results.path], lambda _, head: head.startswith((b"\x89HDF", b"CDF")) and not has_seal(path))
-        return [_written(path, bytes(content({"/": results.data.load()})))]
-    chosen = tuple(dict.fromkeys(tables)) or results.tables
-    if named in ("csv", "parquet") and len(chosen) > 1:
-        hint = f"name the table, e.g. `storey`, or a folder in place of {path.name}"
-        raise InputError(Problem(f"{path} takes one table, not {len(chosen)}", hint))
+        return [put(path, content({"/": results.data.load()}))]
     frames = {name: results.table(name) for name in chosen}
-    frames["columns"] = _columns(results, frames)
+    known = [(table, name, results.column(table, name)) for table, frame in frames.items() for name in map(str, frame)]
+    rows = [(table, name, column.unit.si, column.text) for table, name, column in known]
+    columns = pd.DataFrame(rows, columns=["table", "column", "unit", "meaning"])
     if form == "excel":
         check_output(path, [results.path])
-        return [_written(path, _excel(results, frames))]
-    places = {path / f"{name}{FORMATS[form]}": name for name in chosen} if is_folder else {path: chosen[0]}
-    places |= {path / "columns.csv": "columns"} if is_folder else {}
-    for place in places:
-        check_output(place, [results.path], lambda path, head: _is_table(path, head, frames))
+        study = pd.DataFrame({results.title: results.study_text.splitlines()})
+        return [put(path, _excel(frames | {"columns": columns, "study": study}))]
+    if not is_folder and len(chosen) > 1:
+        hint = f"name the table, e.g. `storey`, or a folder in place of {path.name}"
+        raise InputError(Problem(f"{path} takes one table, not {len(chosen)}", hint))
+    files = {path / f"{name}{FORMATS[form]}": name for name in chosen} if is_folder else {path: chosen[0]}
+    if is_folder:
+        files[path / "columns.csv"], frames["columns"] = "columns", columns
+    for file, name in files.items():
+        check_output(file, [results.path], partial(_is_table, frames[name]))
     return [
-        _written(place, _csv(frames[name]) if place.suffix.lower() == ".csv" else _parquet(results, name, frames[name]))
-        for place, name in places.items()
+        put(file, _csv(frames[name]) if file.suffix.lower() == ".csv" else _parquet(results, name, frames[name]))
+        for file, name in files.items()
     ]
 
 
-def _is_table(path: Path, head: bytes, frames: dict[str, pd.DataFrame]) -> bool:
-    """Whether a file is an older export: a table with most columns of one of ours."""
+def _is_table(frame: pd.DataFrame, path: Path, head: bytes) -> bool:
+    """Whether a file is an older export: a table with most of the columns."""
     if path.suffix.lower() == ".parquet":
         return head.startswith(b"PAR1")
     there = set(head.split(b"\n", 1)[0].decode(errors="replace").strip().split(","))
-    return any(2 * len(there & set(map(str, frame))) > len(frame.columns) for frame in frames.values())
-
-
-def _columns(results: Results, frames: dict[str, pd.DataFrame]) -> pd.DataFrame:
-    """Table, column, unit, meaning: one row for every column of every table."""
-    import pandas as pd
-
-    known = [(table, name, results.column(table, name)) for table, frame in frames.items() for name in map(str, frame)]
-    rows = [(table, name, column.unit.si, column.text) for table, name, column in known]
-    return pd.DataFrame(rows, columns=["table", "column", "unit", "meaning"])
-
-
-def _written(path: Path, made: bytes) -> Path:
-    """Write a file beside its place, then put it there."""
-    hidden = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
-        hidden.write_bytes(made)
-        hidden.replace(path)
-    except OSError as error:
-        hint = "name another place with -o"
-        raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
-    finally:
-        hidden.unlink(missing_ok=True)
-    return path
+    return 2 * len(there & set(map(str, frame))) > len(frame.columns)
 
 
 def _csv(frame: pd.DataFrame) -> bytes:
@@ -119,6 +99,7 @@ def _csv(frame: pd.DataFrame) -> bytes:
 
 
 def _parquet(results: Results, name: str, frame: pd.DataFrame) -> bytes:
+    """With units and meanings of the columns, title and study."""
     import pyarrow
     from pyarrow import parquet
 
@@ -131,20 +112,13 @@ def _parquet(results: Results, name: str, frame: pd.DataFrame) -> bytes:
     return sink.getvalue()
 
 
-def _excel(results: Results, frames: dict[str, pd.DataFrame]) -> bytes:
-    import pandas as pd
-
+def _excel(frames: Mapping[str, pd.DataFrame]) -> bytes:
     for name, frame in frames.items():
-        if len(frame) > _MOST_ROWS:
+        if len(frame) > MOST_ROWS:
             hint = "export to Parquet or CSV, or name smaller tables"
-            raise InputError(Problem(f"the table {name} has {len(frame)} rows, a sheet takes {_MOST_ROWS}", hint))
-    study = pd.DataFrame({results.title: results.study_text.splitlines()})
+            raise InputError(Problem(f"the table {name} has {len(frame)} rows, a sheet takes {MOST_ROWS}", hint))
     sink = io.BytesIO()
     with pd.ExcelWriter(sink, engine="openpyxl") as book:
-        for name, frame in {**frames, "study": study}.items():
-            frame.to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
-            for row in book.sheets[name].iter_rows():
-                for cell in row:
-                    if cell.data_type == "f":  # a text that begins with "=" is a text, not a formula
-                        cell.data_type = "s"
+        for name, frame in frames.items():
+            cells(frame).to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
     return sink.getvalue()

@@ -14,12 +14,17 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
-from pounding_cli.results.keys import FORMAT, FORMAT_VERSION
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.texts import plain
 
 if TYPE_CHECKING:
     import xarray as xr
+
+FORMAT = "pounding study results"
+"""Attribute `format` of every results file."""
+
+FORMAT_VERSION = 5
+"""Raised whenever a reader of the former version would misread the file."""
 
 SEAL = b"pound seal 2\n\0\0\0"
 """Stands behind the HDF5 content, and behind it the SHA-256 of that."""
@@ -35,30 +40,35 @@ _HINT = "give a file that a pound command wrote, or run the study again"
 
 
 def write(path: Path, found: xr.Dataset, tables: Iterable[Table] = (), histories: Iterable[xr.Dataset] = ()) -> None:
-    """Write a results file in the place of `path` in one step.
-
-    Raises
-    ------
-    InputError : the disk is full, or the folder went away; `path` is as it was
-    """
+    """Write a results file in the place of `path`.  Raises InputError as `put`."""
     from pounding_cli.results.netcdf import content  # here: a file that is current is not read
 
     groups = {"/": found} | {f"answer/{table.name}": _of_table(table) for table in tables}
     groups |= {f"histories/{number}": each for number, each in enumerate(histories)}
     made = content(groups)  # in memory: where a disk is full, HDF5 ends the process
-    hidden = path.with_name(f".{path.name}.new")  # one run at a time has it
+    put(path, made, SEAL + hashlib.sha256(made).digest())
+
+
+def put(path: Path, *parts: bytes | memoryview) -> Path:
+    """Write a file beside its place, then put it there.
+
+    Raises
+    ------
+    InputError : the disk is full, or the folder went away; `path` is as it was
+    """
+    hidden = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
         with hidden.open("wb") as stream:
-            stream.write(made)
-            stream.write(SEAL + hashlib.sha256(made).digest())
+            stream.writelines(parts)
             stream.flush()
             os.fsync(stream.fileno())
         hidden.replace(path)
     except OSError as error:
-        hint = "free some space or choose another place; what was solved is kept, and the same command goes on"
+        hint = "free some space or choose another place; what a run has solved is kept, and the same command goes on"
         raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
     finally:
         hidden.unlink(missing_ok=True)
+    return path
 
 
 def opened(path: Path, group: str = "/") -> xr.Dataset:
@@ -88,10 +98,12 @@ def facts(path: Path, version: int | None = FORMAT_VERSION) -> dict[str, Any]:
     Raises InputError as `opened`.
     """
     try:
-        if not path.exists():
-            raise _bad(path, "there is no such results file", "make one with: pound run STUDY -o FILE.h5")
         if not path.is_file():
-            raise _bad(path, "cannot be read: it is not a regular file", "name the .h5 file, not its folder")
+            raise _bad(
+                path,
+                "there is no such results file",
+                "name the file, not its folder; pound run STUDY -o FILE.h5 makes one",
+            )
         sound = _is_sealed(path)
         with h5py.File(path) as file:
             _check_kind(file, path, version)
@@ -103,10 +115,7 @@ def facts(path: Path, version: int | None = FORMAT_VERSION) -> dict[str, Any]:
     except InputError:
         raise
     except Exception as error:  # whatever HDF5 says of a file that is none
-        why = (
-            getattr(error, "strerror", "")
-            or f"it is no sound HDF5 file ({str(error).partition(chr(10))[0] or type(error).__name__})"
-        )
+        why = getattr(error, "strerror", None) or f"it is no sound HDF5 file ({str(error).partition(chr(10))[0]})"
         raise _bad(path, f"cannot be read: {why}") from None
 
 
@@ -195,16 +204,8 @@ def written(attrs: Mapping[Any, Any]) -> Unit:
 
 def _is_sealed(path: Path) -> bool:
     """Whether the seal stands at the end, and the bytes before it are those it was made for."""
-    left = path.stat().st_size - _END
-    if left < 0:
-        return False
-    sha = hashlib.sha256()
-    with path.open("rb") as stream:
-        while left:
-            piece = stream.read(min(left, 1 << 20))
-            sha.update(piece)
-            left -= len(piece)
-        return stream.read() == SEAL + sha.digest()
+    content = np.memmap(path, mode="r")
+    return content[-_END:].tobytes() == SEAL + hashlib.sha256(content[:-_END].data).digest()
 
 
 def _is_ours(file: h5py.File) -> bool:
@@ -221,14 +222,13 @@ def _check_kind(file: h5py.File, path: Path, version: int | None) -> None:
     if kind := file.attrs.get("kind"):
         hint = "its table, figures and page are in the folder of its name; xarray.open_dataset opens the file"
         raise _bad(path, f"holds results of `pound {kind}`", hint)
-    its = int(file.attrs["format_version"])
-    if its < version:
-        command = file.attrs.get("workflow", "run")
-        hint = f"run the study again with this program: pound {command} STUDY -o {path.name} --replace"
-        raise _bad(path, f"has the older format version {its} (now {version})", hint)
-    if its > version:
+    if (its := int(file.attrs["format_version"])) != version:
         hint = "install the pounding_cli that wrote it, or a newer one"
-        raise _bad(path, f"has the newer format version {its}; this program reads version {version}", hint)
+        if its < version:
+            command = file.attrs.get("workflow", "run")
+            hint = f"run the study again with this program: pound {command} STUDY -o {path.name} --replace"
+        age = "older" if its < version else "newer"
+        raise _bad(path, f"has the {age} format version {its}; this program reads version {version}", hint)
 
 
 def _check(group: h5py.h5g.GroupID, path: Path, size: int) -> None:

@@ -75,8 +75,8 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
     units : of the swept keys, to name points by (`Results.units`); SI unless given
     """
     swept, units, groups = _swept(scene), units or {}, []
-    of = scene.groupby(["case", "analysis"], sort=False).size()
     flagged = flagged_scenes(scene).drop_duplicates([*swept, "case", "analysis", "record", "flag"])
+    of = scene.groupby(["case", "analysis"], sort=False).size()
     place: Any
     for place, rows in flagged.groupby(["case", "analysis", "flag"], sort=False):
         case, analysis, flag = place
@@ -85,10 +85,8 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
             for row in rows.head(MOST_NAMED).to_dict("records")
         ]
         count, whole, first = len(rows), int(of[case, analysis]), rows.iloc[0]
-        said = ("; " if swept else ", ").join(points) + (
-            f"; and {count - MOST_NAMED} more" if count > MOST_NAMED else ""
-        )
-        said = "all" if count == whole > 1 else said
+        more = [f"and {count - MOST_NAMED} more"] * (count > MOST_NAMED)
+        said = "all" if count == whole > 1 else ("; " if swept else ", ").join([*points, *more])
         groups.append(FlagGroup(case, analysis, flag, first["detail"], bool(first["meaningless"]), count, whole, said))
     order = list(of.index)
     return tuple(sorted(groups, key=lambda group: (not group.meaningless, order.index((group.case, group.analysis)))))

@@ -18,33 +18,10 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-    from pounding_cli.solver import histories as solver
 
-FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
-    "ground_acceleration": (("time",), "m/s2", "ground acceleration"),
-    "ground_displacement": (("time",), "m", "ground acceleration integrated twice from rest, no baseline correction"),
-    "displacement": (("time", "building", "floor"), "m", "floor displacement relative to the ground"),
-    "total_acceleration": (("time", "building", "floor"), "m/s2", "floor acceleration, ground included"),
-    "drift": (("time", "building", "storey"), "m", "storey drift"),
-    "shear": (("time", "building", "storey"), "N", "storey shear, without damping force"),
-    "sway": (("time", "building"), "m", "translation of the foundation"),
-    "rocking": (("time", "building"), "rad", "rotation of the foundation"),
-    "base_force": (("time", "building"), "N", "force of springs or isolators under the base, without damping force"),
-    "link_force": (("time", "link"), "N", "link force, pulling negative"),
-    "closing": (("time", "link"), "m", "closing of the two ends of a link, gap not subtracted"),
-    "energy_input": (("time",), "J", "energy put in by the ground so far"),
-    "energy_kinetic": (("time",), "J", "kinetic energy"),
-    "energy_stored": (("time",), "J", "elastic energy in storeys and foundations"),
-    "energy_damping": (("time",), "J", "energy lost in structural damping so far"),
-    "energy_hysteresis": (("time",), "J", "energy lost in yielding storeys so far"),
-    "energy_links": (("time",), "J", "energy the links took so far, stored or lost"),
-}
-"""Variable -> dimensions, unit, meaning."""
-
-ENERGIES = tuple(name.removeprefix("energy_") for name in FIELDS if name.startswith("energy_"))
-
-QUANTITIES = (*(name for name in FIELDS if not name.startswith("energy_")), "energy")
-"""What `frame` and `plot` can show."""
+ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links")
+LARGEST = ("displacement", "drift", "total_acceleration", "shear", "closing", "link_force")
+"""Quantities whose largest values are told."""
 
 
 class History:
@@ -59,28 +36,8 @@ class History:
     def __init__(self, dataset: xr.Dataset) -> None:
         self.dataset = dataset
 
-    @classmethod
-    def of(cls, history: solver.History) -> History:
-        """The same, to look at."""
-        import xarray as xr
-
-        numbers = np.arange(1, history.displacement.shape[2] + 1)
-        coords = {
-            "time": ("time", history.time, {"units": "s", "long_name": "time since the motion began"}),
-            "building": np.array(history.buildings, object),
-            "storey": numbers,
-            "floor": numbers,
-            "link": np.array(history.links, object),
-        }
-        data = {}
-        for name, (dims, unit, text) in FIELDS.items():
-            of = name.removeprefix("energy_")
-            values = getattr(history, name) if of == name else history.energy[of]
-            data[name] = (dims, values, {"units": unit, "long_name": text})
-        return cls(xr.Dataset(data, coords))
-
     def __getattr__(self, name: str) -> np.ndarray:
-        if name != "time" and name not in FIELDS:
+        if name != "time" and name not in self.dataset:
             raise AttributeError(f"a history has no {name!r}")
         return self.dataset[name].values
 
@@ -97,7 +54,7 @@ class History:
     @property
     def energy(self) -> dict[str, np.ndarray]:
         """Of every kind, shape (times,) [J]; the first is the sum of the others."""
-        return {kind: getattr(self, f"energy_{kind}") for kind in ENERGIES}
+        return {kind: self.dataset[f"energy_{kind}"].values for kind in ENERGIES}
 
     def frame(self, quantity: str = "displacement") -> pd.DataFrame:
         """One quantity over time, a column each for the floors, storeys or links that there are.
@@ -116,9 +73,9 @@ class History:
         """
         import pandas as pd
 
-        if quantity not in QUANTITIES:
-            said = f"no quantity '{quantity}' in a history"
-            raise InputError(Problem(said, f"write one of {', '.join(QUANTITIES)}"))
+        known = [*(str(name) for name in self.dataset if not str(name).startswith("energy_")), "energy"]
+        if quantity not in known:
+            raise InputError(Problem(f"no quantity '{quantity}' in a history", f"write one of {', '.join(known)}"))
         array = self.dataset["energy_input" if quantity == "energy" else quantity]
         if quantity == "energy":
             frame = pd.DataFrame(self.energy, array.get_index("time")).rename_axis(columns="kind")
@@ -156,14 +113,11 @@ class History:
         figure, panels = plt.subplots(len(chosen), sharex=True, squeeze=False, layout="constrained")
         figure.set_size_inches(7.0, 1.0 + 1.8 * len(chosen))
         for ax, name in zip(panels[:, 0], chosen, strict=True):
-            frame = self._curves(name, level)
-            frame = frame if between is None else frame.loc[between[0] : between[1]]
-            for column in frame.columns:
-                ax.plot(frame.index, frame[column], label=_label(column, frame), lw=1.2)
-            ax.set_ylabel(f"{name.replace('_', ' ')} [{frame.attrs['units']}]")
-            ax.grid(alpha=0.3)
-            ax.legend(fontsize="small")
-        ax.set_xlabel("time [s]")
+            frame = self._curves(name, level).loc[slice(*between or (None, None))]
+            of = f"{name.replace('_', ' ')} [{frame.attrs['units']}]"
+            frame.set_axis([_label(column, frame) for column in frame], axis=1).plot(
+                ax=ax, lw=1.2, grid=True, xlabel="time [s]", ylabel=of
+            )
         return list(panels[:, 0])
 
     def _curves(self, quantity: str, level: int | None) -> pd.DataFrame:
@@ -189,17 +143,16 @@ class History:
         """
         import pandas as pd
 
-        rows = []
-        for name in ("displacement", "drift", "total_acceleration", "shear", "closing", "link_force"):
+        found = {}
+        for name in LARGEST:
             frame = self.frame(name)
-            frame = frame if name == "closing" else frame.abs()
+            unit, frame = frame.attrs["units"], frame if name == "closing" else frame.abs()
             whole = [frame] if frame.columns.nlevels == 1 else [frame[[b]] for b in self.buildings]
             for part in whole if not frame.empty else ():
                 column = part.max().idxmax()
-                largest = part[column].max(), FIELDS[name][1], part[column].idxmax()
-                rows.append((name, _label(column, part), *largest))
-        found = pd.DataFrame(rows, columns=["quantity", "where", "largest", "unit", "time"])
-        return found.set_index(["quantity", "where"])
+                found[name, _label(column, part)] = part[column].max(), unit, part[column].idxmax()
+        frame = pd.DataFrame.from_dict(found, orient="index", columns=["largest", "unit", "time"])
+        return frame.set_axis(pd.MultiIndex.from_tuples(found, names=["quantity", "where"]))
 
     def __repr__(self) -> str:
         time, links = self.time, self.frame("link_force").shape[1]
@@ -235,7 +188,7 @@ def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -
         from pounding_cli.solver.histories import history  # here: a study without any needs no numba
 
         try:
-            whole = History.of(history(plan.scene(row.scene), plan.accuracy, plan.every)).dataset
+            whole = history(plan.scene(row.scene), plan.accuracy, plan.every)
         except InputError as error:
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue

@@ -23,8 +23,6 @@ LARGE = 1 << 18
 _OF_HDF5 = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "DIMENSION_LABELS")
 """Attributes by which HDF5 ties dimensions to variables."""
 
-_NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."
-
 
 def content(groups: Mapping[str, xr.Dataset]) -> memoryview:
     """The bytes of a file of Datasets, by the name of their group."""
@@ -36,13 +34,9 @@ def content(groups: Mapping[str, xr.Dataset]) -> memoryview:
 
 
 def _put(group: h5py.Group, each: xr.Dataset) -> None:
-    scales: dict[Any, h5py.Dataset] = {}
-    for dim, size in each.sizes.items():
-        if dim not in each.variables:
-            scales[dim] = group.create_dataset(str(dim), (size,), "i1")
-            scales[dim].make_scale(f"{_NO_VARIABLE} {size:9d}")
-    for name in sorted(each.variables, key=lambda name: each[name].dims != (name,)):  # dimensions first
-        v = each.variables[name]
+    bare = {dim: np.arange(size) for dim, size in each.sizes.items() if dim not in each.variables}
+    variables, scales = each.assign_coords(bare).variables, dict[Any, h5py.Dataset]()
+    for name, v in sorted(variables.items(), key=lambda item: item[1].dims != (item[0],)):  # dimensions first
         how: dict[str, Any] = {}
         if v.dtype.kind in "OU":
             how = {"dtype": h5py.string_dtype()}
@@ -63,22 +57,18 @@ def _put(group: h5py.Group, each: xr.Dataset) -> None:
 def read(path: Path, group: str) -> xr.Dataset:
     """A group of a file that `content` made."""
     file = h5py.File(path)
-    here = file[group]
-    items = {name: item for name, item in here.items() if isinstance(item, h5py.Dataset)}
-    is_bare = {name for name, item in items.items() if item.attrs.get("NAME", b"").startswith(_NO_VARIABLE.encode())}
-    places = {h5py.h5o.get_info(item.id).addr: name for name, item in items.items()}
-    variables = {name: _variable(name, item, places) for name, item in items.items() if name not in is_bare}
-    beside = str(here.attrs.get("coordinates", "")).split()
-    attrs = {name: value for name, value in here.attrs.items() if name != "coordinates"}
+    attrs = dict(file[group].attrs)
+    beside = str(attrs.pop("coordinates", "")).split()
+    items = {name: item for name, item in file[group].items() if isinstance(item, h5py.Dataset)}
+    variables = {name: _variable(name, item) for name, item in items.items()}
     if not any(item.nbytes > LARGE for item in items.values()):
         file.close()
     coords = {name: v for name, v in variables.items() if v.dims == (name,) or name in beside}
     return xr.Dataset({name: v for name, v in variables.items() if name not in coords}, coords, attrs)
 
 
-def _variable(name: str, item: h5py.Dataset, places: Mapping[int, str]) -> xr.Variable:
-    """A variable; `places`: the names of the items of its group by their address in the file."""
-    dims = tuple(places[h5py.h5o.get_info(dim[0].id).addr] if len(dim) else name for dim in item.dims)
+def _variable(name: str, item: h5py.Dataset) -> xr.Variable:
+    dims = tuple(dim[0].name.rpartition("/")[2] if len(dim) else name for dim in item.dims)
     attrs = {key: value for key, value in item.attrs.items() if key not in _OF_HDF5}
     stored = _Stored(item)
     data = indexing.LazilyIndexedArray(stored) if item.nbytes > LARGE else stored.values(())

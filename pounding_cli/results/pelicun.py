@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
+from pounding_cli.solver.response import DONE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,28 +42,24 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
         if len(there) != 1:
             hint = f"name one by --{name}: {', '.join(map(str, there))}" if there else "name others"
             raise InputError(Problem(f"Pelicun takes one {name}, not {len(there)}", hint))
-    scene = [*results.axes, "record"]
+    scene, records = [*results.axes, "record"], results.records()
     keys = [*scene, "case", "analysis", "building", "storey"]
-    floors = results.floor().rename(columns={"floor": "storey"})[[*keys, "acceleration"]]
-    rows = rows.merge(floors, on=keys).merge(results.scene()[[*scene, "case", "analysis", "status"]])
+    rows = rows.merge(results.floor("acceleration").rename(columns={"floor": "storey"}), on=keys)
+    rows = rows.merge(results.scene()[[*scene, "case", "analysis", "status"]])
     over_height = (rows["drift_ratio"] / rows["drift"]).fillna(0.0)  # 1 / height
     rows = rows.assign(
         PFA=rows["acceleration"], PID=rows["drift_ratio"], RID=rows["residual_drift"].abs() * over_height
     )
-    done = rows[rows["status"] == "done"]
-    wide = done.pivot_table(list(UNITS), scene, "storey")
+    wide = rows[rows["status"] == DONE].pivot_table(list(UNITS), scene, "storey")
     wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns.to_list()]  # type: ignore[str-unpack]
-    records = results.records()
     ground = wide.index.to_frame(index=False).merge(records[[*(k for k in scene if k in records), "pga"]], how="left")
     wide.insert(0, f"PFA-0-{direction}", ground["pga"].to_numpy())
-    left_out = rows.groupby(scene, sort=False).ngroups - len(wide)
     units = {name: UNITS[name.split("-")[0]] for name in wide.columns}
     table = pd.concat([pd.DataFrame(units, index=["Units"]), wide.reset_index(drop=True)])
-    return table, left_out
+    return table, rows.groupby(scene, sort=False).ngroups - len(wide)
 
 
 def left_out_in_words(count: int, of: int) -> str:
     """What to do about scenes that are left out."""
-    told = f"{count} of {counted(of, 'scene')} collapsed or failed and is left out" if count == 1 else ""
-    told = told or f"{count} of {counted(of, 'scene')} collapsed or failed and are left out"
+    told = f"{count} of {counted(of, 'scene')} collapsed or failed and {'is' if count == 1 else 'are'} left out"
     return f"{told}: give Pelicun the share that collapsed as probability of collapse"

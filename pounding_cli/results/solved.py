@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import sys
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from pounding_cli import __version__
 from pounding_cli.solver.response import DONE, OUTCOMES, Response
 from pounding_cli.study.plan import Plan
 
@@ -138,3 +141,27 @@ def points(plan: Plan, subject: Any) -> np.ndindex:
     """A point of the sweep for every combination of the values that change something (`Study.touches`)."""
     touched = plan.study.touches(subject)
     return np.ndindex(*(len(axis.values) if mine else 1 for axis, mine in zip(plan.axes, touched, strict=True)))
+
+
+# What a solution depends on besides its scene
+
+
+@cache
+def solver_version() -> str:
+    """Package version and a digest of the solver's own source.
+
+    Between two releases the version stands still while the solver changes; results of the old one must not be
+    taken for the new one's.
+    """
+    root = Path(__file__).parents[1]
+    own = [path for package in ("laws", "model", "solver") for path in sorted((root / package).glob("*.*"))]
+    sha = hashlib.sha256()
+    for path in [*own, Path(__file__)]:  # this file: how responses are kept
+        sha.update(path.name.encode() + b"\0" + path.read_bytes())
+    return f"{__version__}+{sha.hexdigest()[:12]}"
+
+
+def solution_key(plan: Plan) -> str:
+    """What two solutions of one scene share exactly when they are the same number for number."""
+    asked = f"accuracy {plan.accuracy!r}" if plan.time_step is None else f"time step {plan.time_step!r}"
+    return f"solver {solver_version()} | method {plan.method} | {asked} | estimate {plan.estimate}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,51 +12,36 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import segments
 from pounding_cli.solver.outcome import ENDS, stored_in_storeys
+from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import Prepared, prepare
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 EVERY = 0.002
 """Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
 
-ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links")
 
-
-@dataclass(frozen=True, eq=False)
-class History:
-    """A scene over time; n buildings of up to s storeys, m links, t times. NaN pads buildings with fewer storeys.
-
-    time : (t,) from 0 in equal steps [s]
-    ground_acceleration : (t,) [m/s2]
-    ground_displacement : (t,) the acceleration integrated twice from rest, without a baseline correction [m]
-    displacement : (t, n, s) of floors, relative to the ground [m]
-    total_acceleration : (t, n, s) of floors, ground included [m/s2]
-    drift : (t, n, s) of storeys, without what sway and rocking of the foundation add [m]
-    shear : (t, n, s) restoring force of storeys, without damping force [N]
-    sway, rocking : (t, n) displacement [m] and rotation [rad] of the foundation, 0 on a fixed base
-    base_force : (t, n) force of what is under a base, isolators included, without damping force [N]; 0 on a fixed base
-    link_force : (t, m) [N]; pulling is negative; NaN where the scene has no such link
-    energy : by ENERGIES, (t,) [J]: put in by the ground so far; kinetic and stored in storeys and foundations now;
-        lost in dashpots of the structure and in yielding so far; what the links took, stored or lost. The first is
-        the sum of the others.
-    buildings, links : names, left to right; `left|right floor j`
-    closing : (t, m) of the two ends of every link, gap not subtracted [m], NaN where the scene has no such link; None
-        where a file of before does not tell it
-    """
-
-    time: np.ndarray
-    ground_acceleration: np.ndarray
-    ground_displacement: np.ndarray
-    displacement: np.ndarray
-    total_acceleration: np.ndarray
-    drift: np.ndarray
-    shear: np.ndarray
-    sway: np.ndarray
-    rocking: np.ndarray
-    base_force: np.ndarray
-    link_force: np.ndarray
-    energy: dict[str, np.ndarray]
-    buildings: tuple[str, ...]
-    links: tuple[str, ...]
-    closing: np.ndarray | None = None
+FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "ground_acceleration": (("time",), "m/s2", "ground acceleration"),
+    "ground_displacement": (("time",), "m", "ground acceleration integrated twice from rest, no baseline correction"),
+    "displacement": (("time", "building", "floor"), "m", "floor displacement relative to the ground"),
+    "total_acceleration": (("time", "building", "floor"), "m/s2", "floor acceleration, ground included"),
+    "drift": (("time", "building", "storey"), "m", "storey drift"),
+    "shear": (("time", "building", "storey"), "N", "storey shear, without damping force"),
+    "sway": (("time", "building"), "m", "translation of the foundation"),
+    "rocking": (("time", "building"), "rad", "rotation of the foundation"),
+    "base_force": (("time", "building"), "N", "force of springs or isolators under the base, without damping force"),
+    "link_force": (("time", "link"), "N", "link force, pulling negative"),
+    "closing": (("time", "link"), "m", "closing of the two ends of a link, gap not subtracted"),
+    "energy_input": (("time",), "J", "energy put in by the ground so far"),
+    "energy_kinetic": (("time",), "J", "kinetic energy"),
+    "energy_stored": (("time",), "J", "elastic energy in storeys and foundations"),
+    "energy_damping": (("time",), "J", "energy lost in structural damping so far"),
+    "energy_hysteresis": (("time",), "J", "energy lost in yielding storeys so far"),
+    "energy_links": (("time",), "J", "energy the links took so far, stored or lost"),
+}
+"""Variable -> dimensions, unit, meaning."""
 
 
 def output_times(scene: Scene, every: float) -> np.ndarray:
@@ -65,8 +50,9 @@ def output_times(scene: Scene, every: float) -> np.ndarray:
     return every * np.arange(int(np.floor(whole / every + 1e-9)) + 1)
 
 
-def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
-    """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does.
+def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> xr.Dataset:
+    """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does: FIELDS over
+    the names of buildings and links (`left|right floor j`); NaN pads buildings with fewer storeys.
 
     Parameters
     ----------
@@ -82,8 +68,8 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> Histo
         raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
     run = prepare(scene, accuracy, times=output_times(scene, every))
     run.integrate()
-    if not run.is_done:
-        outcome, advice = ENDS[int(run.data.run["status"][0])]
+    outcome, advice = ENDS[int(run.data.run["status"][0])]
+    if outcome not in OUTCOMES:
         raise InputError(Problem(f"no history of this scene: {outcome}", advice))
     return _evaluated(run)
 
@@ -100,8 +86,10 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
 
 
-def _evaluated(run: Prepared) -> History:
+def _evaluated(run: Prepared) -> xr.Dataset:
     """What is wanted, from what a run kept."""
+    import xarray as xr  # here: solvers of single scenes need none
+
     scene, layout, watch = run.scene, run.layout, run.data.watch
     kept = slice(0, int(run.data.run["output"][0]))  # a collapse ends it before the last time
     if int(run.data.run["status"][0]) == records.COLLAPSED:
@@ -124,27 +112,36 @@ def _evaluated(run: Prepared) -> History:
     def of_foundation(places: tuple[int, ...], values: np.ndarray = u) -> np.ndarray:
         return np.stack([values[:, place] if place >= 0 else np.zeros(times.size) for place in places], axis=1)
 
-    names = tuple(building.name for building in scene.buildings)
-    return History(
-        time=times,
-        ground_acceleration=ground,
-        ground_displacement=moved,
-        displacement=padded(u),
-        total_acceleration=padded(dofs[..., 2]),
-        drift=padded(deformation),
-        shear=padded(force),
-        sway=of_foundation(layout.bases),
-        rocking=of_foundation(layout.feet),
-        base_force=of_foundation(layout.bases, force),
-        link_force=of_links[..., 1],
-        energy=dict(
-            zip(
-                ENERGIES,
-                (energy[:, 0], kinetic, stored, energy[:, 1], on_storeys - yielding, energy[:, 2]),
-                strict=True,
-            )
-        ),
-        buildings=names,
-        links=tuple(link_label(names, place) for place in link_places(scene.links)),
-        closing=of_links[..., 0] + run.data.elements["offset"][layout.of_links],
-    )
+    put_in, in_dashpots, of_all_links = (energy[:, k] for k in range(3))
+    values = {
+        "ground_acceleration": ground,
+        "ground_displacement": moved,
+        "displacement": padded(u),
+        "total_acceleration": padded(dofs[..., 2]),
+        "drift": padded(deformation),
+        "shear": padded(force),
+        "sway": of_foundation(layout.bases),
+        "rocking": of_foundation(layout.feet),
+        "base_force": of_foundation(layout.bases, force),
+        "link_force": of_links[..., 1],
+        "closing": of_links[..., 0] + run.data.elements["offset"][layout.of_links],
+        "energy_input": put_in,
+        "energy_kinetic": kinetic,
+        "energy_stored": stored,
+        "energy_damping": in_dashpots,
+        "energy_hysteresis": on_storeys - yielding,
+        "energy_links": of_all_links,
+    }
+    names = [building.name for building in scene.buildings]
+    numbers = np.arange(1, values["drift"].shape[2] + 1)
+    coordinates = {
+        "time": ("time", times, {"units": "s", "long_name": "time since the motion began"}),
+        "building": np.array(names, object),
+        "storey": numbers,
+        "floor": numbers,
+        "link": np.array([link_label(names, place) for place in link_places(scene.links)], object),
+    }
+    described = {
+        name: (dims, values[name], {"units": unit, "long_name": text}) for name, (dims, unit, text) in FIELDS.items()
+    }
+    return xr.Dataset(described, coordinates)
