@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.laws.bilinear_contact import BilinearContact, BilinearDamping
-from pounding_cli.laws.dashpot import damping_ratio
 from pounding_cli.laws.hertz import HertzDamp, HertzDamping, Jankowski, JankowskiDamping
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import Pounding
+from pounding_cli.laws.pounding import Pounding, damping_ratio
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
@@ -47,7 +46,8 @@ def speed_of(law: LinkLaw) -> float:
     """Speed of the blow [m/s]: of a bilinear contact the one that it is laid out for."""
     if not isinstance(law, BilinearContact):
         return SPEED
-    (k1, k2), limit, beyond = law.stiffnesses, law.yield_closing, law.penetration - law.yield_closing
+    k1, k2, limit = law.numbers(1.0, 1.0)
+    beyond = law.penetration - limit
     return math.sqrt((k1 * limit**2 + 2 * k1 * limit * beyond + k2 * beyond**2) / (MASS / 2))
 
 

@@ -102,7 +102,7 @@ def storey_page(law: type[StoreyLaw]) -> str:
         rows.append(row(name, fields[name][0], given))
     facts = [
         "D is the drift of the storey, k its stiffness, Vy its yield shear, Dy = Vy / k, and a its `hardening`.",
-        solved(law.behaviour.force is not None, law.flows),
+        solved(law.behaviour.force is not None, law.behaviour.history_rate is not None),
     ]
     return page(law, f"# Storey: `{law.name}`", rows, facts, "buildings:\n  example: ", f"storey-{law.name}")
 

@@ -169,7 +169,8 @@ def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """The links of a case at the first point of the sweep, in words."""
     said = Counter[str]()
     for link in plan.build(case * len(plan.analyses) * len(plan.records)).links:
-        kind, stiffness = "slab against columns" if link.columns else link.kind, link.law.initial_stiffness
+        kind = "slab against columns" if link.columns else link.kind
+        stiffness = getattr(link.law, "stiffness", link.law.steepest[0])
         stiff = f", {strength.text(stiffness, 4)}" if stiffness > 0 and not link.columns else ""
         said[f"{kind}, gap {width.text(link.gap)}{stiff}"] += 1
     return "; ".join(f"{count} x {what}" for what, count in said.items()) or "no links: runs as buildings alone"

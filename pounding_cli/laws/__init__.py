@@ -68,12 +68,6 @@ def storey_laws() -> dict[str, type[StoreyLaw]]:
     return {law.name: law for law in BUILT_IN if issubclass(law, StoreyLaw)}
 
 
-@functools.cache
-def instead() -> dict[str, str]:
-    """What to write in place of keys that no law has."""
-    return {key: hint for law in BUILT_IN for key, hint in law.instead.items()}
-
-
 def drawn(name: str) -> str:
     """How pictures show a law (`LinkLaw.drawn`), also of one that is not installed here."""
     return link_laws().get(name, LinkLaw).drawn

@@ -90,11 +90,6 @@ class BilinearContact(LinkLaw):
             )
 
     @property
-    def yield_closing(self) -> float:
-        """a d_m [m]."""
-        return self.yield_share * self.penetration
-
-    @property
     def stiffnesses(self) -> tuple[float, float]:
         """K1 and K2 [N/m]."""
         effective, share = self.hertz_stiffness * self.penetration**0.5, self.damping_formula.share(self.restitution)
@@ -102,21 +97,16 @@ class BilinearContact(LinkLaw):
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """K1, K2 [N/m], yield closing [m]."""
-        return *self.stiffnesses, self.yield_closing
+        return *self.stiffnesses, self.yield_share * self.penetration
 
     @property
     def damped(self) -> bool:
         """Where its loop has an area."""
         return self.restitution < 1.0
 
-    @property
-    def steepest(self) -> tuple[float, float]:
-        """K1."""
-        return self.stiffnesses[0], 0.0
-
     def stored(self, closing: float, force: float) -> float:
         """What the contact gives back from a closing reached by pressing from the gap [J]."""
-        (k1, k2), v, limit = self.stiffnesses, max(closing - self.offset, 0.0), self.yield_closing
+        (k1, k2, limit), v = self.numbers(1.0, 1.0), max(closing - self.offset, 0.0)
         if v <= limit:
             return 0.5 * k1 * v**2
         beyond = v - limit

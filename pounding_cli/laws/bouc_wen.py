@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from pounding_cli.laws.guards import CROSSES, HIGH, START
 from pounding_cli.laws.law import Behaviour, line, parameter
@@ -73,12 +72,7 @@ class BoucWen(StoreyLaw):
         ("bouc1967", "smooth hysteresis of storeys"),
         ("wen1976", "smooth hysteresis of storeys, with the exponent n"),
     )
-    flows = True
     behaviour = Behaviour(next_branch, force, history_rate)
-
-    instead: ClassVar[Mapping[str, str]] = {
-        "wen_beta": "beta = 1 - gamma, so that the storey's stiffness and strength stay its own: write `wen_gamma`"
-    }
 
     wen_exponent: float = parameter(
         "exponent n, 1 to 20: how sharply the storey turns from the initial to the post-yield stiffness",

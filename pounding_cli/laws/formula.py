@@ -16,9 +16,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pounding_cli.laws import pounding
-from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw
+from pounding_cli.laws.pounding import next_branch, reduced_mass
 from pounding_cli.units import Dimension
 
 LONGEST, MOST_OPERATIONS = 500, 200
@@ -236,7 +235,7 @@ def force(e: Any, v: float, r: float) -> float:
     return 0.0
 
 
-WRITTEN_BEHAVIOUR = Behaviour(pounding.next_branch, force)
+WRITTEN_BEHAVIOUR = Behaviour(next_branch, force)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.law import Law, parameter
@@ -26,12 +26,6 @@ class FoundationSpring(Law):
 
     acts_on = "foundation"
     citation = (("spiliopoulos1996", "foundation springs, Fig. 1"),)
-
-    @property
-    def numbers(self) -> tuple[float, float, float]:
-        """(inert mass, stiffness, dashpot), in SI."""
-        inert, stiffness, dashpot = (float(getattr(self, each.name)) for each in fields(self))
-        return inert, stiffness, dashpot
 
 
 @dataclass(frozen=True)

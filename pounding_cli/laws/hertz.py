@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.guards import FASTER, LEVELS, LOW, SLOWER, START
 from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw, line, opened, parameter
+from pounding_cli.laws.pounding import reduced_mass
 
 EXPONENT = 1.5
 """Of the closing [-]."""
@@ -296,8 +296,3 @@ class Jankowski(HertzSpring):
         """k_h, and 2 xi sqrt(k_h m')."""
         mass = reduced_mass(left_mass, right_mass)
         return self.hertz_stiffness, 2.0 * self.damping_ratio * math.sqrt(self.hertz_stiffness * mass)
-
-    @property
-    def steepest(self) -> tuple[float, float]:
-        """At a closing of `PRESSED`."""
-        return super().steepest[0], self.numbers(1.0, 1.0)[1] * PRESSED**0.25

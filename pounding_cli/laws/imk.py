@@ -260,13 +260,9 @@ class PeakOrientedImk(StoreyLaw):
             self.stiffness, self.yield_drift, self.hardening, self.post_capping_slope,
             self.residual_strength * self.yield_shear,
             capping + self.post_capping_slope * self.yield_shear * self.capping_ductility,
-            *capacities, self.deterioration_exponent, float(min(capacities) < math.inf), *self._pinching,
+            *capacities, self.deterioration_exponent, float(min(capacities) < math.inf),
+            getattr(self, "pinching_force", 0.0), getattr(self, "pinching_drift", 0.0),
         )  # fmt: skip
-
-    @property
-    def _pinching(self) -> tuple[float, float]:
-        """kappa_F and kappa_D; 0 and 0 without."""
-        return 0.0, 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -293,7 +289,3 @@ class PinchingImk(PeakOrientedImk):
         high=1.0,
         open_high=False,
     )
-
-    @property
-    def _pinching(self) -> tuple[float, float]:
-        return self.pinching_force, self.pinching_drift

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from pounding_cli.laws.dashpot import DASHPOT, DashpotLaw
 from pounding_cli.laws.guards import FORCE, HIGH, LOW, START
 from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
+from pounding_cli.laws.pounding import DASHPOT, DashpotLaw
 
 THINNEST = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
@@ -88,9 +88,8 @@ class Infill(LinkLaw):
         """Too thin, or softer when it is pressed."""
         gap, stiffness, impact = (values.get(name, math.nan) for name in ("gap", "stiffness", "impact_stiffness"))
         if gap < THINNEST:
-            wrong = f"an infill {gap:g} m thick is thinner than {THINNEST:g} m: no material is that thin"
-            hint = f"write `link: pounding` for buildings in touch, or a gap of {THINNEST:g} m or more"
-            return "gap", "an infill in a gap of zero has no thickness" if gap == 0 else wrong, hint
+            wrong = f"an infill {gap:g} m thick is thinner than the least thickness, {THINNEST:g} m"
+            return "gap", wrong, f"write `link: pounding` for buildings in touch, or a gap of {THINNEST:g} m or more"
         if stiffness > impact:
             wrong = f"the infill's stiffness {stiffness:.3g} N/m is above the impact stiffness {impact:.3g} N/m"
             hint = "an infill stiffens to impact.stiffness (paper, Fig. 3): lower the one or raise the other"
@@ -111,11 +110,6 @@ class Infill(LinkLaw):
     def steepest(self) -> tuple[float, float]:
         """Beyond its thickness."""
         return self.impact_stiffness, 2 * self.damping_ratio * math.sqrt(0.5 * self.impact_stiffness)
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Where it is not pressed."""
-        return self.stiffness
 
     def stored(self, closing: float, force: float) -> float:
         """Its elastic force integrated from zero [J]."""

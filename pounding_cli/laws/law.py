@@ -66,7 +66,6 @@ class Law:
     name : what a study file calls it
     example : a case of a study with this link, or a building with this law of its storeys
     citation : (key of `report/references.bib`, what it is cited for), ...
-    instead : keys that it does not have and others write, and what to write in their place
 
     Raises
     ------
@@ -77,7 +76,6 @@ class Law:
     example: ClassVar[str] = ""
     citation: ClassVar[tuple[tuple[str, str], ...]] = ()
     acts_on: ClassVar[str] = ""
-    instead: ClassVar[Mapping[str, str]] = {}
 
     def __post_init__(self) -> None:
         for each in fields(self):
@@ -220,8 +218,3 @@ class LinkLaw(Law):
     def stored(self, closing: float, force: float) -> float:
         """Energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""
         return 0.0
-
-    @property
-    def initial_stiffness(self) -> float:
-        """The stiffness as the floors begin to press [N/m]; of a force without one there, its largest."""
-        return self.steepest[0]

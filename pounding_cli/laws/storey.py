@@ -13,7 +13,6 @@ from pounding_cli.laws.law import Behaviour, Law, parameter
 class StoreyLaw(Law):
     """What holds a floor to the floor below.
 
-    flows : whether its history variable changes between events too, which only methods with events follow
     behaviour : what it does where it can yield
 
     Raises
@@ -22,7 +21,6 @@ class StoreyLaw(Law):
     """
 
     acts_on = "storey"
-    flows = False
     behaviour: ClassVar[Behaviour]
 
     stiffness: float = parameter("initial stiffness k", "N/m", open_low=True)

@@ -16,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.report.document import Section
-from pounding_cli.report.table import NOTHING, digits, from_records, from_rows
+from pounding_cli.report.table import NOTHING, digits, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import DONE
 from pounding_cli.texts import cells, write_markdown
@@ -316,9 +316,6 @@ def claim_sections(results: Results, here: str) -> list[Section]:
             rows.append([row["finding"], met, _text(row["number"], row["unit"])])
     heads = ("claim, and its numbers", "verdict", "found")
     tables = [from_rows("The paper’s claims, and the numbers found", heads, rows)]
-    if len(every["where"].unique()) > 1:
-        wide = _wide(every, "where", "claim", every["verdict"]).rename_axis("point").reset_index()
-        tables.append(from_records("Verdicts at every point of the sweep", wide.to_dict("records")))
     said = "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does."
     numbers = Table("claims", every, caption="Every number at every point")
     return [Section("The paper’s claims", [said], tables), Section("Numbers of the claims", (), [numbers], folded=True)]

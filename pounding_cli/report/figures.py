@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
 """The paper's panels: analysis and column."""
 
-Panel = tuple[xr.DataArray, str, str]
-"""A quantity over case, record and storey or floor, of one analysis; its heading and the label of its axis."""
+Panel = tuple[xr.DataArray, str]
+"""A quantity over case, record and storey or floor, of one analysis; the label of its axis."""
 
 
 def profiles(evidence: Evidence) -> list[Picture]:
-    """Every figure: response and accelerations of every building, forces of the links."""
+    """Every figure: response and accelerations of every building."""
     found = []
     for building in sorted(evidence.built, key=lambda name: name != evidence.main):
         said = "Ratios to the building alone, storey by storey, one line per case."
@@ -37,9 +37,6 @@ def profiles(evidence: Evidence) -> list[Picture]:
         said = "Largest floor accelerations over those of the building alone, floor by floor."
         draw = partial(accelerations, evidence, building)
         found.append(Picture(f"{building}-accelerations", f"{building}: floor accelerations", said, draw))
-    if evidence.link["peak_force"].notna().any():
-        said = "Largest force in every link, floor by floor."
-        found.append(Picture("link-forces", "Forces between neighbours", said, partial(link_forces, evidence)))
     return found
 
 
@@ -47,71 +44,38 @@ def profiles(evidence: Evidence) -> list[Picture]:
 def response(evidence: Evidence, building: str) -> Figure:
     """V/V0 elastic (left) and mu/mu0 inelastic (right) of one building, as in Figs 6 and 7."""
     line = [
-        (evidence.data[ratio].sel(analysis=analysis, building=building), analysis.capitalize(), column_of(ratio).label)
+        (evidence.data[ratio].sel(analysis=analysis, building=building), column_of(ratio).label)
         for analysis, ratio in RESPONSES
         if analysis in evidence.analyses
     ]
-    return _grid(evidence, building, [line], f"Ratios to {building} alone under the same motion")
+    return _over_height(evidence, building, line, f"Ratios to {building} alone under the same motion")
 
 
 @styled
 def accelerations(evidence: Evidence, building: str) -> Figure:
     """Largest floor accelerations of one building over those alone."""
     data, label = evidence.data.sel(building=building), "floor acceleration over that alone"
-    line = [(data["acceleration_ratio"].sel(analysis=each), each.capitalize(), label) for each in evidence.analyses]
-    return _grid(evidence, building, [line], f"Largest total accelerations of the floors of {building}")
+    line = [(data["acceleration_ratio"].sel(analysis=each), label) for each in evidence.analyses]
+    return _over_height(evidence, building, line, f"Largest total accelerations of the floors of {building}")
 
 
-@styled
-def link_forces(evidence: Evidence) -> Figure:
-    """Largest force between the floors, one by one: one row of panels a pair of neighbours."""
-    forces = by_floor(evidence.data, "peak_force") / 1e6
-    grid = [
-        [
-            (forces.sel(pair=pair, analysis=each), f"{each.capitalize()}: {pair}", "largest force [MN]")
-            for each in evidence.analyses
-        ]
-        for pair in forces["pair"].values.tolist()
-    ]
-    return _grid(evidence, "", grid, "Largest force in each link")
-
-
-def _grid(evidence: Evidence, building: str, grid: Sequence[Sequence[Panel]], what: str) -> Figure:
-    """Panels with storeys or floors upwards; of a building ratios, whose 1 is marked.
+def _over_height(evidence: Evidence, building: str, line: Sequence[Panel], what: str) -> Figure:
+    """A line of panels with storeys or floors upwards and ratios to the building alone, whose 1 is marked, across.
 
     what : is drawn, for the caption
     """
-    figure, axes = framed(evidence, building, len(grid), len(grid[0]), cases=evidence.plotted)
-    for row, line in zip(axes, grid, strict=True):
-        for ax, (values, heading, label) in zip(row, line, strict=True):
-            _panel(ax, evidence, values)
-            ax.set_title(heading, loc="left")
-            ax.set_xlabel(label)
-            if building:
-                ax.axvline(1, color="0.35", lw=1.0, zorder=1)
-            elif ax.get_xscale() == "linear":
-                ax.set_xlim(left=-0.02 * ax.get_xlim()[1])  # markers at zero stand clear of the axis
-    headline = f"{building} (T = {evidence.periods[building]:.2f} s)" if building else "Forces between neighbours"
+    figure, ((*axes,),) = framed(evidence, building, 1, len(line), cases=evidence.plotted)
+    for ax, (values, label) in zip(axes, line, strict=True):
+        _panel(ax, evidence, values)
+        ax.set_title(str(values["analysis"].item()).capitalize(), loc="left")
+        ax.set_xlabel(label)
+        ax.axvline(1, color="0.35", lw=1.0, zorder=1)
     text = f"{what}: mean over the {counted(len(evidence.records), 'motion')}; whiskers: smallest to largest."
     text += f" {motion_sentence(evidence.records)}"
     text += f" Point of the sweep: {evidence.label}." if evidence.label else ""
     text += " Grey and open: not meaningful for some motions." if evidence.void else ""
-    finish(figure, f"{headline}: {evidence.title}", text)
+    finish(figure, f"{building} (T = {evidence.periods[building]:.2f} s): {evidence.title}", text)
     return figure
-
-
-def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
-    """A variable of the links over pair and floor: of several links between the same floors the largest."""
-    values, floors = data[name], data["link_floor"].values.tolist()
-    levels = sorted(set(floors))  # 0 is a base
-    pairs = [f"{one} | {other}" for one, other in zip(data["link_left"].values, data["link_right"].values, strict=True)]
-    places = list(dict.fromkeys(pairs))
-    found = np.full((*values.shape[:-1], len(places), len(levels)), np.nan)
-    for number, (pair, floor) in enumerate(zip(pairs, floors, strict=True)):
-        at = (..., places.index(pair), levels.index(floor))
-        found[at] = np.fmax(found[at], values.values[..., number])
-    coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": levels}
-    return xr.DataArray(found, coords, (*values.dims[:-1], "pair", "floor"))
 
 
 def framed(
@@ -219,39 +183,30 @@ def sketch(evidence: Evidence) -> Figure:
 
 
 def draw_group(ax: Axes, evidence: Evidence, black: str, named: bool = False) -> None:
-    """Buildings left to right as blocks of storeys to one scale with their periods, slabs as thick as they are; a point
-    marks every place where a slab strikes columns. Walls are filled.
+    """Buildings left to right as blocks of storeys to one scale with their periods, slabs as thick as they are. Walls
+    are filled.
 
     black : building filled; named : whether their names stand below
     """
     from matplotlib.patches import Rectangle
 
-    many, left = len(evidence.group) >= MANY, dict[str, float]()
-    scale = STOREY / float(evidence.buildings["height"].mean())
-    levels = {name: [0.0] for name in evidence.group}
+    many, scale, top = len(evidence.group) >= MANY, STOREY / float(evidence.buildings["height"].mean()), 0.0
     for place, name in enumerate(evidence.group):
-        rows = evidence.buildings[evidence.buildings["building"] == name]
+        rows, left = evidence.buildings[evidence.buildings["building"] == name], place * (WIDTH + SPACE)
         is_wall, slab = name not in evidence.built, scale * float(rows["slab"].iloc[0])
-        filled, left[name] = name == black or is_wall, place * (WIDTH + SPACE)
-        levels[name] += (scale * rows["height"].cumsum()).tolist()
-        for below, top in zip(levels[name], levels[name][1:], strict=False):
-            face, edge = ("black", "0.75") if filled else ("white", "black")
-            ax.add_patch(Rectangle((left[name], below), WIDTH, top - below, facecolor=face, edgecolor=edge, lw=0.8))
+        face, edge, grey = ("black", "0.75", "0.75") if name == black or is_wall else ("white", "black", "0.4")
+        for height, level in zip(scale * rows["height"], scale * rows["height"].cumsum(), strict=True):
+            ax.add_patch(Rectangle((left, level - height), WIDTH, height, facecolor=face, edgecolor=edge, lw=0.8))
             if slab:
-                grey = "0.75" if filled else "0.4"
-                ax.add_patch(Rectangle((left[name], top - slab / 2), WIDTH, slab, color=grey, lw=0))
+                ax.add_patch(Rectangle((left, level - slab / 2), WIDTH, slab, color=grey, lw=0))
+            top = max(top, level)
         period = "" if is_wall else f"{evidence.periods[name]:.2f}" if many else f"T = {evidence.periods[name]:.2f} s"
         ax.annotate(
-            f"{name}\n{period}" if named else period, (left[name] + WIDTH / 2, 0), xytext=(0, -4),
+            f"{name}\n{period}" if named else period, (left + WIDTH / 2, 0), xytext=(0, -4),
             textcoords="offset points", ha="center", va="top", fontsize=8 if named else 6 if many else 7,
             rotation=90 if many else 0, annotation_clip=False,
         )  # fmt: skip
-    for row in evidence.link.drop_duplicates("link").to_dict("records") if "left_at" in evidence.link else ():
-        for side, floor, away in (("left", row["floor"], WIDTH), ("right", row["right_floor"], 0.0)):
-            if (at := row[f"{side}_at"]) < 1:  # the slab of the other building strikes the columns of this one
-                low, high = levels[row[side]][floor - 1 : floor + 1]
-                ax.plot(left[row[side]] + away, low + at * (high - low), "o", color="#c8102e", ms=2.5, zorder=3)
     right = len(evidence.group) * (WIDTH + SPACE) - SPACE
     ax.plot([-0.3, right + 0.3], [0, 0], color="black", lw=1.2, clip_on=False)
-    ax.set(xlim=(-0.4, right + 0.4), ylim=(-0.75, max(own[-1] for own in levels.values()) + 0.1))
+    ax.set(xlim=(-0.4, right + 0.4), ylim=(-0.75, top + 0.1))
     ax.axis("off")

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
 """The tables of scenes that the report has."""
-FEW_GAPS = 4
-"""Gaps of the cases in sentences; the table has all."""
 PLACE = ["floor", "right_floor", "columns"]
 """Which floors of two neighbours face each other."""
 
@@ -71,7 +69,7 @@ def gap_report(results: Results) -> Report:
         first = frame.iloc[0]
         few = counted(int(first["intensities"]), "intensity", "intensities")
         notes.insert(0, f"The gap for a rate rests on {few} of {counted(int(first['motions']), 'motion')}.")
-    said = [*_sentences(shown.here(pairs), unit), *_case_sentences(shown.here(cases.frame), unit)]
+    said = list(_sentences(shown.here(pairs), unit))
     pictures, frame = [], shown.here(answer.frame)
     if len(frame):
         draw = partial(draw_profiles, frame, unit, shown)
@@ -170,22 +168,6 @@ def _sentences(rows: pd.DataFrame, unit: Unit) -> Iterator[str]:
         yield " ".join(said)
 
 
-def _case_sentences(frame: pd.DataFrame, unit: Unit) -> list[str]:
-    """Whether each gap is enough, by what the motions require; at one point of the sweep."""
-    said = list[str]()
-    words = {"yes": "enough", "no": "not enough", "unknown": "not known, as scenes failed"}
-    for (case, left, right, gap), rows in frame[frame["rule"] == EXACT].groupby(
-        ["case", "left", "right", "gap"], sort=False
-    ):
-        motions = counted(int(rows["motions"].iloc[0]), "motion")
-        by_analysis = [
-            f"{row['analysis']} {words[row['enough']]} (for {row['enough_for']} of {motions} it is)"
-            for row in _rows(rows)
-        ]
-        said.append(f"Case {case}, {left} | {right}: gap {unit.text(gap, 4)}: {', '.join(by_analysis)}.")
-    return said[:FEW_GAPS]
-
-
 def _notes(results: Results, frame: pd.DataFrame, unit: Unit, cases: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the widths and of the cases."""
     error, few = float(frame["error"].max()), frame.loc[frame["rule"] == EXACT, "motions"].min()
@@ -207,15 +189,6 @@ def _notes(results: Results, frame: pd.DataFrame, unit: Unit, cases: pd.DataFram
             f"Not compared: {', '.join(others)}. There is no link, or one that acts before the gap has closed; "
             "`pound run` simulates them."
         )
-    for rule, keys in {ASCE7: ("base_shear", "Cd", "Ie"), EN1998: ("base_shear", "qd")}.items():
-        lacking = []
-        for name in dict.fromkeys(results.resolved["group"]):
-            building = results.resolved["buildings"][name]
-            own = building["yield"] if building["yield_shear"] is None else {}
-            if lacks := [f"`{key}`" for key in keys if own.get(key) is None]:
-                lacking.append(f"{', '.join(lacks)} of {name}")
-        if lacking:
-            yield f"{rule} is not evaluated: `yield` lacks {'; '.join(lacking)}."
 
 
 @styled

@@ -12,7 +12,6 @@ import xarray as xr
 
 from pounding_cli.laws import drawn
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
-from pounding_cli.report.figures import by_floor
 from pounding_cli.report.style import key_words
 from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
 from pounding_cli.report.table import column_of
@@ -90,6 +89,20 @@ def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], res
     levels = values[level].values.tolist() if whole else [0]
     about = {"key": name, "label": how.head, "text": how.text or how.label, "level": level, "levels": levels}
     return about | {"where": where, "places": values[where].values.tolist()} | packed
+
+
+def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
+    """A variable of the links over pair and floor: of several links between the same floors the largest."""
+    values, floors = data[name], data["link_floor"].values.tolist()
+    levels = sorted(set(floors))  # 0 is a base
+    pairs = [f"{one} | {other}" for one, other in zip(data["link_left"].values, data["link_right"].values, strict=True)]
+    places = list(dict.fromkeys(pairs))
+    found = np.full((*values.shape[:-1], len(places), len(levels)), np.nan)
+    for number, (pair, floor) in enumerate(zip(pairs, floors, strict=True)):
+        at = (..., places.index(pair), levels.index(floor))
+        found[at] = np.fmax(found[at], values.values[..., number])
+    coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": levels}
+    return xr.DataArray(found, coords, (*values.dims[:-1], "pair", "floor"))
 
 
 def rounded(value: float) -> float | int | None:

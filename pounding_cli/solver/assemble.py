@@ -9,15 +9,15 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.dashpot import reduced_mass
 from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.joints import Maxwell
 from pounding_cli.laws.law import JOINED, PARAMETERS, Behaviour, LinkLaw
+from pounding_cli.laws.pounding import reduced_mass
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
@@ -65,29 +65,16 @@ Tie = tuple[tuple[LinkEnd, LinkEnd], float, type[LinkLaw]]
 """Of a link what scenes have in common whose laws have other parameters: its ends, `Link.columns`, its law."""
 
 
-@dataclass(frozen=True)
-class Columns:
-    """Columns whose shear is asked for because link number `link` strikes them: building, storey from 1, whether they
-    are those on the building's left side, height of the blow in the storey [-], part of the storey that they have
-    [-]."""
+class Columns(NamedTuple):
+    """Columns whose shear is asked for because link number `link` strikes them: building, storey from 1, height of the
+    blow in the storey [-], part of the storey that they have [-], whether they are those on the building's left."""
 
     link: int
     building: int
     storey: int
-    on_left: bool
     at: float
     share: float
-
-
-def _struck_columns(ties: Sequence[Tie]) -> tuple[Columns, ...]:
-    """The columns that links strike, where their share of the storey is given."""
-    found = []
-    for number, ((left, right), share, _) in enumerate(ties):
-        if share > 0.0:
-            on_left = left[2] == 1.0
-            building, storey, at = right if on_left else left
-            found.append(Columns(number, building, storey, on_left, at, share))
-    return tuple(found)
+    on_left: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,7 +258,12 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         element["last"] = len(terms)
     for element, weights in zip(elements[n:], [*(own for _, own in drags), *all_weights], strict=True):
         _tie(element, weights, terms)
-    struck, floors = _struck_columns(ties), tuple(each.floors for each in made)
+    struck = tuple(
+        Columns(number, *(right if left[2] == 1.0 else left), share, left[2] == 1.0)
+        for number, ((left, right), share, _) in enumerate(ties)
+        if share > 0.0
+    )
+    floors = tuple(each.floors for each in made)
     columns = _filled(COLUMN, _column_shears(struck, floors, n + len(drags), terms), 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
@@ -330,15 +322,6 @@ def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate((motion.acceleration[:-1], tail)), np.concatenate((slopes, tail))
 
 
-def _at_line(rows: np.ndarray) -> np.ndarray:
-    """A copy that begins at a line of the processor's cache (64 bytes)."""
-    room = np.empty(rows.nbytes + 64, np.uint8)
-    first = -room.ctypes.data % 64
-    made = room[first : first + rows.nbytes].view(rows.dtype)
-    made[:] = rows
-    return made
-
-
 def records_of(
     scene: Scene,
     layout: Layout,
@@ -350,7 +333,7 @@ def records_of(
 ) -> Data:
     """The records of a run; parameters as of `solve.prepare`."""
     n, m = layout.number, layout.elements.size
-    dofs, elements, run = _at_line(layout.dofs), layout.elements.copy(), np.zeros(1, RUN)
+    dofs, elements, run = layout.dofs.copy(), layout.elements.copy(), np.zeros(1, RUN)
     formulas = _put_links(elements[layout.of_links], scene.links, layout.masses)
     if initial is not None:
         for span, u, v in zip(layout.floors, *initial, strict=True):

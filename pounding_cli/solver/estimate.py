@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -73,8 +73,8 @@ def change(first: Response, second: Response) -> float:
     """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-], as
     `difference`."""
     pairs = list(zip(first.buildings, second.buildings, strict=True))
-    found = [(a.shear, b.shear, a.shear) for a, b in pairs] + [(a.drift, b.drift, a.drift) for a, b in pairs]
-    return _largest(first, second, found)
+    triples = [(getattr(a, name), getattr(b, name), getattr(a, name)) for a, b in pairs for name in ("shear", "drift")]
+    return _largest(first, second, triples)
 
 
 def difference(first: Response, second: Response) -> float:
@@ -86,30 +86,24 @@ def difference(first: Response, second: Response) -> float:
     closings, impulses and contact times of links to the largest of their kind in the scene. Counts are left out, and
     so are energies, whose error is the ledger's residual.
     """
-    found = []
+    found: list[Iterable[np.ndarray]] = []
     if first.collapse_storey:
-        found.append((np.array([first.collapse_time]), np.array([second.collapse_time]), np.zeros(1)))
+        found.append(np.array([each.collapse_time]) for each in (first, second, first))
     for a, b in zip(first.buildings, second.buildings, strict=True):
         reach = np.maximum(a.displacement_max, -a.displacement_min)
-        found += [
-            (a.shear, b.shear, a.shear),
-            (a.drift, b.drift, a.drift),
-            (a.acceleration, b.acceleration, a.acceleration),
-            (a.displacement_max, b.displacement_max, reach),
-            (a.displacement_min, b.displacement_min, reach),
-            (a.residual_drift, b.residual_drift, a.drift),
-            (np.array([a.sway, a.rocking]), np.array([b.sway, b.rocking]), np.zeros(2)),
-        ]
+        scales = {"shear": a.shear, "drift": a.drift, "acceleration": a.acceleration, "displacement_max": reach,
+                  "displacement_min": reach, "residual_drift": a.drift}  # fmt: skip
+        found += [(getattr(a, name), getattr(b, name), scale) for name, scale in scales.items()]
+        found.append(np.array([each.sway, each.rocking]) for each in (a, b, a))
     for name in ("peak_force", "max_closing", "impulse", "contact_time"):
         x, y = getattr(first.links, name), getattr(second.links, name)
         found.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
-    one, other = first.columns, second.columns
-    found += [(one.shear_below, other.shear_below, one.shear_below)]
-    found += [(one.shear_above, other.shear_above, one.shear_above)]
+    for name in ("shear_below", "shear_above"):
+        found.append(tuple(getattr(each.columns, name) for each in (first, second, first)))
     return _largest(first, second, found)
 
 
-def _largest(first: Response, second: Response, triples: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
+def _largest(first: Response, second: Response, triples: Iterable[Iterable[np.ndarray]]) -> float:
     """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
     move as the ground does have no numbers."""
     if not (first.has_result and second.has_result):
@@ -140,23 +134,16 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     if not response.has_result:
         return response
     fixed = METHODS[response.method].takes_step
+    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, finer(accuracy))
     if not fixed and accuracy >= FINEST_AT_ONCE:
         nudge = min(LITTLE * accuracy, NUDGE)
         nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion, nudge))
-        judge = run(nudged, accuracy=finer(accuracy), method=response.method)
+        judge = run(nudged, accuracy=tight, method=method)
         error, sensitivity = difference(response, judge), change(response, judge) / nudge
         if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
             return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
-    return _told_apart(scene, response, accuracy, run, fixed)
-
-
-def _told_apart(
-    scene: Scene, response: Response, accuracy: float, run: Callable[..., Response], fixed: bool
-) -> Response:
-    """`assess` by a finer run for the error and a nudged one for the sensitivity."""
-    method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, finer(accuracy))
-    nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion))
     second = run(scene, accuracy=tight, method=method)
+    nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion))
     sensitivity = change(second, run(nudged, accuracy=tight, method=method)) / NUDGE
     error, seconds = difference(response, second), response.seconds
     while not fixed and error > accuracy and second.has_result:

@@ -150,13 +150,11 @@ def _until_guard(el, r, s, guard):
     if guard >= COLLAPSE_LOW:
         side = 1.0 if guard == COLLAPSE_LOW else -1.0
         return integral(r, side, el.collapse + side * el.v0)
-    if guard == SLOWER:
-        p[0] -= el.slow
-        return n
-    if guard == FASTER:
+    if guard == SLOWER or guard == FASTER:
+        side, at = (1.0, el.slow) if guard == SLOWER else (-1.0, el.fast)
         for k in range(n + 1):
-            p[k] = -p[k]
-        p[0] += el.fast
+            p[k] *= side
+        p[0] -= side * at
         return n
     if guard == LEVELS:
         for k in range(n):

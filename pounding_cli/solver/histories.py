@@ -12,6 +12,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import segments
 from pounding_cli.solver.outcome import ENDS, stored_in_storeys
+from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import Prepared, prepare
 
 if TYPE_CHECKING:
@@ -67,8 +68,8 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> xr.Da
         raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
     run = prepare(scene, accuracy, times=output_times(scene, every))
     run.integrate()
-    if not run.is_done:
-        outcome, advice = ENDS[int(run.data.run["status"][0])]
+    outcome, advice = ENDS[int(run.data.run["status"][0])]
+    if outcome not in OUTCOMES:
         raise InputError(Problem(f"no history of this scene: {outcome}", advice))
     return _evaluated(run)
 

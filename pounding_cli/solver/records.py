@@ -97,7 +97,7 @@ DERIVATIVES = 16
 STATE = _dtype(
     # y0 at the step's start, y at a stage; k: the derivatives; c: coefficients in the step; scale: what errors are
     # measured by
-    f8=f"y0 y k:{DERIVATIVES} c:8 scale",
+    f8=f"y0 y k:{DERIVATIVES} c:8 scale"
 )
 
 FORMULA = _dtype(f8=f"operations:{MOST_OPERATIONS}x4 registers:{MOST_OPERATIONS + 2}", i8="count result")

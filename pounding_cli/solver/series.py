@@ -150,31 +150,20 @@ def _next_velocity(d, k, w, f, after):
 
 
 @njit(**PART)
-def _walk_up(dofs, elements, n, k, part, after):
-    """Order k of all storeys, from the ground up: a floor is done when the force of the storey above it is."""
+def _walk_up(dofs, elements, n, k, part, after, has_lean):
+    """Order k of all storeys, from the ground up: a floor is done when the force of the storey above it is. Bases that
+    rock come after their floors, whose forces they feel; the weight on a storey acts on the floors alone."""
     size = left = before = own = 0.0
     for i in range(n):  # from 0 on by the same sums, so that equal buildings move alike to the last digit
         d, el = dofs[i], elements[i]
         w, earlier = d.w[k], d.w[k - 1]
-        f = el.stiffness * (part * (earlier - d.below * before)) + el.c * (w - d.below * left)
-        if i > 0:
-            size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
-        left, before, own = w, earlier, f
-    return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
-
-
-@njit(**PART)
-def _walk_up_leaning(dofs, elements, n, k, part, after):
-    """The same over bases that rock: these come after their floors, whose forces they feel. The weight on a storey
-    acts on the floors alone."""
-    size = left = before = own = 0.0
-    for i in range(n):
-        d, el = dofs[i], elements[i]
-        w, earlier, foot = d.w[k], d.w[k - 1], dofs[d.foot]
         moved, rate = part * (earlier - d.below * before), w - d.below * left
-        f = el.k * (moved + d.lean * part * foot.w[k - 1]) + el.c * (rate + d.lean * foot.w[k])
-        foot.push += d.lean * f
-        f -= el.load * moved
+        f = el.stiffness * moved + el.c * rate
+        if has_lean:
+            foot = dofs[d.foot]
+            leaned = d.lean * (el.k * part * foot.w[k - 1] + el.c * foot.w[k])
+            foot.push += d.lean * (f + el.load * moved + leaned)
+            f += leaned
         if i > 0:
             size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
         left, before, own = w, earlier, f
@@ -193,10 +182,10 @@ def expand(dofs, elements, terms, r, series):
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
-        if has_lean:
-            size = max(size, _walk_up_leaning(dofs, elements, n, k, part, after))
+        if has_lean:  # as constants, so that each is compiled by itself
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, True))
         else:
-            size = max(size, _walk_up(dofs, elements, n, k, part, after))
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, False))
         small = small + 1 if size < 1.0 else 0
         k += 1
     r.order = k

@@ -111,11 +111,6 @@ class Prepared:
             self.data.run["status"] = records.NO_ROOT
         self.seconds = time.perf_counter() - begin
 
-    @property
-    def is_done(self) -> bool:
-        """Whether its run went to the end of the motion, or to a collapse."""
-        return int(self.data.run["status"][0]) in (records.DONE, records.COLLAPSED)
-
     def response(self) -> Response:
         """What came of it."""
         layout, data, r, links = self.layout, self.data, self.data.run[0], self.scene.links
@@ -186,6 +181,13 @@ def _held_at_start(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     return 0.5 * float(data.dofs["mass"] @ data.dofs["w"][:, 0] ** 2) + float(stored) + in_links
 
 
+def method_named(name: str) -> Method:
+    """The method of that name.  Raises `InputError` where there is none."""
+    if name not in METHODS:
+        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
+    return METHODS[name]
+
+
 def chosen_method(name: str, accuracy: float, time_step: float | None = None) -> tuple[Method, float]:
     """The method of that name and its setting, checked.
 
@@ -193,9 +195,7 @@ def chosen_method(name: str, accuracy: float, time_step: float | None = None) ->
     ------
     InputError : no such method, a setting that it does not take, or one that is not above zero
     """
-    if name not in METHODS:
-        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
-    method = METHODS[name]
+    method = method_named(name)
     what, setting = method.setting, time_step if method.takes_step else accuracy
     if method.takes_step != (time_step is not None):
         wrong = f"method {name} takes {'a time step' if method.takes_step else 'an accuracy and no time step'}"
@@ -210,12 +210,12 @@ def refusal_of(method: Method, scene: Scene) -> str:
     """Why a method does not run a scene; "" when it does."""
     if method.remembers:
         return ""
-    if laws := sorted({link.kind for link in scene.links if link.law.remembers}):
-        return f"the force of {' and '.join(laws)} depends on events before, which it does not keep"
-    smooth = effects_of(scene).yielding
-    if smooth and (named := sorted({b.storey_law.name for b in scene.buildings if b.storey_law.flows})):
-        return f"the shear of {' and '.join(named)} storeys depends on all that went before, which it does not keep"
-    return ""
+    laws = {link.kind for link in scene.links if link.law.remembers}
+    if effects_of(scene).yielding:
+        laws |= {b.storey_law.name for b in scene.buildings if b.storey_law.behaviour.history_rate is not None}
+    if not laws:
+        return ""
+    return f"the force of {' and '.join(sorted(laws))} depends on what happened before, which it does not keep"
 
 
 def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:

@@ -14,12 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.numbers import counted
 from pounding_cli.solver.response import DONE, Response
-from pounding_cli.solver.solve import refusal_of, solve
+from pounding_cli.solver.solve import method_named, refusal_of, solve
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
@@ -75,16 +74,8 @@ def errors_of(found: Response, reference: Response) -> dict[str, float]:
 
 
 def chosen(names: Sequence[str]) -> tuple[str, ...]:
-    """Methods by name, all of them when none is named.
-
-    Raises
-    ------
-    InputError : a name that is no method
-    """
-    if unknown := [name for name in names if name not in METHODS]:
-        hint = f"write one of {', '.join(METHODS)}"
-        raise InputError([Problem(f"there is no method {name}", hint) for name in unknown])
-    return tuple(dict.fromkeys(names)) or tuple(METHODS)
+    """Methods by name, all of them when none is named.  Raises `InputError` for a name that is no method."""
+    return tuple(dict.fromkeys(method_named(name).name for name in names)) or tuple(METHODS)
 
 
 def _solved(scene: Scene, name: str, setting: float) -> Response:
@@ -94,16 +85,13 @@ def _solved(scene: Scene, name: str, setting: float) -> Response:
 
 
 def measure(
-    subjects: Sequence[Subject],
-    methods: Sequence[str],
-    budget: float,
-    tell: Callable[[str], None] = lambda text: None,
+    subjects: Sequence[Subject], methods: Sequence[str], budget: float, tell: Callable[[str], None] = lambda text: None
 ) -> WorkPrecision:
     """Run every method at every setting on as many scenes as the budget [s] allows.
 
     Every case and analysis gets one motion first, then the next motion; each scene gets an even share of the time left.
-    Of each method the settings are tried from coarse to fine as long as its share lasts. The budget is wall time, in
-    which compiling does not count; the first scene gets its reference and one run of every method whatever they take.
+    Of each method the settings are tried from coarse to fine, one at least, as long as its share lasts. The budget is
+    wall time, in which compiling does not count.
     """
     runs, references, left_out = list[dict[str, Any]](), list[dict[str, Any]](), list[str]()
     skipped, spent, compiling = Counter[tuple[str, float]](), 0.0, 0.0
@@ -128,7 +116,7 @@ def measure(
             together = sum(other["record"] == place["record"] for other, _ in order[number:])
             share = ((budget - spent) / together - (time.perf_counter() - compiled)) / len(methods)
             for name in able:
-                rows = list(_tried(scene, name, reference, share, at_least_one=number == 0))
+                rows = list(_tried(scene, name, reference, share))
                 runs += [{**place, **row} for row in rows]
                 skipped.update((name, setting) for setting in METHODS[name].setting.tried[len(rows) :])
         else:
@@ -141,23 +129,14 @@ def measure(
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 
-def _tried(
-    scene: Scene, name: str, reference: Response, allowed: float, at_least_one: bool
-) -> Iterator[dict[str, Any]]:
-    """Runs of one method from coarse to fine, as far as the time allowed [s] reaches."""
-    spent = last = before = 0.0
-    settings = METHODS[name].setting.tried
-    for setting in settings:
-        longer = before / setting if METHODS[name].takes_step else 1.0
-        if spent + last * longer > allowed and (last or not at_least_one):
-            return
-        begin, before = time.perf_counter(), setting
+def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
+    """Runs of one method from coarse to fine, one at least, until they took the time allowed [s]."""
+    begin = time.perf_counter()
+    for setting in METHODS[name].setting.tried:
         found = _solved(scene, name, setting)
         seconds, done = [found.seconds], found.status == DONE
-        repeated = min(REPEATED, (allowed - spent) / len(settings))
-        while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
+        while done and len(seconds) < MAX_REPEATS and sum(seconds) < REPEATED:
             seconds.append(_solved(scene, name, setting).seconds)
-        spent, last = spent + time.perf_counter() - begin, found.seconds
         errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
             "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
@@ -165,3 +144,5 @@ def _tried(
             "impacts": int(found.links.impacts.sum()), "impacts_reference": int(reference.links.impacts.sum()),
             "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,
         }  # fmt: skip
+        if time.perf_counter() - begin > allowed:
+            return

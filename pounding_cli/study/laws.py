@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 from pydantic import Discriminator, Tag, create_model
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
-from pounding_cli.laws.dashpot import restitution_of
+from pounding_cli.laws.pounding import restitution_of
 from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
 from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, Quantity, Text, Whole, refuse, said
 

@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pounding_cli.laws import contact_laws, link_laws
-from pounding_cli.laws.dashpot import DashpotLaw, damping_ratio, restitution_of
 from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import Pounding
+from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_of
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, column_flexibility
 from pounding_cli.numbers import counted

@@ -11,7 +11,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 from pydantic import BaseModel
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.laws import instead, link_laws
+from pounding_cli.laws import link_laws
 from pounding_cli.study.file import Steps, dumped, get, nearest
 from pounding_cli.study.laws import Link, keys_of, kind_of, link_models, own, tag
 from pounding_cli.study.quantity import Quantity, Read, Text, said
@@ -172,7 +172,7 @@ def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
     known += [key for link in link_models().values() for key in fields_of(link)] if known == ["links"] else []
     if name in known:
         return f"'{name}' does not go with the other keys here", "remove it, or them", True
-    return f"unknown key '{name}'", instead().get(name) or nearest(name, dict.fromkeys(known)), True
+    return f"unknown key '{name}'", nearest(name, dict.fromkeys(known)), True
 
 
 def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:

@@ -1,4 +1,4 @@
-// Puts the page together: widgets, sorted tables, copying.
+// Puts the page together: widgets, sorted tables.
 
 const data = JSON.parse(document.getElementById('data').textContent);
 
@@ -23,18 +23,8 @@ function sorting() {
   }
 }
 
-function copying() {
-  for (const button of document.querySelectorAll('[data-copy]')) {
-    button.addEventListener('click', async () => {
-      await navigator.clipboard.writeText(document.getElementById(button.dataset.copy).textContent);
-      button.textContent = 'Copied';
-    });
-  }
-}
-
 document.documentElement.classList.add('scripted');
 sorting();
-copying();
 if (data.explorer) explorer(document.getElementById('explorer'), data.explorer);
 if (data.player?.scenes.length) player(document.getElementById('player'), data.player);
 document.documentElement.classList.add('ready');
