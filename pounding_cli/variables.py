@@ -192,7 +192,7 @@ WRITTEN = {
     "gap": "gap", "max_closing": "gap",
     "acceleration": "acceleration", "acceleration0": "acceleration", "record_pga": "acceleration",
 }  # fmt: skip
-"""Variables that people read in the unit the study writes, and the quantity of `study.written.PLACES` they are."""
+"""Variables that people read in the unit the study writes, and the quantity of `study.study.PLACES` they are."""
 
 VARIABLES = {v.name: v for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *RECORDS, *STATISTICS)}
 

@@ -15,7 +15,7 @@ import yaml
 
 from pounding_cli.errors import InputError
 from pounding_cli.study.file import Items, Map, canonical, dumped, parse
-from pounding_cli.study.old_links import GONE, bracket_axes, old_key, respelled
+from pounding_cli.study.spell import GONE, bracket_axes, old_key, respelled
 
 LONGEST = 110
 """Characters of a case on one line."""

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 
 import numpy as np
 
 from pounding_cli.laws.bilinear import Bilinear
-from pounding_cli.laws.foundation import Rubber
+from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.laws.storey import StoreyLaw
-from pounding_cli.model.foundation import Foundation
 from pounding_cli.numbers import counted
 from pounding_cli.records.motion import GRAVITY
 
@@ -31,6 +30,56 @@ class UnstableError(ValueError):
 def weight_above(mass: np.ndarray) -> np.ndarray:
     """Weight [N] of the floors that every storey carries, from the floor masses [kg], shape (n,)."""
     return GRAVITY * np.cumsum(mass[::-1])[::-1]
+
+
+@dataclass(frozen=True)
+class Foundation:
+    """Sway and rocking of the base; without `sways` it does not translate, without `rocks` it does not turn.
+
+    Parameters
+    ----------
+    mass : [kg], > 0 where the base sways
+    sway_stiffness : [N/m], > 0 where the base sways
+    sway_damping : [N s/m], >= 0
+    inertia : rotary inertia of the foundation alone [kg m2], > 0 where the base rocks
+    rocking_stiffness : [N m/rad], > 0 where the base rocks
+    rocking_damping : [N m s/rad], >= 0
+    isolation : isolators under the base, in place of the spring of its sway; they act in elastic analyses too
+
+    Raises
+    ------
+    ValueError : a value is outside its range
+    """
+
+    mass: float = 0.0
+    sway_stiffness: float = 0.0
+    sway_damping: float = 0.0
+    inertia: float = 0.0
+    rocking_stiffness: float = 0.0
+    rocking_damping: float = 0.0
+    sways: bool = True
+    rocks: bool = True
+    isolation: FrictionPendulum | Bearings | Rubber | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.isolation is not None and not (self.mass > 0 and self.sways):
+            raise ValueError("foundation: a base on isolators sways, and its mass is above zero")
+        for law, switch in (("sway", "sways"), ("rocking", "rocks")):
+            try:
+                getattr(self, law)
+            except ValueError as error:
+                raise ValueError(f"{error}, or set {switch} to False") from None
+
+    @cached_property
+    def sway(self) -> Sway | None:
+        """The spring and dashpot of its translation; None where it does not sway, or on isolators."""
+        is_spring = self.sways and self.isolation is None
+        return Sway(self.mass, self.sway_stiffness, self.sway_damping) if is_spring else None
+
+    @cached_property
+    def rocking(self) -> Rocking | None:
+        """Those of its rotation."""
+        return Rocking(self.inertia, self.rocking_stiffness, self.rocking_damping) if self.rocks else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,16 +277,16 @@ class Building:
     def digest(self) -> str:
         """SHA-256 over everything that moves the building; the name is left out."""
         sha = hashlib.sha256()
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in ("name", *_OF_MEETINGS) or (field.name in _LAW_FIELDS and self.storey_law is Bilinear):
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if each.name in ("name", *_OF_MEETINGS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
                 continue  # bilinear storeys have the digest that they had before there were others
-            if field.name in ("gravity_load", "collapse") and value is None:
+            if each.name in ("gravity_load", "collapse") and value is None:
                 continue  # nor do these change the digests of buildings without them
-            if field.name == "storey_law":
+            if each.name == "storey_law":
                 value = self.storey_law.name
-            if field.name in ("gravity_load", "collapse"):
-                sha.update(field.name.encode())
+            if each.name in ("gravity_load", "collapse"):
+                sha.update(each.name.encode())
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
         if self.foundation is not None and self.foundation.isolation is not None:
             sha.update(self.foundation.isolation.words.encode())

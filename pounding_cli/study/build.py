@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.laws import storey_laws
-from pounding_cli.model.building import Building, weight_above
+from pounding_cli.model.building import Building, Foundation, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
-from pounding_cli.model.foundation import Foundation
 from pounding_cli.model.links import BASE
 from pounding_cli.model.meetings import Strike, meetings
 from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement

@@ -21,9 +21,8 @@ from pounding_cli.study.links import check_contact
 from pounding_cli.study.links import links_of as scene_links
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
-from pounding_cli.study.old_links import refuse_old
 from pounding_cli.study.quantity import Quantity
-from pounding_cli.study.spell import inherited, links_of
+from pounding_cli.study.spell import inherited, links_of, refuse_old
 from pounding_cli.study.study import Study
 from pounding_cli.texts import file_name
 

@@ -17,8 +17,7 @@ from pounding_cli.model.links import APART, Link, link_places
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.study.build import places
-from pounding_cli.study.keep import kept_rows
-from pounding_cli.study.plan import Links, Plan
+from pounding_cli.study.plan import Links, Plan, kept_rows
 from pounding_cli.study.study import AROUND, BETWEEN, MOST_KEPT, Point, Study
 
 MOST_PROBLEMS = 20

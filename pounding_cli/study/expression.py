@@ -245,17 +245,19 @@ def read_statement(text: str, buildings: Sequence[str]) -> Statement:
     unit, example = expression.unit, f"{expression} {found['sign']} {_VALUES[expression.unit]}"
     if unit == "m" and written.endswith("%"):
         example = text.replace("drift", DRIFT_RATIO)  # of the storey height
-    try:
-        value = float(Measure("value", unit, _VALUES[unit]).read(written))
-    except PydanticCustomError as error:
-        raise NotUnderstood(f"'{text}': {_message(error)}", f"write e.g. `{example}`") from None
-    if unit and not written_unit(written):
-        raise NotUnderstood(f"'{text}': the value has no unit", f"write e.g. `{example}`")
+    value = _number(text, Measure("value", unit, _VALUES[unit]), written, f"write e.g. `{example}`")
     return Statement(text, expression, found["sign"] == ">", value)
 
 
-def _message(error: PydanticCustomError) -> str:
-    return str((error.context or {})["message"])
+def _number(text: str, measure: Measure, written: str, hint: str) -> float:
+    """A value with its unit in SI.  Raises NotUnderstood."""
+    try:
+        number = float(measure.read(written))
+    except PydanticCustomError as error:
+        raise NotUnderstood(f"'{text}': {(error.context or {})['message']}", hint) from None
+    if measure.si and not written_unit(written):
+        raise NotUnderstood(f"'{text}': the value has no unit", hint)
+    return number
 
 
 # Limits
@@ -331,23 +333,14 @@ def read_limit(value: Any) -> Limit:
     place = _PLACE.match(where)
     assert place is not None  # it matches everything
     building = place["building"].strip()
+    of_height = quantity == DRIFT_RATIO or (quantity == "drift" and written_unit(written) in ("%", "percent", "pct"))
+    measure = _MEASURES.get(DRIFT_RATIO if of_height else quantity)
     try:
-        level = _level(place, quantity == "acceleration", quantity)
+        level = _level(place, quantity == "acceleration", f"'{text}': {quantity}")
+        number = 0.0 if measure is None else _number(text, measure, written, LIMIT_FORM)
     except NotUnderstood as error:
-        raise refuse(f"'{text}': {error.args[0]}", error.args[1]) from None
-    if quantity not in _MEASURES:
-        if level or (where and quantity == CONTACT):
-            concerns = "two buildings, not one of them" if quantity == CONTACT else "a building, not one of its storeys"
-            raise refuse(f"'{text}': {quantity} concerns {concerns}", f"write `{quantity}`")
-        return Limit(text, quantity, building=building)
-    unit = written_unit(written)
-    of_height = quantity == DRIFT_RATIO or (quantity == "drift" and unit in ("%", "percent", "pct"))
-    measure = _MEASURES[DRIFT_RATIO if of_height else quantity]
-    example = f"write e.g. `{measure.example}`"
-    try:
-        number = float(measure.read(written))
-    except PydanticCustomError as error:
-        raise refuse(f"'{text}': {_message(error)}", example) from None
-    if measure.si and not unit:
-        raise refuse(f"'{text}': the limit has no unit", f"{example}{', or `drift > 2 %`' * (quantity == 'drift')}")
+        raise refuse(*error.args) from None
+    if measure is None and (level or (where and quantity == CONTACT)):
+        concerns = "two buildings, not one of them" if quantity == CONTACT else "a building, not one of its storeys"
+        raise refuse(f"'{text}': {quantity} concerns {concerns}", f"write `{quantity}`")
     return Limit(text, "drift" if of_height else quantity, number, of_height, building, level)

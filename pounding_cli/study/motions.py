@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, WrapValidator
@@ -169,7 +169,7 @@ _OTHER_FILES = re.compile(
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
 MOST_FILES = 50_000
-"""Files that one pattern may match."""
+"""Files and folders that are looked at for one pattern."""
 
 
 @dataclass(frozen=True)
@@ -239,11 +239,14 @@ class MotionReader:
             return [each for each in sorted(path.iterdir()) if each.is_file() and not _OTHER_FILES.search(each.name)]
         if os.path.exists(path) or "\0" in str(path):
             return [path] if os.path.exists(path) else []
-        found = list(islice(glob.iglob(written, root_dir=self.folder, recursive=True), MOST_FILES + 1))
+        head, deep, tail = written.partition("**/")  # what lies below is visited file by file, so that it can be much
+        visited = glob.iglob(f"{head}**" if deep else written, root_dir=self.folder, recursive=True)
+        found = list(islice(visited, MOST_FILES + 1))
         if len(found) > MOST_FILES:
             hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-            raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files", hint))
-        return sorted(each for name in found if os.path.isfile(each := self.folder / name))
+            raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files and folders", hint))
+        fits = (self.folder / name for name in found if not deep or PurePath(name).match(tail))
+        return sorted(each for each in fits if os.path.isfile(each))
 
 
 @dataclass(frozen=True)

@@ -125,22 +125,16 @@ def doubt_case(case: Case | None, impact: Any, group: Group, root: Any, name: st
 
 
 def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
-    """Note peaks of the ground that are unlikely."""
-    fits = RANGES["peak of a motion"]
-    peaks = {each.use: each.use.pga for each in used.values()}
-    unlikely = [use for use, peak in peaks.items() if not (fits.holds(peak) and _recorded(peak, peak / use.scale))]
+    """Note peaks of the ground that are unlikely: as used, or more than 2 g both in the file and as used."""
+    fits, uses = RANGES["peak of a motion"], [each.use for each in used.values()]
+    unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
         assumed = any("assumed" in use.source for use in unlikely)
         unit = "no unit is stated, so g is assumed: write e.g. `unit: m/s2` beside `file:`" if assumed else ""
         hint = f"{unit or 'check `unit:` of its file and `scale:`'}; otherwise leave it, {_AS_MEANT}"
-        told = listed([f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely])
+        told = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
         place = "scale" if any(use.scale != 1 for use in unlikely) else "use"
         notes.at(root, ("records", place), f"unlikely peaks: {told}: {fits.reason}", hint)
-
-
-def _recorded(peak: float, read: float) -> bool:
-    """Whether a motion was recorded with so much, or is scaled to it: above 2 g the unit is often wrong."""
-    return min(peak, read) <= 2 * GRAVITY
 
 
 # Values and their ranges

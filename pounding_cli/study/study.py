@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pounding_cli import records
 from pounding_cli.errors import Problem
@@ -20,17 +20,17 @@ from pounding_cli.model.separation import UBC
 from pounding_cli.numbers import Unit
 from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
-from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, with_middles
+from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, unit_of, with_middles
 from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
-from pounding_cli.study.keep import check_keep
 from pounding_cli.study.links import OwnLaw, check_contact, content, own_laws
 from pounding_cli.study.links import links_of as scene_links
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
 from pounding_cli.study.motions import MotionReader, Used, motions_of
-from pounding_cli.study.old_links import refuse_old
-from pounding_cli.study.plain import shown, unit_in
-from pounding_cli.study.spell import inherited, like_of, links_of
+from pounding_cli.study.plan import check_keep
+from pounding_cli.study.quantity import Measured, Quantity, Storey, written_unit
+from pounding_cli.study.spell import inherited, like_of, links_of, refuse_old
+from pounding_cli.units import GRAVITY
 
 Point = tuple[int, ...]
 """Index on every axis; -1 where the file's own value stands."""
@@ -285,7 +285,7 @@ class Study:
         )
 
     def unit(self, quantity: str) -> Unit:
-        """The unit the study writes a quantity in, to show it to people: one of `plain.PLACES`, e.g. gap."""
+        """The unit the study writes a quantity in, to show it to people: one of PLACES, e.g. gap."""
         source = self.written or self
         return unit_in(source._patched((0,) * len(source.axes)), quantity)
 
@@ -431,3 +431,51 @@ def _inherits(name: str, path: Sequence[str], buildings: Map) -> bool:
         seen.add(name)
         name = like
     return True
+
+
+def shown(value: Any) -> Any:
+    """A value of a validated model as plain data: SI numbers, multiples of stiffnesses as text."""
+    if isinstance(value, Storey):
+        return str(value)
+    if isinstance(value, Measured):
+        return value.text
+    if isinstance(value, BaseModel):
+        found = {info.alias or name: shown(getattr(value, name)) for name, info in type(value).model_fields.items()}
+        # What one law alone takes is left out where it stands at its default.
+        return {key: each for key, each in found.items() if each is not None} if isinstance(value, Case) else found
+    if isinstance(value, dict):
+        return {str(key): shown(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [shown(item) for item in value]
+    return value
+
+
+PLACES: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...], Unit]] = {
+    "gap": ((("cases",),), ("gap",), Unit("cm", 0.01, "m")),
+    "link stiffness": ((("cases",), ("impact",)), ("stiffness",), Unit("MN/m", 1e6, "N/m")),
+    "acceleration": ((("records", "scale"),), ("pga", "sa", "target"), Unit("g", GRAVITY, "m/s2")),
+    "time step": ((("time_step",),), (), Unit("s", 1.0, "s")),
+}
+"""The quantities that screens and tables show in the unit of the study: the sections at or below which it writes them,
+the keys there (none: any), and the unit where it does not write them."""
+
+
+def unit_in(root: Any, quantity: str) -> Unit:
+    """The unit a study writes a quantity of PLACES in: the first one found, SI where there are bare numbers only."""
+    sections, keys, usual = PLACES[quantity]
+    found = [value for section in sections for value in _scalars(get(root, *section), keys, not keys)]
+    unit = unit_of(found, Quantity(quantity, usual.si, ""))
+    is_written = any(written_unit(value) == unit.name or isinstance(value, int | float) for value in found)
+    return unit if is_written else usual
+
+
+def _scalars(node: Any, keys: Sequence[str], inside: bool) -> Iterator[Any]:
+    """The scalars at or below `node` that stand under one of `keys`; all of them where `inside`."""
+    if isinstance(node, dict):
+        for key, below in node.items():
+            yield from _scalars(below, keys, inside or key in keys)
+    elif isinstance(node, list):
+        for below in node:
+            yield from _scalars(below, keys, inside)
+    elif inside and node is not None:
+        yield node

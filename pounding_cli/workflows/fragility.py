@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -21,7 +21,6 @@ from pounding_cli.workflows.fragility_question import (
     takes_blow,
 )
 from pounding_cli.workflows.hazard import Hazard, probability
-from pounding_cli.workflows.hunt import UNDECIDED, next_levels
 from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, swept, tabled
 
 if TYPE_CHECKING:
@@ -37,6 +36,16 @@ LINKED, ALONE = "", "0"
 
 POINTS_OF_CURVE, STRIPS = 200, 40
 """Intensities at which a curve is told, and ranges of intensities whose contributions to a rate are."""
+
+UNDECIDED = float("-inf")
+"""Demand over limit of a scene that a collapse ended before the limit was passed: the whole motion might have passed
+it or not."""
+
+_OVERSHOOT = 1.1
+"""By how much the first step beyond a capacity aims too high: a bracket from above is worth more than another below."""
+
+_LONGEST_STEP = 4.0
+"""The intensity grows at most by this factor from one level to the next while none has passed."""
 
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """What a limit looks at, as responses call it."""
@@ -159,7 +168,7 @@ def _places(plan: Plan, question: Question) -> Iterator[Place]:
 
 
 def _hunted(plan: Plan, question: Question, places: Sequence[Place], solver: Solver) -> np.ndarray:
-    """Incremental dynamic analysis: the scenes that bracket where every motion passes each limit (`hunt`).
+    """Incremental dynamic analysis: the scenes that bracket where every motion passes each limit (`_next_levels`).
 
     The next intensities of all motions are solved together, so that workers are busy.
     """
@@ -173,10 +182,41 @@ def _hunted(plan: Plan, question: Question, places: Sequence[Place], solver: Sol
                 is_seen, demand = np.isin(scenes, asked), place.demand(plan, solved, suffix)
                 for motion in np.flatnonzero(np.isin(scenes, new).any(axis=1)):
                     seen = {int(level): float(demand[motion, level]) for level in np.flatnonzero(is_seen[motion])}
-                    wanted |= {int(scenes[motion, level]) for level in next_levels(levels, seen, question.spec.fill)}
+                    wanted |= {int(scenes[motion, level]) for level in _next_levels(levels, seen, question.spec.fill)}
         new = np.array(sorted(wanted), int)
         asked = np.union1d(asked, new)
     return asked
+
+
+def _next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> set[int]:
+    """The levels of one motion to look at next; none when its bracket is closed and filled below.
+
+    Hunt and fill (Vamvatsikos, D. and Cornell, C. A. (2004). Applied incremental dynamic analysis. Earthquake Spectra
+    20(2), 523-553): step up until the limit is passed, close the bracket, then look again below it, for demand need not
+    grow with intensity.
+
+    Parameters
+    ----------
+    intensity : of the levels, rising, shape (levels,)
+    seen : number of a level -> demand over limit there; above 1 where the limit is passed, UNDECIDED where a collapse
+        left that open, NaN where the scene failed
+    fill : levels below the bracket that are looked at, evenly
+    """
+    levels = len(intensity)
+    # a collapse closes the bracket too: above it scenes tell nothing of other limits
+    ended = min((level for level, demand in seen.items() if demand > 1 or demand == UNDECIDED), default=levels)
+    held = max((level for level, demand in seen.items() if demand <= 1 and level < ended), default=-1)
+    between = [level for level in range(held + 1, ended) if level not in seen]
+    if ended < levels and not between:
+        return set(np.linspace(0, max(held, 0), fill + 2)[1:-1].round().astype(int).tolist()) - seen.keys()
+    if ended < levels:
+        return {between[len(between) // 2]}
+    if held < 0:
+        return set(between[:1])  # all that was looked at failed
+    # a level above all at which the motion holds, where demand in proportion would pass the limit
+    factor = _LONGEST_STEP if seen[held] * _LONGEST_STEP < _OVERSHOOT else _OVERSHOOT / seen[held]
+    wanted = int(np.searchsorted(intensity, factor * intensity[max(seen)]))
+    return {min(between, key=lambda level: (abs(level - wanted), level))} if between else set()
 
 
 # What the motions say; intensities `x` and demands over limit have the shape (motions, levels)

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -42,7 +42,6 @@ from pounding_cli.workflows.workflow import columns_of, swept, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.results.tables import Table
-    from pounding_cli.study.study import Point
 
 YEARS = 50.0
 """Years of the probability that is told beside a rate."""
@@ -243,32 +242,24 @@ def of_rate(plan: Plan, closings: pd.DataFrame, confidence: float) -> Table:
     axis, measure, levels = intensity_of(plan.study)
     hazard, rate = hazard_of(plan.study, "gap", measure), plan.study.model.gap.rate
     assert hazard is not None  # the study was validated
-    at = np.array(list(np.ndindex(*plan.shape[:-3])), int)[closings["point"]]
-    others = [number for number in range(len(plan.axes)) if number != axis]
-    places: list[Any] = [tuple(place) for place in at[:, others].tolist()]
-    rows = closings.assign(level=0 if axis is None else at[:, axis], point=places)
-    found = []
-    for place, mine in rows.groupby(["point", "analysis", "number"], observed=True):
-        point, analysis, number = cast("tuple[Point, str, int]", place)
-        table = mine.pivot_table("value", "level", "motion", dropna=False).dropna(axis=1)
-        table = table.iloc[np.argsort(levels[table.index])]
-        logs, x = np.log(table.clip(lower=LEAST).to_numpy()), np.log(levels[table.index])
-        count = logs.shape[1]
-        row = {"point": point, "analysis": analysis, "left": plan.buildings[number], "motions": count}
-        row |= {
-            "right": plan.buildings[number + 1],
-            "intensities": len(x),
-            "rate": rate,
-            "probability": probability(rate),
-        }
+    points = list(np.ndindex(*plan.shape[:-3]))
+    intensities = levels[[0 if axis is None else at[axis] for at in points]]
+    where = swept(plan.axes, points).assign(intensity=intensities)
+    others = [name for number, each in enumerate(plan.axes) if number != axis for name in each.names]
+    rows, keys, found = closings.join(where, on="point"), [*others, "analysis", "number"], []
+    for place, mine in rows.groupby(keys, observed=True, sort=False):
+        row: dict[str, Any] = dict(zip(keys, place, strict=True))
+        table = mine.pivot_table("value", "intensity", "motion", dropna=False).dropna(axis=1)
+        logs, x = np.log(table.clip(lower=LEAST).to_numpy()), np.log(table.index.to_numpy())
+        count, (left, right) = logs.shape[1], plan.buildings[row["number"] : row["number"] + 2]
+        row |= {"left": left, "right": right, "motions": count, "intensities": len(x)}
+        row |= {"rate": rate, "probability": probability(rate)}
         if count > 1:
             row["gap"], *drawn = _gaps(hazard, rate, x, logs, draws_of(count, DRAWS))
             row["gap_low"], row["gap_high"] = interval(np.array(drawn), confidence, count)
         found.append(row)
-    frame = pd.DataFrame(found)
-    where = swept([plan.axes[number] for number in others], frame.pop("point").tolist())
-    unit = dict.fromkeys(["gap", "gap_low", "gap_high"], plan.study.unit("gap"))
-    return tabled(RATE, where.join(frame.reindex(columns=list(columns_of(RATE)))), plan.axes, unit)
+    frame = pd.DataFrame(found).reindex(columns=[*others, *columns_of(RATE)])
+    return tabled(RATE, frame, plan.axes, dict.fromkeys(["gap", "gap_low", "gap_high"], plan.study.unit("gap")))
 
 
 def _gaps(hazard: Hazard, rate: float, x: np.ndarray, logs: np.ndarray, times: np.ndarray) -> np.ndarray:

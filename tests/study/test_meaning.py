@@ -413,7 +413,7 @@ def test_the_tool_rewrites_old_spellings(tmp_path):
         pound.load_study(path)
     tool = Path(__file__).parents[2] / "tools" / "rewrite_study.py"
     subprocess.run([sys.executable, tool, path], check=True)
-    assert "floors: rest}  # a comment" in path.read_text()
+    assert "floors: rest}]}  # a comment" in path.read_text()
     read = pound.load_study(path)
     found = {
         case: ", ".join(f"{link.left_floor} {link.kind} {100 * link.gap:g}" for link in read.links((0,), case))
