@@ -205,7 +205,7 @@ def cites(study: Study) -> dict[str, str]:
 def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
-    return [Picture("ratios", heading, heading, partial(draw_ratios, title, points), has_scale=True)]
+    return [Picture("ratios", heading, heading, partial(draw_ratios, title, points))]
 
 
 @styled

@@ -39,10 +39,10 @@ class Forecast:
     dropped: Counter[str] = field(default_factory=Counter)
 
 
-def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
+def forecast(plan: Plan) -> Forecast:
     """Look at scenes of a plan by number; none is solved."""
-    _, columns = (each[numbers] for each in plan.first)
-    group = numbers[columns == 0]
+    _, columns = plan.first
+    group = np.flatnonzero(columns == 0)
     step = max(1, len(group) // MOST_SCENES)
     found = Forecast({"of a building alone": int((columns > 0).sum()), "of the group": len(group)})
     for scene in plan.scenes(group[::step]):
@@ -52,14 +52,14 @@ def forecast(plan: Plan, numbers: np.ndarray) -> Forecast:
     return found
 
 
-def expected(plan: Plan, numbers: np.ndarray) -> tuple[float, int]:
+def expected(plan: Plan) -> tuple[float, int]:
     """The time that a run of scenes takes on one core [s], from one scene of each kind (case or building, analysis,
     motion) that is solved for it; how many were."""
-    rows, columns = (each[numbers] for each in plan.first)
+    rows, columns = plan.first
     *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
     kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
     _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
-    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(numbers[first])])[kind.ravel()]
+    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(first)])[kind.ravel()]
     return START + float((RUNS[plan.estimate] * seconds + BESIDE).sum()), len(first)
 
 

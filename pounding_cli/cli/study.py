@@ -100,8 +100,11 @@ def check(study: Path) -> None:
 
     solve.say = lambda text: click.echo(text, err=True)
     for command, each in {"run": plan, **plans}.items():
-        seconds, timed = expected(each, workflow_of(command).first(each))
-        click.echo(f"  pound {command:<12} about {time_text(seconds)}, timed by {counted(timed, 'scene')} of them")
+        seconds, timed = expected(each)
+        most = " at most" if "at most" in workflow_of(command).extent(read) else ""
+        click.echo(
+            f"  pound {command:<12}{most} about {time_text(seconds)}, timed by {counted(timed, 'scene')} of them"
+        )
 
 
 def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
@@ -113,10 +116,7 @@ def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
 
     lines = []
     for name, plan in plans.items():
-        workflow = workflow_of(name)
-        first, goes_on = workflow.first(plan), workflow.goes_on(study)
-        scenes = f"{'begins with' if goes_on else 'has'} {counted(len(first), 'scene')}"
-        lines.append(f"  pound {name:<12} {scenes}{'; more depend on the results' if goes_on else ''}")
+        lines.append(f"  pound {name:<12} {workflow_of(name).extent(study)} {counted(len(plan), 'scene')}")
     return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 
@@ -124,10 +124,9 @@ def _lines(plan: Plan) -> list[str]:
     """What a run of a plan would solve and leave out."""
     from pounding_cli.batch.forecast import forecast
     from pounding_cli.study.build import meetings_in_words
-    from pounding_cli.workflows import workflow_of
 
     study, first = plan.study, (0,) * len(plan.axes)
-    found = forecast(plan, workflow_of("run").first(plan))
+    found = forecast(plan)
     step = "" if plan.time_step is None else f"time step {study.unit('time step').text(plan.time_step)}"
     lines = [study.title, f"group      {' | '.join(plan.buildings)}"]
     for axis in plan.axes:

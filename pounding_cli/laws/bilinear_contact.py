@@ -99,11 +99,6 @@ class BilinearContact(LinkLaw):
         """K1, K2 [N/m], yield closing [m]."""
         return *self.stiffnesses, self.yield_share * self.penetration
 
-    @property
-    def damped(self) -> bool:
-        """Where its loop has an area."""
-        return self.restitution < 1.0
-
     def stored(self, closing: float, force: float) -> float:
         """What the contact gives back from a closing reached by pressing from the gap [J]."""
         (k1, k2, limit), v = self.numbers(1.0, 1.0), max(closing - self.offset, 0.0)

@@ -179,6 +179,7 @@ class HertzDamp(HertzSpring):
         ("ye2009", "its damping from the coefficient of restitution"),
     )
     remembers = True
+    tension_cut = True
     behaviour = Behaviour(next_damped, damped_force)
 
     restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
@@ -188,16 +189,6 @@ class HertzDamp(HertzSpring):
     def damping_factor(self) -> float:
         """zeta [-]."""
         return self.damping_formula.ratio(self.restitution)
-
-    @property
-    def damped(self) -> bool:
-        """Below a restitution of 1."""
-        return self.damping_factor > 0.0
-
-    @property
-    def cut(self) -> bool:
-        """A damped force is."""
-        return self.damped
 
     def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k_h [N/m^1.5], zeta [-]."""

@@ -200,8 +200,8 @@ class LinkLaw(Law):
 
     @property
     def damped(self) -> bool:
-        """Whether it has a dashpot."""
-        return self.takes_energy or float(getattr(self, "damping_ratio", 0.0)) > 0.0
+        """Whether it takes energy, by a dashpot or otherwise."""
+        return self.takes_energy or getattr(self, "damping_ratio", 0.0) > 0.0 or getattr(self, "restitution", 1.0) < 1.0
 
     @property
     def cut(self) -> bool:

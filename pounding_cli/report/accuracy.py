@@ -12,13 +12,12 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from pounding_cli.methods import METHODS
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.references import method_sources
-from pounding_cli.report.style import Look, finish, new_figure, styled
+from pounding_cli.report.style import Look, finish, new_figure, shared_legend, styled
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.solver.work_precision import QUANTITIES, REFERENCE, SECOND, WorkPrecision
 
@@ -151,7 +150,7 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
                 errors, look = points[f"error_{quantity}"].to_numpy(float), LOOKS[str(name)]
                 if (errors > 0).any():  # not so of a quantity that no run has, such as a force without contact
                     ax.plot(1e3 * points["seconds"], np.maximum(errors, LOWEST), color=look.color, ls=look.line,
-                            marker=look.marker, ms=3.5, lw=1.2)  # fmt: skip
+                            marker=look.marker, ms=3.5, lw=1.2, label=METHODS[str(name)].title)  # fmt: skip
             differ = max([LOWEST, *(each[quantity] for each in here)])
             ax.axhspan(LOWEST / 10, differ, color="0.88", zorder=0)
             ax.set(xscale="log", yscale="log", ylim=(LOWEST / 3, 3.0))
@@ -159,12 +158,7 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
         axes[-1, column].set_xlabel("time a scene [ms]")
     for ax, label in zip(axes[:, 0], ERRORS.values(), strict=True):
         ax.set_ylabel(f"error of {label}")
-    handles = [
-        Line2D([], [], color=look.color, ls=look.line, marker=look.marker, ms=4.5, lw=1.4, label=METHODS[name].title)
-        for name, look in LOOKS.items()
-        if (runs["method"] == name).any()
-    ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=max(2, len(cases)), handlelength=3.2)
+    shared_legend(figure, axes.flat, "outside upper center", columns=max(2, len(cases)))
     finish(
         figure,
         "",

@@ -36,7 +36,7 @@ def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
     history = "Contact force, speed of the striker, energy, and stress at the struck face"
     return [
         Picture("stress", stress, stress, partial(draw_stress, title, points[-1]), has_scale=True),
-        Picture("history", history, history, partial(draw_histories, title, points[: len(_COLORS)]), has_scale=True),
+        Picture("history", history, history, partial(draw_histories, title, points[: len(_COLORS)])),
     ]
 
 

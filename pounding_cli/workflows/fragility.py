@@ -65,23 +65,15 @@ class Fragility(Workflow):
         self.check(study)
         return dataclasses.replace(expand(study), workflow="fragility")
 
-    def first(self, plan: Plan) -> np.ndarray:
-        """Of `ida` the lowest intensity of every motion."""
-        question = question_of(plan.study)
-        if question.spec.method != "ida":
-            return super().first(plan)
-        each = [scenes for place in _places(plan, question) for scenes in place.scenes.values()]
-        return np.unique([scenes[:, 0] for scenes in each])
-
-    def goes_on(self, study: Study) -> bool:
-        """Whether it is `ida`."""
-        return bool(study.model.fragility.method == "ida")
+    def extent(self, study: Study) -> str:
+        """Of `ida` the results decide which scenes are solved."""
+        return "has at most" if study.model.fragility.method == "ida" else "has"
 
     def run(self, study: Study, solver: Solver) -> Found:
         """The curves, what every motion said and, with a hazard curve, annual rates."""
         question, plan = question_of(study), self.plan(study)
         places = list(_places(plan, question))
-        asked = _hunted(plan, question, places, solver) if self.goes_on(study) else np.arange(len(plan))
+        asked = _hunted(plan, question, places, solver) if question.spec.method == "ida" else np.arange(len(plan))
         solved = solver.responses(plan, asked)
         return Found(plan, solver.dataset(plan, asked), _tables(plan, question, places, solved))
 

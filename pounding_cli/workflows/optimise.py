@@ -178,9 +178,9 @@ class Optimise(Workflow):
         question.check_corners()
         return question.plan([question.written or question.middle])
 
-    def goes_on(self, study: Study) -> bool:
+    def extent(self, study: Study) -> str:
         """Every point decides about the next."""
-        return True
+        return "begins with"
 
     def run(self, study: Study, solver: Solver) -> Found:
         """The optimum, what the buildings do there, and all points."""

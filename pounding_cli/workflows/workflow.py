@@ -10,8 +10,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
 from pounding_cli.numbers import Unit
 from pounding_cli.results.tables import ANSWERS, Column, Table
 from pounding_cli.variables import COORDINATES
@@ -66,10 +64,6 @@ class Workflow(ABC):
         """The scenes that may be wanted, as far as is known before anything is solved.  Raises InputError as
         `check`."""
 
-    def first(self, plan: Plan) -> np.ndarray:
-        """The numbers of the scenes that are wanted in any case."""
-        return np.arange(len(plan))
-
     @abstractmethod
     def run(self, study: Study, solver: Solver) -> Found:
         """The answer.  After an interruption it is asked again, and what was solved comes from the cache.
@@ -79,9 +73,9 @@ class Workflow(ABC):
         InputError : as `check`; the cache cannot be written
         """
 
-    def goes_on(self, study: Study) -> bool:
-        """Whether results decide what else is solved."""
-        return False
+    def extent(self, study: Study) -> str:
+        """Whether it `has` the scenes of its plan, `has at most` these, or `begins with` them."""
+        return "has"
 
 
 class Run(Workflow):

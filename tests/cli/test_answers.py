@@ -114,7 +114,7 @@ def test_a_point_that_is_refused_ends_a_search():
 
 def test_bad_questions_are_refused_and_write_nothing(folder, pound):
     Path("two.yaml").write_text(STUDY.replace("contact]", "acceleration > 1]"))
-    Path("uncertain.yaml").write_text(UNCERTAIN.replace("0.5 s, spread", "0.5 kg, spread"))
+    Path("uncertain.yaml").write_text(UNCERTAIN.replace("0.5 s, spread", "0.5, spread"))
     for command, study, place in (("fragility", "two", "11:30"), ("sensitivity", "uncertain", "13:44")):
         code, out, err = pound(command, f"{study}.yaml")
         assert (code, out) == (2, "")

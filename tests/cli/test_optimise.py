@@ -72,7 +72,8 @@ def test_a_range_without_a_unit_is_refused_at_its_place(pound, tmp_path):
     (tmp_path / "two.yaml").write_text(STUDY.replace(choice, "cases.joined.gap: {from: 1 cm, to: 3}"))
     code, _, err = pound("optimise", "two.yaml")
     assert code == 2
-    assert "two.yaml:17:40: 3 has no unit" in err
+    assert "two.yaml:17:40: " in err
+    assert "3 has no unit" in err
     assert not (tmp_path / "results").exists()
 
 
