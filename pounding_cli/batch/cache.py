@@ -14,7 +14,7 @@ from pounding_cli.results.solved import Row
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS scene (digest BLOB, key TEXT, kind BLOB, numbers BLOB, sum INTEGER,
-    PRIMARY KEY (digest, key)) WITHOUT ROWID;
+    PRIMARY KEY (digest, key));
 """
 _BUSY = sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED
 _DAMAGE = sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_ERROR
@@ -78,7 +78,7 @@ class Cache:
 
     def put(self, key: str, rows: Mapping[bytes, Row]) -> None:
         """Keep responses by digest, all or none.  Raises InputError."""
-        texts = ((digest, kind.encode(), numbers) for digest, (kind, numbers) in rows.items())
+        texts = ((digest, zlib.compress(kind.encode(), 1), numbers) for digest, (kind, numbers) in rows.items())
         with self._told(), self._db:
             self._db.executemany(
                 "INSERT OR REPLACE INTO scene VALUES (?, ?, ?, ?, ?)",
@@ -93,7 +93,7 @@ class Cache:
             question = f"SELECT digest, kind, numbers, sum FROM scene WHERE key = ? AND digest IN ({places})"
             with self._told():
                 found = self._db.execute(question, (key, *some)).fetchall()
-            yield {row[0]: (row[1].decode(), row[2]) for *row, total in found if _sum(*row) == total}
+            yield {row[0]: (zlib.decompress(row[1]).decode(), row[2]) for *row, total in found if _sum(*row) == total}
 
     def keep_only(self, key: str, digests: Sequence[bytes]) -> None:
         """Forget all other scenes, and those of other keys.  Raises InputError."""

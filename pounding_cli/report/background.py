@@ -17,7 +17,6 @@ from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
 from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
-from pounding_cli.results.bracket import advice, spreads
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
 from pounding_cli.results.tables import Column, Table
 
@@ -28,6 +27,16 @@ _TITLES = {
     "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
     "struck": "Struck columns", "scene": "Runs", "flagged": "Flags", "records": "Motions", "buildings": "Buildings",
 }  # fmt: skip
+
+
+STIFFNESS = "impact.stiffness"
+
+ADVICE = (
+    "Floor accelerations and link forces of floors that strike grow with the square root of the impact stiffness, "
+    "which is unknown. Sweep it to see the effect: `impact.stiffness: {values: [5 x stiffest storey, 20 x stiffest "
+    "storey, 100 x stiffest storey], middle: 20 x stiffest storey}`."
+)
+"""What is said where floors strike and the impact stiffness has one value."""
 
 
 def frame_of(results: Results, shown: Evidence, scene: pd.DataFrame, is_sampled: bool = False) -> dict[str, Any]:
@@ -75,14 +84,15 @@ def background(results: Results, shown: Evidence, scene: pd.DataFrame, tables: S
 
 
 def limits(results: Results) -> list[Section]:
-    """What limits the numbers: warnings about the study, how far results depend on brackets; none without either."""
+    """What limits the numbers: warnings about the study, and an impact stiffness of one value; none without either."""
     said = [
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
-    tables = [from_rows(*each) for each in spreads(results.data)]
-    said += filter(None, [advice(results.data)])
-    return [Section("What limits these numbers", said, tables)] if said or tables else []
+    struck = results.link("kind", "impacts")
+    if STIFFNESS not in results.axes and ((struck["kind"] == "pounding") & (struck["impacts"] > 0)).any():
+        said.append(ADVICE)
+    return [Section("What limits these numbers", said)] if said else []
 
 
 def _motions(results: Results, shown: Evidence) -> Section:

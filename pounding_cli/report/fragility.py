@@ -16,7 +16,6 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.references import Use
 from pounding_cli.report.style import Look, finish, looks, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_records, interval, place_of
 from pounding_cli.results.tables import Table
@@ -279,15 +278,15 @@ def draw_contributions(rows: pd.DataFrame, unit: Unit, shown: Evidence) -> Figur
     return figure
 
 
-def cite_fragility(resolved: Mapping[str, Any], used: Use) -> None:
+def cite_fragility(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The references of the way a study was asked for fragility curves."""
     spec = resolved.get("fragility") or {}
     if spec.get("method", "ida") == "ida":
-        used("vamvatsikos2004", "hunting for the intensity at which a motion passes a limit")
+        yield "vamvatsikos2004", "hunting for the intensity at which a motion passes a limit"
     if spec.get("method") == "cloud":
-        used("jalayer2015", "the line through a cloud of demands")
+        yield "jalayer2015", "the line through a cloud of demands"
     else:
-        used("baker2015", "fragility curves of maximum likelihood")
-    used("efron1993", "the bootstrap of the motions")
+        yield "baker2015", "fragility curves of maximum likelihood"
+    yield "efron1993", "the bootstrap of the motions"
     if spec.get("hazard"):
-        used("cornell2002", "annual rates from a fragility curve and a hazard curve")
+        yield "cornell2002", "annual rates from a fragility curve and a hazard curve"

@@ -17,7 +17,6 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.references import Use
 from pounding_cli.report.style import finish, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_records, interval, place_of
 from pounding_cli.results.tables import Column, Table
@@ -235,15 +234,15 @@ def _closings(shown: Evidence, here: pd.DataFrame) -> pd.DataFrame:
     return link.merge(facing, on=["left", "right", "analysis", *PLACE]).sort_values("height")
 
 
-def cite_gap(resolved: Mapping[str, Any], used: Use) -> None:
+def cite_gap(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The references of the rules that stand beside the exact separations."""
-    used("jeng1992", "the rule DDC")
-    used("derkiureghian1981", "the correlation of two oscillators in DDC")
+    yield "jeng1992", "the rule DDC"
+    yield "derkiureghian1981", "the correlation of two oscillators in DDC"
     buildings = [resolved["buildings"][name] for name in resolved["group"]]
     yields = [building["yield"] for building in buildings if building["yield_shear"] is None]
     if any(each.get("Cd") and each.get("Ie") for each in yields):
-        used("asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3")
+        yield "asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3"
     if any(each.get("qd") for each in yields):
-        used("en1998", "the separation of EN 1998-1, 4.4.2.7")
+        yield "en1998", "the separation of EN 1998-1, 4.4.2.7"
     if (resolved.get("gap") or {}).get("gb50011"):
-        used("gb50011-2010", "the joint width of clause 6.1.4")
+        yield "gb50011-2010", "the joint width of clause 6.1.4"

@@ -15,7 +15,6 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.references import Use
 from pounding_cli.report.style import finish, name_axis, panels, shared_legend, styled
 from pounding_cli.report.table import NOTHING, column_of, from_rows
 from pounding_cli.results.tables import Table
@@ -200,7 +199,7 @@ def _along(ax: Axes, row: Row, tried: pd.DataFrame, line: pd.DataFrame) -> None:
     ax.plot(at, row["optimum"], marker="*", ms=11, color="#AA2211", label="optimum", **mark)
 
 
-def cite_optimise(resolved: Mapping[str, Any], used: Use) -> None:
+def cite_optimise(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The references of a search."""
-    used("storn1997", "differential evolution, as in SciPy")
-    used("nelder1965", "the simplex method, as in SciPy")
+    yield "storn1997", "differential evolution, as in SciPy"
+    yield "nelder1965", "the simplex method, as in SciPy"

@@ -65,13 +65,10 @@ _FILE = Path(__file__).with_name("references.bib")
 REFERENCES = read(_FILE.read_text(encoding="utf-8").replace("VERSION", __version__))
 """Every reference by its key."""
 
-Use = Callable[[str, str], None]
-"""use(key of REFERENCES, what it is used for)"""
-
 
 def citations(
     resolved: Mapping[str, Any], sources: Mapping[str, str], methods: Collection[str] = (),
-    cite: Callable[[Mapping[str, Any], Use], None] | None = None,
+    cite: Callable[[Mapping[str, Any]], Iterable[tuple[str, str]]] | None = None,
 ) -> dict[str, list[str]]:  # fmt: skip
     """What to cite for a study: keys of REFERENCES, and what each was used for.
 
@@ -80,19 +77,13 @@ def citations(
     resolved : the study with every default filled in
     sources : motion -> its label: "real", "stand-in" or "user", and ", unit g assumed" behind it
     methods : keys in METHODS that solve its scenes, buildings alone included
-    cite : what its question uses besides
+    cite : keys that its question uses besides, and what for
     """
     uses = defaultdict[str, list[str]](list)
-
-    def used(key: str, what: str) -> None:
+    for key, what in (*_of_scenes(resolved, methods), *(cite(resolved) if cite else ())):
         uses[key].append(what)
-
-    for key, what in _of_scenes(resolved, methods):
-        used(key, what)
     if "stand-in" in sources.values():
-        used("lilhanand1988", "the synthesis of the stand-in motions")
-    if cite is not None:
-        cite(resolved, used)
+        uses["lilhanand1988"].append("the synthesis of the stand-in motions")
     return {key: list(dict.fromkeys(uses[key])) for key in REFERENCES if key in uses}
 
 

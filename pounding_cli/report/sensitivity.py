@@ -16,7 +16,6 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import background, frame_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, nominal
-from pounding_cli.report.references import Use
 from pounding_cli.report.style import finish, key_words, new_figure, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_records, from_rows, interval
 from pounding_cli.results.tables import Table
@@ -191,11 +190,11 @@ def _dots(ax: Axes, rows: pd.DataFrame, y: np.ndarray, name: str, color: str, la
     ax.errorbar(x, y, xerr=ends, ls="", marker="o", ms=4.5, color=color, lw=1.2, capsize=2.5, label=label)
 
 
-def cite_sensitivity(resolved: Mapping[str, Any], used: Use) -> None:
+def cite_sensitivity(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The references of the way a study was asked for sensitivities."""
     if (resolved.get("sensitivity") or {}).get("method", "sobol") == "morris":
-        used("campolongo2007", "screening by elementary effects")
+        yield "campolongo2007", "screening by elementary effects"
     else:
-        used("saltelli2010", "first-order and total indices of the variance")
-        used("efron1993", "the bootstrap of the samples")
-    used("iwanaga2022", "SALib, which draws the samples and computes the indices")
+        yield "saltelli2010", "first-order and total indices of the variance"
+        yield "efron1993", "the bootstrap of the samples"
+    yield "iwanaga2022", "SALib, which draws the samples and computes the indices"

@@ -123,7 +123,7 @@ def place_of(
     """Where a row of an answer stands, by heading: some columns, swept keys in the units of the study, and of `some`
     those that are not the same in all rows of the frame."""
     place = {name: str(row[name]) for name in names}
-    place |= {results.axis_label(key): results.value_label(key, row[key]) for key in results.axes if key in frame}
+    place |= {results.units[key].label(key): results.value_label(key, row[key]) for key in results.axes if key in frame}
     return place | {name: str(row[name]) for name in some if len(frame[name].unique()) > 1}
 
 

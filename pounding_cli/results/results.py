@@ -103,10 +103,6 @@ class Results:
         """The study with every default filled in, SI."""
         return plain_tree(json.loads(self.resolved_text))
 
-    def axis_label(self, key: str) -> str:
-        """A swept key with the unit the study wrote it in: "cases.gap.gap [cm]"."""
-        return self.units[key].label(key)
-
     def value_label(self, key: str, value: Any) -> str:
         """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
         return self.units[key].text(value)

@@ -30,22 +30,24 @@ BASE = ("sway", "rocking", "isolator_displacement")
 LINK = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
 
+PARTS = {
+    "scalars": ("", (*SCALARS, *(f"energy_{name}" for name in ENERGIES))),
+    "storeys": ("building.", STOREYS),
+    "bases": ("building.", BASE),
+    "links": ("link.", LINK),
+    "columns": ("columns.", COLUMNS),
+}
+"""Part of the numbers of a scene -> what the names in `Solved.values` begin with, and its fields."""
+
 Row = tuple[str, bytes]
 """A response: TEXTS and the arguments of `layout` as JSON, and its numbers, a record of that layout."""
 
 
 @lru_cache(maxsize=1024)
 def layout(buildings: int, storeys: int, links: int) -> np.dtype:
-    """The numbers of a scene: SCALARS and ENERGIES; STOREYS, and BASE, of every building; LINK and COLUMNS of every
-    link."""
-    shapes = {
-        "scalars": (len(SCALARS) + len(ENERGIES),),
-        "storeys": (len(STOREYS), buildings, storeys),
-        "bases": (len(BASE), buildings),
-        "links": (len(LINK), links),
-        "columns": (len(COLUMNS), links),
-    }
-    return np.dtype([(name, "f8", shape) for name, shape in shapes.items()])
+    """The numbers of a scene: the fields of PARTS, of every building, storey and link."""
+    of = {"scalars": (), "storeys": (buildings, storeys), "bases": (buildings,), "links": (links,), "columns": (links,)}
+    return np.dtype([(name, "f8", (len(fields), *of[name])) for name, (_, fields) in PARTS.items()])
 
 
 def encode(response: Response) -> Row:
@@ -80,14 +82,8 @@ class Solved:
         self.plan, self.there = plan, np.zeros(count, bool)
         self.texts = {name: np.full(count, "", object) for name in TEXTS}
         self._whole = np.full(count, np.nan, layout(len(plan.buildings), most_storeys(plan), len(plan.links.places)))
-        named = {
-            "scalars": (*SCALARS, *(f"energy_{name}" for name in ENERGIES)),
-            "storeys": [f"building.{name}" for name in STOREYS],
-            "bases": [f"building.{name}" for name in BASE],
-            "links": [f"link.{name}" for name in LINK],
-            "columns": [f"columns.{name}" for name in COLUMNS],
-        }
-        self.values = {name: self._whole[of][:, k] for of, names in named.items() for k, name in enumerate(names)}
+        fields = [(f"{prefix}{name}", of, k) for of, (prefix, names) in PARTS.items() for k, name in enumerate(names)]
+        self.values = {name: self._whole[of][:, k] for name, of, k in fields}
         self._order = _orders(plan)
 
     def put(self, rows: Mapping[int, Row]) -> None:

@@ -254,11 +254,13 @@ def refuse_unknown(node: Map, known: Sequence[str], owner: str, problems: Proble
         problems.add(node.marks[key][0], f"unknown key '{key}' of {owner}", nearest(key, known))
 
 
-def read_numbers(node: Map, kinds: Mapping[str, Quantity], problems: Problems) -> dict[str, Any] | None:
+def read_numbers(
+    node: Map, kinds: Mapping[str, Quantity], problems: Problems, needs_unit: bool = False
+) -> dict[str, Any] | None:
     """The numbers of a mapping in SI, or as multiples of a storey's stiffness, all with a unit or none; None where
     something is wrong, which is noted.
 
-    kinds : what stands at each key, and may be absent
+    kinds : what stands at each key, and may be absent; needs_unit : whether each of them must have its unit
     """
     found, before = dict[str, Any](), len(problems.found)
     for key in kinds.keys() & node.keys():
@@ -267,16 +269,17 @@ def read_numbers(node: Map, kinds: Mapping[str, Quantity], problems: Problems) -
         except PydanticCustomError as error:
             context: dict[str, Any] = error.context or {}
             problems.add(node.marks[key][1], context["message"], context["hint"])
-    refuse_bare([(node[key], node.marks[key][1], kinds[key]) for key in found], problems)
+    refuse_bare([(node[key], node.marks[key][1], kinds[key]) for key in found], problems, needs_unit)
     return None if len(problems.found) > before else {key: found[key] for key in kinds if key in found}
 
 
-def refuse_bare(written: Sequence[tuple[Any, Mark, Quantity]], problems: Problems) -> None:
-    """Note numbers without the unit that others beside them have."""
-    for value, mark, quantity in written if any(written_unit(value) for value, _, _ in written) else ():
+def refuse_bare(written: Sequence[tuple[Any, Mark, Quantity]], problems: Problems, needs_unit: bool = True) -> None:
+    """Note numbers without their unit, where others beside them have one or each needs it."""
+    is_asked = needs_unit or any(written_unit(value) for value, _, _ in written)
+    for value, mark, quantity in written if is_asked else ():
         if lacks_unit(value, quantity):
-            what = f"{value} has no unit, but others here have one"
-            problems.add(mark, what, f"write its unit too, e.g. {quantity.example}; it is in {quantity.si}")
+            hint = f"write its unit too, e.g. {quantity.example}; without one it is in {quantity.si}"
+            problems.add(mark, f"{value} has no unit", hint)
 
 
 def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Values | None:

@@ -298,7 +298,8 @@ def _distribution(
         problems.add(node.marks["spacing"][1], f"spacing: '{spacing}' is not known", "write linear or log")
     own = quantity.but(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
     kinds = {"sd": own, "spread": Quantity("spread", "", "0.2", 0.0, open_low=True)}
-    read = read_numbers(node, {word: kinds.get(word, quantity) for word in node if word != "spacing"}, problems)
+    of_words = {word: kinds.get(word, quantity) for word in node if word != "spacing"}
+    read = read_numbers(node, of_words, problems, needs_unit=True)
     if read is None or len(problems.found) > before:
         return None
     storey, *others = {_base(value): None for word, value in read.items() if word != "spread"}
