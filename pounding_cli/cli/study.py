@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from pounding_cli.numbers import counted, time_text
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
+    from pounding_cli.model.building import Building
     from pounding_cli.numbers import Unit
     from pounding_cli.study import Plan, Study
 
@@ -141,6 +142,7 @@ def _lines(plan: Plan) -> list[str]:
     lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
     lines += [f"  {line}" for line in meetings_in_words(group)]
+    lines += _isolators(group, study.unit("gap"))
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
@@ -153,6 +155,19 @@ def _lines(plan: Plan) -> list[str]:
     if (match := study.spectrum_match()) is not None:
         lines.append(f"  {match.words}")
     return lines
+
+
+def _isolators(group: Sequence[Building], width: Unit) -> list[str]:
+    """Period and damping ratio of isolators as a linear oscillator has them at their capacity, or at 10 cm."""
+    lines = []
+    for building in group:
+        isolation = building.foundation.isolation if building.foundation is not None else None
+        if isolation is not None:
+            at = isolation.capacity if isolation.capacity < math.inf else 0.1
+            period, damping = isolation.effective(building.weight, at)
+            told = f"period {period:.2f} s, damping {100 * damping:.1f} %"
+            lines.append(f"  {building.name:<16} at {width.text(at)}: {told}")
+    return ["isolators  (as a linear oscillator)", *lines] if lines else []
 
 
 def _effects(found: Forecast) -> Iterator[str]:
