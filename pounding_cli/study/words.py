@@ -124,8 +124,9 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
     name = (words[-1] if words else "the study")[:60]
     if kind in _SAID:
         message, hint, at_key = _SAID[kind]
-        told = {"actual_length": len(given or ()) if kind == "too_long" else 0, **context}
-        told = {key: each for key, each in told.items() if each is not None} | {"owner": owner, "shown": said(given)}
+        told = context | {"owner": owner, "shown": said(given)}
+        if kind == "too_long":  # pydantic does not always count
+            told["actual_length"] = len(given or ())
         return message.format_map(told), hint.format_map(told), at_key
     match kind:
         case "refused":

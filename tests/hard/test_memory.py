@@ -28,5 +28,5 @@ def test_a_kernel_holds_no_array_of_a_run_that_ended(link, settings):
     assert len(arrays) >= 6
     before = [sys.getrefcount(each) for each in arrays]
     prepared.integrate()
-    assert prepared.is_done
+    assert prepared.response().status == "done"
     assert [sys.getrefcount(each) for each in arrays] == before

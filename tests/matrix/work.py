@@ -37,7 +37,8 @@ STUDIES = {
 
 THRESHOLDS = {
     "pounding_cli.batch.solve.WORTH_WORKERS": 1e-9,
-    "pounding_cli.batch.solve.GROUP_SECONDS": 0.02,
+    "pounding_cli.batch.solve.TIMED": 2,
+    "pounding_cli.batch.solve.GROUP_SECONDS": 0.005,
     "pounding_cli.batch.pool.PATIENCE": 180.0,
 }
 """What the program keeps to one process and off the disk unless it takes long: here nothing, for these studies take no
