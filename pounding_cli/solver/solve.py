@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import pickle
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -227,26 +224,17 @@ def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
     if part in _loaded:
         return
     mark, signature = FOLDER / f"{part}.compiled", tuple(map(numba.typeof, arguments))
+    compiling = f"compiling {part}, once on this machine (half a minute)"
     if not mark.exists():
-        _compile(part, kernel, arguments)
+        say(compiling)
     try:
         kernel.compile(signature)
     except Exception:  # of pickle, of LLVM, of numba: whatever damaged bytes lead to
         for kept in FOLDER.rglob("*.nb?"):
             kept.unlink(missing_ok=True)
-        _compile(part, kernel, arguments)
+        say(compiling)
         kernel.compile(signature)
     _loaded.add(part)
     with contextlib.suppress(OSError):
-        mark.touch()
-
-
-def _compile(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
-    """Compile a kernel in another process, so that this one loads it as all later ones do: the process that compiles
-    rounds differently in the last digit. Where nothing can be kept on disk it is compiled here after all."""
-    say(f"compiling {part}, once on this machine (half a minute)")
-    program = f"from {kernel.__module__} import {kernel.__name__} as kernel\n"
-    program += "import numba, pickle, sys; kernel.compile(tuple(map(numba.typeof, pickle.load(sys.stdin.buffer))))"
-    with contextlib.suppress(OSError):
         FOLDER.mkdir(parents=True, exist_ok=True)
-        subprocess.run([sys.executable, "-c", program], input=pickle.dumps(arguments), check=False)
+        mark.touch()
