@@ -158,7 +158,7 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
         axes[-1, column].set_xlabel("time a scene [ms]")
     for ax, label in zip(axes[:, 0], ERRORS.values(), strict=True):
         ax.set_ylabel(f"error of {label}")
-    shared_legend(figure, axes.flat, "outside upper center", columns=max(2, len(cases)))
+    shared_legend(figure, axes.flat, "outside upper center", columns=len(cases))
     finish(
         figure,
         "",
