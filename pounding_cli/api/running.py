@@ -19,7 +19,7 @@ from pounding_cli.batch.solve import Solver
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_output
-from pounding_cli.results.file import facts, is_results, write
+from pounding_cli.results.file import FORMAT_VERSION, facts, is_results, write
 from pounding_cli.results.histories import kept_histories
 from pounding_cli.results.solved import solution_key, solver_version
 from pounding_cli.workflows import workflow_of
@@ -138,8 +138,8 @@ def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> Non
 
     Raises
     ------
-    InputError : as `outputs.check_output`; results of another study or another command; damaged results that do not
-        tell their study; not with `replace`
+    InputError : as `outputs.check_output`; results of another study, another command or a newer program; damaged
+        results that do not tell their study; not with `replace`
     """
     check_output(path, [study.path], lambda place, _: is_results(place))
     if replace or not path.exists() or not path.stat().st_size:
@@ -151,8 +151,13 @@ def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> Non
     else:
         place, command = str(held.get("study_file", "")), held.get("workflow", held.get("kind", "run"))
         there = path.parent / place.replace("\0", "")
-        is_file = bool(place) and os.path.exists(there)
-        if there.resolve() == study.path.resolve() if is_file else held.get("title") == study.title:
+        if place and os.path.exists(there):
+            is_same = there.resolve() == study.path.resolve()
+        else:  # files of older programs do not say where they come from
+            is_same = held.get("title") == study.title and ("study_file" not in held or bool(place) != study.from_data)
+        if int(held.get("format_version", 0)) > FORMAT_VERSION:
+            said = f"results of a newer program, of format version {held['format_version']}"
+        elif is_same:
             said = "" if command == workflow else f"results of `pound {command}`"
         else:
             said = f"another study: '{held.get('title')}'" + (f" ({place})" if place else "")

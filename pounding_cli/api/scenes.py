@@ -71,7 +71,7 @@ def motion(
     InputError : no such motion, a file that cannot be read, a missing time step, an unknown unit
     """
     found = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
-    found = found if name is None else replace(found, name=name)
+    found = found if not name else replace(found, name=name)
     if duration != "whole":
         found = found.windowed(quantity(TIME, duration, "duration"))
     if pga is None:

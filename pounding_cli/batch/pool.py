@@ -116,6 +116,10 @@ def _dask(workers: int | None, scheduler: str | None) -> Pool:
         with contextlib.suppress(Exception):  # what it solved is kept
             client.close(timeout=5)
 
+    if scheduler and not client.nthreads():
+        close()
+        problem = Problem(f"the Dask scheduler at {scheduler} has no workers", f"start some: dask worker {scheduler}")
+        raise InputError(problem)
     try:
         versions = set(client.run(solver_version).values()) if scheduler else set()
     except Exception as error:  # whatever a worker without this program may say

@@ -142,7 +142,7 @@ class Solver:
 
         self.engine = "serial" if self.engine == "none" else self.engine
         if not self.solved:
-            first = order[:: max(1, len(order) // TIMED)]
+            first = order[:: max(4, len(order) // TIMED)]
             yield from map(here, _parts(first, 1))  # the first compiles, or loads what was compiled
             order = np.setdiff1d(order, first)
         each, workers = BESIDE + self.seconds / max(self.solved, 1), self.pool.workers

@@ -19,6 +19,9 @@ ROUNDING = 1e-12
 
 SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py", "platform", "machine")
 
+CHANGE = ["table", "column", "place", "before", "after", "difference", "carried"]
+"""What is told of a number that changed."""
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -71,7 +74,7 @@ def compare(first: Results, second: Results) -> Comparison:
     both = before.index.intersection(after.index, sort=False)
     one, other = before.loc[both], after.loc[both]
     failed = one["status"] != other["status"]
-    changes, compared = _changes(first.data, second.data)
+    changes, compared = _changes(first.data, second.data) if len(both) else (pd.DataFrame(columns=CHANGE), 0)
     lines = difflib.unified_diff(first.study_text.splitlines(), second.study_text.splitlines(), lineterm="", n=0)
     old, new = ({name: str(each.attrs.get(f"software_{name}", "-")) for name in SOFTWARE} for each in (first, second))
     ours, theirs = (dict(_flat(each.resolved)) for each in (first, second))
@@ -96,7 +99,8 @@ def _scenes(results: Results) -> pd.DataFrame:
 
 def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
     """The numbers that changed, of scenes that both files have, worst first; and how many were compared."""
-    one, other = xr.align(first, second, join="outer", fill_value={"status": ""})
+    bare = (each.reset_coords(drop=True) for each in (first, second))  # motions differ in more than their names
+    one, other = xr.align(*bare, join="outer", fill_value={"status": ""})
     here, compared, found = (one["status"] != "") & (other["status"] != ""), 0, []
     accuracies = [(each, each["accuracy"].fillna(0.0)) for each in (one, other)]  # none is asked of fixed steps
     pairs = [(each["error_estimate"].fillna(accuracy).clip(ROUNDING / 2), accuracy) for each, accuracy in accuracies]
@@ -118,7 +122,7 @@ def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
             difference = (abs(a - b) / size).where(a != b, 0.0).fillna(np.inf).where(is_known, 0.0)
         compared += int(is_known.sum())
         numbers = xr.Dataset({"before": a, "after": b, "difference": difference, "carried": error})
-        frame = numbers.reset_coords(drop=True).to_dataframe(dim_order=list(a.dims))
+        frame = numbers.to_dataframe(dim_order=list(a.dims))
         frame = frame[frame["difference"] > frame["carried"]]
         place = [_words(a.dims, each) for each in frame.index]
         found.append(frame.assign(table=str(a.dims[-1]), column=v.name, place=place).reset_index(drop=True))

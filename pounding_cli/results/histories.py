@@ -37,7 +37,7 @@ class History:
         self.dataset = dataset
 
     def __getattr__(self, name: str) -> np.ndarray:
-        if name != "time" and name not in self.dataset:
+        if name == "dataset" or (name != "time" and name not in self.dataset):  # the first while it is unpickled
             raise AttributeError(f"a history has no {name!r}")
         return self.dataset[name].values
 

@@ -146,6 +146,24 @@ def test_compare(results, folder, pound):
     assert "two.yaml" in err
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "differ"),
+    [
+        ("[elcentro, taft]", "[elcentro, taft, eureka]", 0),  # a scene more
+        ("estimate: none", "estimate: none\nsweep: {cases.gap.gap: [5 mm, 6 mm]}", 0),  # no scene in both
+        ("duration: 3 s", "duration: 2.9 s", 1),
+    ],
+)
+def test_files_with_other_motions_and_sweeps_are_compared(results, folder, pound, old, new, differ):
+    """Only scenes that both have are. Fails if those of another place are set beside each other."""
+    (folder / "two.yaml").write_text(TWO.replace(old, new))
+    pound("run", "two.yaml", "-o", "more.h5", "-q")
+    for files in (("r.h5", "more.h5"), ("more.h5", "r.h5")):
+        code, out, err = pound("compare", *files, "--numbers")
+        assert (code, err) == (1, "")
+        assert min(int(re.search(r"Numbers: (\d+) of", out)[1]), 1) == differ
+
+
 @pytest.mark.parametrize(("output", "read"), [("s.csv", pd.read_csv), ("s.parquet", pd.read_parquet)])
 def test_export_of_a_table(results, pound, output, read):
     assert pound("export", "r.h5", "storey", "-o", output) == (0, f"wrote {output}\n", "")

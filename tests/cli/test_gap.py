@@ -134,7 +134,6 @@ def test_every_width_has_its_error(results):
 def test_same_widths_from_every_engine(results, tmp_path, monkeypatch, engine):
     """Bit for bit. Fails if a closing depends on what was solved before it."""
     monkeypatch.setattr("pounding_cli.batch.solve.WORTH_WORKERS", 0.0)
-    monkeypatch.setattr("pounding_cli.batch.solve.TIMED", 2)
     study = results.path.with_name("two.yaml")
     found = pounding_cli.run(study, tmp_path / "r.h5", workflow="gap", engine=engine, workers=2)
     assert found.attrs["engine"] == engine

@@ -6,6 +6,9 @@ import os
 from pathlib import Path
 
 import pytest
+import yaml
+
+import pounding_cli
 
 from .conftest import TWO
 
@@ -80,3 +83,18 @@ def test_what_is_no_place_for_a_file_is_refused(results, pound, name):
     code, out, err = pound("export", "r.h5", "--format", "netcdf", "-o", name)
     assert (code, out) == (2, "")
     assert "Traceback" not in err
+
+
+def test_python_data_and_a_file_of_one_title_do_not_replace_each_other(folder, pound):
+    """Untitled data is called `study`, as a file study.yaml is without a title."""
+    study = {"buildings": {"A": {"storeys": 1, "period": "0.3 s"}}, "group": ["A", "A"],
+             "cases": {"near": {"link": "pounding", "gap": "1 cm"}}, "records": {"use": ["elcentro"]}}  # fmt: skip
+    path = pounding_cli.run(study).path
+    Path("study.yaml").write_text(yaml.safe_dump(study))
+    code, _, err = pound("run", "study.yaml", "-q", "-o", path)
+    assert code == 2
+    assert "the output holds another study: 'study'" in err
+    assert pound("run", "study.yaml", "-q", "-o", path, "--replace")[0] == 0
+    Path("study.yaml").unlink()
+    with pytest.raises(pounding_cli.InputError, match="another study"):
+        pounding_cli.run(study, path)

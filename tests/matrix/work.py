@@ -37,7 +37,6 @@ STUDIES = {
 
 THRESHOLDS = {
     "pounding_cli.batch.solve.WORTH_WORKERS": 1e-9,
-    "pounding_cli.batch.solve.TIMED": 2,
     "pounding_cli.batch.solve.GROUP_SECONDS": 0.005,
     "pounding_cli.batch.pool.PATIENCE": 180.0,
 }

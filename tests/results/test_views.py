@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -64,6 +67,12 @@ def test_the_dataset_has_units_and_coordinates(results):
     assert np.isnan(data["V"].sel(storey=5, **at))
     results.path.rename(results.path)  # nothing holds the file
     assert data["seconds"].dtype == float
+
+
+def test_a_history_is_copied_and_pickled(results):
+    history = results.history(case="gap", analysis="elastic")
+    for copied in (copy.deepcopy(history), pickle.loads(pickle.dumps(history))):
+        assert np.array_equal(copied.drift, history.drift, equal_nan=True)
 
 
 def test_a_history_as_frames_without_floors_that_do_not_exist(results):
