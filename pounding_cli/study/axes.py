@@ -166,7 +166,8 @@ def can_vary(
     below = _known(path, root, model)
     least = {"buildings": 3, "cases": 3, "laws": 3, "tail": 1}.get(path[0], 2)
     if len(path) < least if whole else below:
-        problems.add(mark, f"{what} '{name}' is a whole section", f"name one value in it, e.g. `{name}.{below[-1]}`")
+        example = f"{name}.{below[-1] if below else 'KEY'}"
+        problems.add(mark, f"{what} '{name}' is a whole section", f"name one value in it, e.g. `{example}`")
         return False
     return True
 
@@ -193,10 +194,9 @@ def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel]
     return given, given.marks, unit_of(given, quantity)
 
 
-def with_middles(root: Map, problems: Problems) -> tuple[Map, tuple[str, ...]]:
-    """The tree with the middle of every unknown value (`{values: [...], middle: ...}`) where its key stands, and the
-    keys that have one: it comes first in tables and figures."""
-    keys = list[str]()
+def with_middles(root: Map, problems: Problems) -> Map:
+    """The tree with the middle of every unknown value (`{values: [...], middle: ...}`) where its key stands: figures
+    and the answer show it."""
     for holder in sweep_maps(root):
         for name, node in holder.items():
             if not isinstance(node, Map) or "middle" not in node:
@@ -211,10 +211,9 @@ def with_middles(root: Map, problems: Problems) -> tuple[Map, tuple[str, ...]]:
                 hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"
                 problems.add(mark, f"'{name}': {what}", hint)
                 continue
-            keys.append(name)
             if can_vary(name, holder.marks[name][0], root, Problems("")):  # else the axis says what is wrong
                 root = put(root, steps, middle, mark)
-    return root, tuple(keys)
+    return root
 
 
 def same(value: Any, quantity: Quantity | None) -> Any:
@@ -269,17 +268,22 @@ def read_numbers(
         except PydanticCustomError as error:
             context: dict[str, Any] = error.context or {}
             problems.add(node.marks[key][1], context["message"], context["hint"])
+        else:
+            if isinstance(found[key], str):
+                problems.add(node.marks[key][1], f"'{node[key]}' is not a number", kinds[key].wanted)
     refuse_bare([(node[key], node.marks[key][1], kinds[key]) for key in found], problems, needs_unit)
     return None if len(problems.found) > before else {key: found[key] for key in kinds if key in found}
 
 
 def refuse_bare(written: Sequence[tuple[Any, Mark, Quantity]], problems: Problems, needs_unit: bool = True) -> None:
-    """Note numbers without their unit, where others beside them have one or each needs it."""
-    is_asked = needs_unit or any(written_unit(value) for value, _, _ in written)
-    for value, mark, quantity in written if is_asked else ():
-        if lacks_unit(value, quantity):
-            hint = f"write its unit too, e.g. {quantity.example}; without one it is in {quantity.si}"
-            problems.add(mark, f"{value} has no unit", hint)
+    """Note numbers without their unit, where others beside them have one (beside 20 % a number is no share: 0.5, or
+    50 %?) or each needs it."""
+    others = {quantity.name for value, _, quantity in written if written_unit(value)}
+    for value, mark, quantity in written if needs_unit or others else ():
+        is_bare = isinstance(value, int | float) and value != 0 and quantity.name in others
+        if lacks_unit(value, quantity) or is_bare:
+            in_si = f"; without one it is in {quantity.si}" if quantity.si else ""
+            problems.add(mark, f"{value} has no unit", f"write its unit too, e.g. {quantity.example}{in_si}")
 
 
 def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Values | None:

@@ -222,7 +222,7 @@ class MotionReader:
         written = os.path.expanduser(record.file)
         files = self._files(written)
         if not files:
-            message = f"the record file {shortened(self.folder / written)} does not exist, or its folder has no motions"
+            message = f"there exists no motion {shortened(self.folder / written)}"
             raise InputError(Problem(message, "paths are relative to the study file"))
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"

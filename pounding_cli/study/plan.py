@@ -199,14 +199,15 @@ def _is_same(one: float | str, other: float | str) -> bool:
 
 def kept_rows(plan: Plan) -> Plan:
     """The plan with the rows whose scenes are kept, and their output step [s].  Raises InputError where they would take
-    more than MOST_BYTES, if all are as large as the first."""
+    more than MOST_BYTES, if all of a motion are as large as its first."""
     study, spec = plan.study, wanted(plan.study.model)
     if spec is None:
         return plan
     mask = np.zeros(plan.shape, bool)
     mask[np.ix_(*_chosen(study, study.model, spec, Problems("")))] = True
     rows = np.flatnonzero(mask).tolist()
-    size = sum(_bytes_of(plan.build(row), spec.every) for row in rows[:1]) * len(rows)
+    firsts = {row % len(plan.records): row for row in reversed(rows)}  # the motion runs fastest
+    size = sum(_bytes_of(plan.build(row), spec.every) for row in firsts.values()) * len(rows) / max(len(firsts), 1)
     if size > MOST_BYTES:
         taken = f"about {size / 1e9:.3g} GB; the most is {MOST_BYTES / 1e9:g} GB"
         message = f"histories of {len(rows)} scenes every {1000 * spec.every:g} ms take {taken}"

@@ -94,8 +94,8 @@ def doubt_building(spec: Any, building: Any, root: Any, name: str, notes: Proble
     if spec.stiffness is not None:
         at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAt) else 0)
     period = spec.period if spec.stiffness is None else float(building.periods[0])
-    fits, share = RANGES["period of a storey" if storeys > 1 else "period"], 1 / storeys
-    if not fits.holds(period * share):
+    checked = [(RANGES["period of a storey"], 1 / storeys)] * (storeys > 1) + [(RANGES["period"], 1.0)]
+    for fits, share in [each for each in checked if not each[0].holds(period * each[1])][:1]:
         what = f"a period of {_rounded(period)} s for {counted(storeys, 'storey')}: {fits.reason}"
         is_given = at[-1] == "period"
         notes.at(root, at, what, _hint(_text(root, at), period, fits, share) if is_given else "check its unit")

@@ -103,9 +103,10 @@ PLACES = ("link", "links", "floors", "pair", "at")
 """Keys of a link that say which it is and where it stands."""
 
 
-def links_of(case: Any, impact: Any, own: Iterable[str] = ()) -> Any:
+def links_of(case: Any, impact: Any, laws: Any = None) -> Any:
     """A case with its links as one list of whole mappings: each with the keys of the case and of `impact` that its law
-    takes. A word stands for `link: word`; own : names of the study's own laws."""
+    takes. A word stands for `link: word`; laws : the study's own."""
+    own = laws if isinstance(laws, Map) else ()
     if not isinstance(case, Map):
         return case
     mark, several = case.mark, isinstance(case.get("links"), Items)
@@ -213,7 +214,7 @@ def respelled(case: Mapping[str, Any]) -> dict[str, Any]:
         whole = {**case, **own}
         if own.get("link", case.get("link")) != case.get("link") and "stiffness" not in own:
             whole.pop("stiffness", None)  # that of another law
-        more = {key: value for key, value in own.items() if key not in _OLD_PLACES}
+        more = {key: value for key, value in own.items() if key not in (*_OLD_PLACES, "stiffness")}
         links += [{**link, **place} for link in _of_pair(whole, more)]
     links = [link for n, link in enumerate(links) if link not in links[:n]]
     shared = {key: value for key, value in case.items() if key not in (*_OLD_PLACES, "stiffness")}

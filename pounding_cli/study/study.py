@@ -117,7 +117,7 @@ class Study:
         self.problems, self.notes = Problems(self.file), Problems(self.file)
         refuse_old(root, self.problems)
         self.problems.check()
-        self.root, self.middles = with_middles(root, self.problems)
+        self.root = with_middles(root, self.problems)
         self.reader = reader or MotionReader(path.resolve().parent)
         self.axes = read_axes(self.root, self.problems) if axes is None else tuple(axes)
         self.base: Point = (-1,) * len(self.axes)
@@ -166,7 +166,7 @@ class Study:
             if "buildings" in found:
                 found["buildings"] = inherited(root["buildings"], Problems(""))
             if isinstance(cases := root.get("cases"), Map):
-                impact, laws = root.get("impact"), root.get("laws") or ()
+                impact, laws = root.get("impact"), root.get("laws")
                 found["cases"] = Map({n: links_of(c, impact, laws) for n, c in cases.items()}, cases.mark, cases.marks)
             return found
 
@@ -245,7 +245,7 @@ class Study:
     def case(self, point: Point, name: str) -> Case | None:
         """A validated case; None where it is faulty."""
         root = self._patched(point, "cases", "impact")
-        case = links_of(root["cases"][name], root.get("impact"), self.root.get("laws") or ())
+        case = links_of(root["cases"][name], root.get("impact"), self.root.get("laws"))
         return self._valid(Case, case, ("cases", name), point)
 
     @answer(lambda name: (*BETWEEN, ("cases", name)))
@@ -322,7 +322,7 @@ class Study:
         each pair of neighbours, None where no code set the yield shears.
         """
         plain: dict[str, Any] = shown(self.model)
-        plain["title"], plain["bracket"] = self.title, list(self.middles)
+        plain["title"] = self.title
         plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes]
         for name, building in self.types(self.base).items():
             plain["buildings"][name]["derived"] = {

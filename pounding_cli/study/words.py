@@ -138,7 +138,7 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
         case "model_type" | "model_attributes_type" | "dict_type":
             keys, field = keys_at(model, path, root), at(model, path)[1]
             hint = f"write {{key: value}} with the keys {', '.join(keys)}"
-            if keys == ["links"] or (len(path) == 1 and field is not None and field.examples):
+            if not keys or keys == ["links"] or (len(path) == 1 and field is not None and field.examples):
                 hint = _example(model, path[:1] if keys == ["links"] else path)
             return f"{owner}{said(given)} is not a mapping", hint, False
         case "too_short":
