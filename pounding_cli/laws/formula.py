@@ -151,7 +151,7 @@ class _Reader:
     def term(self, node: ast.expr) -> Term:
         """What a node says; only what is named here is taken."""
         match node:
-            case ast.Constant(value=int() | float() as number):
+            case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 return self.made(node, PLAIN, 0, NUMBER, a=float(number))
             case ast.Name(id="v" | "r" as name):
                 return Term(0 if name == "v" else 1, GIVEN[name], 1)
@@ -161,6 +161,8 @@ class _Reader:
             case ast.Name():
                 names = ", ".join(dict.fromkeys((*GIVEN, *self.known)))
                 raise self.wrong(node, "is not known", f"give it under `parameters`; known: {names}")
+            case ast.UnaryOp(op=ast.UAdd(), operand=inner):
+                return self.term(inner)
             case ast.UnaryOp(op=ast.USub(), operand=inner):
                 return self.times(node, self.term(inner), -1.0)
             case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
@@ -186,17 +188,18 @@ class _Reader:
     def made(
         self, node: ast.expr, dimension: Dimension, degree: int, code: int, x: int = 0, y: int = 0, a: float = 0.0
     ) -> Term:
-        """What an operation makes of registers x and y: of constants a constant."""
-        self.rows.append((float(code), float(x), float(y), a))
-        at = 1 + len(self.rows)
+        """What an operation makes of registers x and y: of constants a constant; what is said twice is made once."""
+        row: Row = (float(code), float(x), float(y), a)
         if not degree:
-            number = Formula(tuple(self.rows), at).at(0.0, 0.0)
+            number = Formula((*self.rows, row), 2 + len(self.rows)).at(0.0, 0.0)
             if not math.isfinite(number):
                 raise self.wrong(node, "does not give a finite number", "correct it")
-            self.rows[-1] = (float(NUMBER), 0.0, 0.0, number)
+            row = (float(NUMBER), 0.0, 0.0, number)
+        if row not in self.rows:
+            self.rows.append(row)
         if len(self.rows) > MOST_OPERATIONS:
             raise FormulaError(f"the formula has more than {MOST_OPERATIONS} operations", "write a shorter one")
-        return Term(at, dimension, degree)
+        return Term(2 + self.rows.index(row), dimension, degree)
 
     def times(self, node: ast.expr, one: Term, other: Term | float) -> Term:
         """A product of two terms, or of a term and a number."""

@@ -99,11 +99,8 @@ def facts(path: Path, version: int | None = FORMAT_VERSION) -> dict[str, Any]:
     """
     try:
         if not path.is_file():
-            raise _bad(
-                path,
-                "there is no such results file",
-                "name the file, not its folder; pound run STUDY -o FILE.h5 makes one",
-            )
+            what = "this is not a regular file" if path.exists() else "there is no such results file"
+            raise _bad(path, what, "name the file, not its folder; pound run STUDY -o FILE.h5 makes one")
         sound = _is_sealed(path)
         with h5py.File(path) as file:
             _check_kind(file, path, version)

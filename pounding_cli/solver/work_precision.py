@@ -130,12 +130,16 @@ def measure(
 
 
 def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
-    """Runs of one method from coarse to fine, one at least, until they took the time allowed [s]."""
-    begin = time.perf_counter()
-    for setting in METHODS[name].setting.tried:
+    """Runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
+    begin, last, before, settings = time.perf_counter(), 0.0, 0.0, METHODS[name].setting.tried
+    for setting in settings:
+        longer = before / setting if METHODS[name].takes_step else 1.0
+        if last and time.perf_counter() - begin + last * longer > allowed:
+            return
         found = _solved(scene, name, setting)
         seconds, done = [found.seconds], found.status == DONE
-        while done and len(seconds) < MAX_REPEATS and sum(seconds) < REPEATED:
+        repeated = min(REPEATED, allowed / len(settings))
+        while done and len(seconds) < MAX_REPEATS and sum(seconds) + found.seconds < repeated:
             seconds.append(_solved(scene, name, setting).seconds)
         errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
@@ -144,5 +148,4 @@ def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iter
             "impacts": int(found.links.impacts.sum()), "impacts_reference": int(reference.links.impacts.sum()),
             "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,
         }  # fmt: skip
-        if time.perf_counter() - begin > allowed:
-            return
+        last, before = found.seconds, setting

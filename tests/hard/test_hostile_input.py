@@ -146,8 +146,8 @@ def test_a_study_file_is_regular(tmp_path):
 
 def test_a_results_file_is_regular(tmp_path):
     os.mkfifo(tmp_path / "pipe.h5")
-    assert ": there is no such results file\n" in guarded(lambda: pound.open_results(tmp_path / "pipe.h5"))
-    assert "there is no such results file" in guarded(lambda: pound.open_results("/dev/zero"))
+    assert ": this is not a regular file\n" in guarded(lambda: pound.open_results(tmp_path / "pipe.h5"))
+    assert "this is not a regular file" in guarded(lambda: pound.open_results("/dev/zero"))
     assert "cannot be read: File name too long" in guarded(lambda: pound.open_results("a" * 20_000))
 
 

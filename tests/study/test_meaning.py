@@ -379,6 +379,14 @@ def test_a_swept_value_reaches_who_inherits_it():
     assert [read.building((place,), 1).mass[0] for place in (0, 1)] == [1e5, 3e5]
 
 
+def test_a_formula_counts_what_it_repeats_once():
+    """Of 500 characters any: 70 terms alike are one row of operations and 69 sums."""
+    force = "+" + " + ".join(["k*v"] * 70)
+    laws = {"pad": {"force": force, "parameters": {"k": "1 kN/mm"}}}
+    (link, *_) = pound.load_study(study("cases.x: {link: pad, gap: 1 cm}", laws=laws)).links((), "x")
+    assert link.law.steepest[0] == pytest.approx(7e7)
+
+
 def test_an_unknown_value_stands_at_its_middle():
     values = {"values": [0.4, 0.45, 0.65], "middle": 0.45}
     read = pound.load_study(study(sweep={"impact.restitution": values}))
