@@ -210,8 +210,9 @@ class LinkLaw(Law):
 
     @property
     def steepest(self) -> tuple[float, float]:
-        """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each: the first two numbers
-        of a law that fixed steps run. A force that stiffens without end is taken where floors press each other by `PRESSED`."""
+        """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each: the first two of the
+        numbers of a law that fixed steps run. A force that stiffens without end is taken where floors press each other
+        by `PRESSED`."""
         k, c, *_ = self.numbers(1.0, 1.0)
         return k, c
 

@@ -15,8 +15,8 @@ from pounding_cli.numbers import counted
 from pounding_cli.records.text import Samples, Text, number, tokens
 from pounding_cli.records.units import BRACKETS, acceleration_unit, quantity_of, unit_in
 
-_COSMOS = re.compile(r"(?i)\(\s*format\s+v\s*[\d.]+")
-_COSMOS_LABEL = re.compile(r"(?i)\Asta chan? ?:? ?(.*?) ?(?:\(|location|\Z)")
+_COSMOS = re.compile(r"(?i)\( ?format v ?[\d.]+(?: with (\d{1,3}) text lines)?")
+_COSMOS_LABEL = r"sta chan? ?:? ?(.*?) ?(?:\(|location|\Z)"
 _COSMOS_DATA = re.compile(
     r"(?i)\A(\d{1,9}) (\w+) (?:data )?(?:pts|points).*?units? ?= ?([^,(]+?) ?(?:\( ?\d+ ?\))? ?,.*?(format.*)"
 )
@@ -124,17 +124,43 @@ def cosmos(text: Text) -> Samples | None:
 
     Consortium of Organizations for Strong-Motion Observation Systems (2001), COSMOS Strong Motion Data Format, 1.20.
     """
-    if not _COSMOS.search(text.lines[text.first]):
+    index, found, others = text.first, dict[int, tuple[str, float, re.Match[str]]](), list[tuple[str, int]]()
+    if not _COSMOS.search(text.words(index)):
         return None
-    example = "12091 acceleration pts, approx 120 secs, units=cm/s2 (4),Format=(8F10.5)"
-    at, data = _channel(text, _COSMOS_LABEL, _COSMOS_DATA, example)
-    example = "its values, e.g. 100 Real-header values (5F15.6)"
-    reals, line = text.find(r"^(\d{1,6}) real[- ]*header.*?(\(.*)", range(at, -1, -1), example)
-    # The data's own step [ms], number 62 in the documentation, comes before the recorder's [s].
-    said = text.fixed(line, int(reals[1]), reals[2])[0] + [-999.0] * 62
-    step = text.step(float(f"{said[61] / 1000.0 if said[61] > 0 else said[33]:.9g}"), at + 1)
-    values, _ = text.fixed(at + 1, int(data[1]), data[4], last=True)
-    return Samples(step, values, at + 2, data[3], at + 1)
+    while index < len(text.lines):
+        if begins := _COSMOS.search(text.words(index)):
+            words = range(index, index + int(begins[1] or 13))
+            named, _ = text.search(_COSMOS_LABEL, words)
+            index, step, data = _cosmos_header(text, words.stop)
+            if quantity_of(data[2])[0] == "acceleration":
+                found[index] = (named[1] if named else "") or "unnamed", step, data
+            else:
+                others.append((data[2].lower(), index))
+        index += 1
+    if not found:
+        raise text.wrong_quantity(*others[0])
+    start = _chosen(text, {at: name for at, (name, *_) in found.items()}, min(found))
+    _, step, data = found[start]
+    values, _ = text.fixed(start, int(data[1]), data[4], last=True)
+    return Samples(text.step(step, start), values, start + 1, data[3], start)
+
+
+def _cosmos_header(text: Text, index: int) -> tuple[int, float, re.Match[str]]:
+    """Index of the first sample behind a channel's words, its time step [s], and what its data line says: number,
+    quantity and unit of the samples, and their Fortran format. Every part stands where the one before it ends."""
+    values: list[float] = []
+    for kind in ("integer", "real"):
+        example = f"how many {kind} header values follow, e.g. 100 {kind.capitalize()}-header values (10I8)"
+        found, _ = text.find(rf"^(\d{{1,6}}) {kind}[- ]*header.*?(\(.*)", range(index, index + 1), example)
+        values, index = text.fixed(index + 1, int(found[1]), found[2])
+    if comments := re.match(r"(?i)(\d{1,6}) comment", text.words(index)):
+        index += 1 + int(comments[1])
+    data = _COSMOS_DATA.match(text.words(index))
+    if data is None:
+        example = "12091 acceleration pts, approx 120 secs, units=cm/s2 (4),Format=(8F10.5)"
+        raise text.damaged(f"the header does not say how many samples follow, e.g. {example}", index + 1)
+    values += [-999.0] * 62  # the data's own step [ms], number 62 in the documentation, comes before the recorder's [s]
+    return index + 1, float(f"{values[61] / 1000.0 if values[61] > 0 else values[33]:.9g}"), data
 
 
 def csmip(text: Text) -> Samples | None:
@@ -149,42 +175,38 @@ def csmip(text: Text) -> Samples | None:
     if kind[1]:
         what = "spectra (V3)" if kind[1] == "R" else "uncorrected samples (V1)"
         raise text.refuse(f"a CSMIP file of {what}", "download the corrected record (V2)", text.first + 1)
-    example = "4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)"
-    at, data = _channel(text, _CSMIP_LABEL, _CSMIP_DATA, example)
+    named, series = "unnamed", dict[int, tuple[str, re.Match[str]]]()
+    for index in range(len(text.lines)):
+        if label := _CSMIP_LABEL.search(text.words(index)):
+            named = label[1]
+        if said := _CSMIP_DATA.match(text.words(index)):
+            series[index] = named, said
+    if not series:
+        example = "4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)"
+        raise text.damaged(f"the header does not say how many points follow, e.g. {example}", text.first + 1)
+    kinds = {index: quantity_of(said[2])[0] for index, (_, said) in series.items()}
+    found = {index: series[index][0] for index, kind in kinds.items() if kind == "acceleration"}
+    if len(found) < max(1, list(kinds.values()).count("velocity")):
+        raise text.damaged("a channel holds no acceleration", min(series) + 1)
+    at = _chosen(text, found, min(found) + 1)
+    data = series[at][1]
     step = text.step(data[3], at + 1)
     values, _ = text.fixed(at + 1, int(data[1]), data[4], last=True)
     return Samples(step, values, at + 2, unit_in(data[4], ()) or "cm/s2", at + 1)
 
 
-def _channel(text: Text, label: re.Pattern[str], data: re.Pattern[str], example: str) -> tuple[int, re.Match[str]]:
-    """Index and match of the line that says count and quantity of the samples of the channel asked for.
-
-    Raises `InputError` where there is none, or there are several and none was named.
-    """
-    named, series, others = "unnamed", dict[int, tuple[str, re.Match[str]]](), list[tuple[str, int]]()
-    for index in range(len(text.lines)):
-        line = text.words(index)
-        if found := label.search(line):
-            named = found[1] or "unnamed"
-        if found := data.match(line):
-            if quantity_of(found[2])[0] == "acceleration":
-                series[index] = named, found
-            else:
-                others.append((found[2].lower(), index + 1))
-    if not series and others:
-        raise text.wrong_quantity(*others[0])
-    if not series:
-        raise text.damaged(f"the header does not say how many samples follow, e.g. {example}", text.first + 1)
-    listed = "; ".join(f"{place}: {name}" for place, (name, _) in enumerate(series.values(), 1))
-    if text.channel is None and len(series) > 1:
-        message = f"the file holds {len(series)} channels of acceleration: {listed}"
+def _chosen(text: Text, channels: dict[int, str], line: int) -> int:
+    """Index, in the file, of the channel asked for, of those with acceleration by name; refused where there are several
+    and none was named."""
+    listed = "; ".join(f"{place}: {name}" for place, name in enumerate(channels.values(), 1))
+    if text.channel is None and len(channels) > 1:
+        message = f"the file holds {len(channels)} channels of acceleration: {listed}"
         hint = "select one: channel: 1 beside the file in a study, or --channel 1"
-        raise text.refuse(message, hint, min(series) + 1)
+        raise text.refuse(message, hint, line)
     channel = 1 if text.channel is None else text.channel
-    if not 1 <= channel <= len(series):
-        raise text.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", min(series) + 1)
-    index = list(series)[channel - 1]
-    return index, series[index][1]
+    if not 1 <= channel <= len(channels):
+        raise text.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", line)
+    return list(channels)[channel - 1]
 
 
 def _check_peak(text: Text, values: list[float], pattern: str, header: range, unit: str) -> None:
@@ -332,10 +354,10 @@ def _unit(text: Text, start: int, width: int, place: int) -> tuple[str | None, i
     line, unit = next(((line, unit) for line, unit in said if unit), (0, None))
     if unit is not None:
         return unit, line, ""
-    heading = next((words for _, words in headings if words), "")
-    is_heading = width == 1 or (above and _TIME.match(above[0][1]))
-    unclear = heading if is_heading and not _ONLY_ACCELERATION.fullmatch(heading) else ""
-    return None, 0, unclear[:60]
+    spoken = (words for _, words in above if _ACCELERATION.search(words) and BRACKETS.search(words))
+    named = next((words for _, words in headings if words and _TIME.match(above[0][1])), "")
+    unclear = named or next((words for words in spoken if not _PEAK.search(words)), "")
+    return None, 0, "" if _ONLY_ACCELERATION.fullmatch(unclear) else unclear[:60]
 
 
 def _stated(line: str) -> str | None:

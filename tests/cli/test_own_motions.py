@@ -89,6 +89,10 @@ def test_words_that_are_no_unit_are_told(motion, pound, command) -> None:
     assert "study.yaml:2:17: a: 'furlongs' in the file is no unit of acceleration, so g is assumed" in said
     assert "{file: motions/a.csv, unit: m/s2}" in said
     assert "furlongs" not in pound(command, "[{file: a.csv, unit: g}]").stderr
+    motion("a.csv", "# acceleration (0.01 x g)\n# Component 90\n")  # not the nearest line
+    assert "a: 'acceleration (0.01 x g)' in the file is no unit" in pound(command, "[a.csv]").stderr
+    motion("a.csv", "# Federal Building (basement)\n")  # no heading
+    assert "no unit" not in pound(command, "[a.csv]").stderr
 
 
 def test_a_unit_in_the_study_comes_before_the_heading_and_the_difference_is_told(motion, pound, tmp_path) -> None:

@@ -44,6 +44,10 @@ def test_counts_of_a_recorder_become_gal_about_their_mean(tmp_path):
     assert motion.dt == 0.01
 
 
+TWO_COSMOS = layouts.cosmos_channel(CM) + layouts.cosmos_channel(CM, 2, step_ms=10.0)
+TWO_CSMIP = layouts.csmip_v2_channel(CM) + layouts.csmip_v2_channel(CM, 2, "180 Deg")
+
+
 @pytest.mark.parametrize(
     ("text", "line", "word"),
     [
@@ -63,6 +67,10 @@ def test_counts_of_a_recorder_become_gal_about_their_mean(tmp_path):
         (layouts.cosmos_channel(COUNTS, unit=("counts", 50), form=("(10I8)", "8d", 10)), 49, "counts"),
         (layouts.cosmos_channel(CM, 1, "velocity", ("cm/s", 5)), 49, "velocity"),
         (layouts.cosmos_channel(CM) + layouts.cosmos_channel(CM, 2), 49, "--channel 1"),
+        (layouts.cosmos_channel(CM).replace(" 100 Real", "  40 Real"), 34, "how many samples"),
+        (TWO_COSMOS.replace("acceleration pts", "acceleration ptx", 1), 49, "how many samples"),
+        (TWO_COSMOS[: len(layouts.cosmos_channel(CM)) + 1500], 78, "the header says"),
+        (TWO_CSMIP.replace("points of accel", "points of acxel", 1), 53, "no acceleration"),
         (layouts.csmip_v2_channel(CM, count=60), 52, "8 should stand"),
         ("UNCORRECTED ACCELEROGRAM DATA\n1 2 3\n", 1, "(V2)"),
         ("# unit: counts\n" + ROWS, 1, "counts"),
