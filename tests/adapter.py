@@ -32,6 +32,7 @@ from pounding_cli.study import expand, load_study, study_of
 from pounding_cli.study.expression import read_limit as read_limit
 from pounding_cli.workflows import gap as gap
 from pounding_cli.workflows import search as search
+from pounding_cli.workflows.fragility import next_levels as next_levels
 from pounding_cli.workflows.hazard import Hazard as Hazard
 from pounding_cli.workflows.hazard import probability as probability
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,18 +59,18 @@ def _wanted(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str
     return wanted
 
 
-def _key(results: Results, given: str, others: Sequence[str], what: str) -> str:
-    """The key that is meant: one of `others` or a swept one, whose beginning may be left out.
+def _key(given: str, known: Collection[str], what: str) -> str:
+    """The key that is meant, one of those known; the beginning of a swept one may be left out.
 
     what : where it is looked for.  Raises `InputError` where there is none, or more than one.
     """
-    if given in others or given in results.axes:
+    if given in known:
         return given
-    swept = [key for key in results.axes if key.endswith(f".{given}")]
-    if len(swept) == 1:
-        return swept[0]
-    hint = f"leave the option out, or write one of: {listed(swept or dict.fromkeys((*others, *results.axes)))}"
-    raise InputError(Problem(f"{what} has no column {given}, or more than one", hint))
+    ends = [key for key in known if key.endswith(f".{given}")]
+    if len(ends) == 1:
+        return ends[0]
+    hint = f"leave the option out, or write one of: {listed(ends or known)}"
+    raise InputError(Problem(f"{what} has {'several columns' if ends else 'no column'} {given}", hint))
 
 
 def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
@@ -137,7 +137,7 @@ def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str,
     """The rows asked for; a key or value that is not there is refused with those that are."""
     chosen = dict[str, list[Any]]()
     for given, text in wanted:
-        key = _key(results, given, list(frame.columns), f"the table {table}")
+        key = _key(given, list(map(str, frame.columns)), f"the table {table}")
         there = results.axes.get(key, list(dict.fromkeys(frame[key])))
         chosen.setdefault(key, []).extend(_meant(there, text, results.column(table, key).unit, key))
     for key, values in chosen.items():
@@ -218,7 +218,9 @@ def _asked(results: Results, quantities: tuple[str, ...], wanted: Sequence[tuple
 
     places, at = dict[str, Any](), dict[str, Any]()
     for given, text in wanted:
-        key = _key(results, given, _PLACES, "the sweep")
+        key = _key(given, [*_PLACES, *results.axes], "the sweep")
+        if key in places or key in at:
+            raise InputError(Problem(f"{key} is given twice", "write one value: a figure has one"))
         if key in results.axes:
             at[key] = _meant(results.axes[key], text, results.units[key], key)[0]
         else:

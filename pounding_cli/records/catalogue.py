@@ -47,9 +47,10 @@ class Entry:
 
     def compared(self, motion: Motion) -> Iterator[str]:
         """Length, time step, peak and Arias intensity of a motion in its window, beside those known, in words."""
-        facts, window, length = self.facts, motion.windowed(self.duration), f"{self.duration:g} s"
+        facts, window = self.facts, motion.windowed(self.duration)
+        length = f"{window.duration:g} s"
         known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
-        yield f"length: {motion.duration:g} s, of which Table 1 uses {length}"
+        yield f"length: {motion.duration:g} s; Table 1 uses {self.duration:g} s"
         yield f"time step: {motion.dt:g} s" + (f"; {facts['dt_s']:g} s {known}" if "dt_s" in facts else "")
         yield f"peak: {window.pga / GRAVITY:.3f} g in the first {length}; {facts['peak_g']:.3f} g {known}"
         yield f"Arias intensity: {arias(window):.3f} m/s in the first {length}; {facts['arias']:.3f} m/s {known}"

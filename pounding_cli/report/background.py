@@ -84,11 +84,14 @@ def background(results: Results, shown: Evidence, scene: pd.DataFrame, tables: S
 
 
 def limits(results: Results) -> list[Section]:
-    """What limits the numbers: warnings about the study, and an impact stiffness of one value; none without either."""
+    """What limits the numbers: warnings about the study, heights that it does not write, an impact stiffness of one
+    value; none without any."""
     said = [
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
+    if results.assumed_heights:
+        said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
     struck = results.link("kind", "impacts")
     if STIFFNESS not in results.axes and ((struck["kind"] == "pounding") & (struck["impacts"] > 0)).any():
         said.append(ADVICE)

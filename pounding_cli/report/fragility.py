@@ -64,8 +64,9 @@ def fragility_report(results: Results) -> Report:
                 "its last line goes on: give the curve further."
             )
         text = "Annual rates at which limits are passed, by the intensity at which they are."
-        draw = partial(draw_contributions, shown.here(results.answer(CONTRIBUTIONS).frame), unit, shown)
-        pictures.append(Picture("fragility-rates", "What contributes to the annual rates", text, draw))
+        if len(parts := shown.here(results.answer(CONTRIBUTIONS).frame)):  # no limit may have a curve
+            draw = partial(draw_contributions, parts, unit, shown)
+            pictures.append(Picture("fragility-rates", "What contributes to the annual rates", text, draw))
     return Report(
         **frame_of(results, shown, results.scene()),
         answer=Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes),
@@ -147,7 +148,7 @@ def _notes(spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the rows."""
     if (few := int(rows["motions"].min(skipna=True))) < FEWEST_TOLD:
         yield f"No interval for fewer than {FEWEST_TOLD} motions: {counted(few, 'motion')} cannot tell it."
-    else:
+    if rows["motions"].max(skipna=True) >= FEWEST_TOLD:
         share = f"{100 * spec['confidence']:.4g} %"
         yield f"In brackets: {share} interval of {spec['draws']} bootstrap draws of the motions, the same for both."
     names = ("failed", "undecided", "undecided_motions")

@@ -70,9 +70,10 @@ def _in_units(results: Results) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, U
 
 
 def _unit_of(results: Results, words: str, known: Unit) -> Unit:
-    """The unit in which a number is shown that is called "largest drift in stiff": that of the variable named alone."""
+    """The unit in which a number is shown that is called "largest drift in stiff", and has a unit: that of the variable
+    named alone; `known` of sums, shares and other expressions."""
     named = [word for word in words.split() if word in results.data]
-    return column_of(named[0], results.units).unit if len(named) == 1 else known
+    return column_of(named[0], results.units).unit if known.name and len(named) == 1 else known
 
 
 def _optimum(keys: pd.DataFrame, tried: pd.DataFrame, units: Mapping[str, Unit]) -> Table:

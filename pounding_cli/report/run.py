@@ -52,9 +52,10 @@ def _more(results: Results, shown: Evidence, scene: pd.DataFrame, swept: list[Pi
         said = [f"No scene is kept over time. To see moving buildings, add `{keep}` to the study and run it again."]
     elif len(scenes) < kept:
         said = [f"{len(scenes)} of {kept} kept scenes have room here: keep fewer, or longer steps, `every: 20 ms`."]
+    chart = explored(results, shown)
     return [
         *([Section("Over the sweep", pictures=swept)] if swept else []),
-        Section("Look around", widget="explorer", data=explored(results, shown)),
+        *([Section("Look around", widget="explorer", data=chart)] if chart["quantities"] or not chart["cut"] else []),
         Section("Moving buildings", said, widget="player", data={"scenes": scenes}),
         *claim_sections(results, shown.label),
         Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(shown)]),
@@ -86,8 +87,6 @@ def notes(results: Results, shown: Evidence, scene: pd.DataFrame) -> list[str]:
         "μ: ductility; over alone: μ/μ₀ of inelastic, V/V₀ of elastic storeys, to the building alone under the same "
         "motion; drift in % of the storey height; closing: largest approach of two floors, which touch beyond the gap.",
     ]
-    if results.assumed_heights:
-        said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
     if len(shown.cases) > len(shown.plotted):
         said.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
     for group in flag_groups_of(scene, results.units):
@@ -144,7 +143,9 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
 
 def _closing(results: Results) -> dict[tuple[str, str], str]:
     """By case and analysis the largest closing of the link that comes closest to its gap or goes furthest beyond."""
-    link, found = results.link("kind", "gap", "max_closing", "impacts"), {}
+    link, found = results.link("kind", "gap", "max_closing", "impacts"), dict[tuple[str, str], str]()
+    if link.empty:
+        return found
     unit = results.units.get("gap") or results.units["max_closing"]
     place: Any
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):

@@ -47,7 +47,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
     if not whole:
         cut = ["only the largest over the height", "only means over the motions"]
         sizes = np.cumsum([3 * a.size / a.shape[-1] / len(motions) for a in arrays.values()])
-        names = [name for name, end in zip(arrays, sizes.tolist(), strict=True) if end <= MOST_VALUES] or [*arrays][:1]
+        names = [name for name, end in zip(arrays, sizes.tolist(), strict=True) if end <= MOST_VALUES]
         cut += [f"{len(names)} of {len(arrays)} quantities"] * (len(names) < len(arrays))
         arrays = {name: arrays[name] for name in names}
     void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
@@ -80,7 +80,7 @@ def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], res
     found = {"mean": values.mean("record"), "low": values.min("record"), "high": values.max("record")}
     if not whole:
         place = abs(found["mean"]).fillna(-1.0).argmax(level)
-        found = {key: of.isel({level: place}).expand_dims(level) for key, of in found.items()}
+        found = {key: of.isel({level: place}).drop_vars(level).expand_dims(level) for key, of in found.items()}
     found = {key: of.expand_dims(record=[MEAN]) for key, of in found.items()}
     if whole and values.sizes["record"] > 1:
         found["mean"] = xr.concat([found["mean"], values], "record")

@@ -47,6 +47,9 @@ _OVERSHOOT = 1.1
 _LONGEST_STEP = 4.0
 """The intensity grows at most by this factor from one level to the next while none has passed."""
 
+_STEP_UNDECIDED = 2.0
+"""The intensity grows by this factor from one level to the next while a collapse leaves all undecided."""
+
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """What a limit looks at, as responses call it."""
 
@@ -160,7 +163,7 @@ def _places(plan: Plan, question: Question) -> Iterator[Place]:
 
 
 def _hunted(plan: Plan, question: Question, places: Sequence[Place], solver: Solver) -> np.ndarray:
-    """Incremental dynamic analysis: the scenes that bracket where every motion passes each limit (`_next_levels`).
+    """Incremental dynamic analysis: the scenes that bracket where every motion passes each limit (`next_levels`).
 
     The next intensities of all motions are solved together, so that workers are busy.
     """
@@ -174,13 +177,13 @@ def _hunted(plan: Plan, question: Question, places: Sequence[Place], solver: Sol
                 is_seen, demand = np.isin(scenes, asked), place.demand(plan, solved, suffix)
                 for motion in np.flatnonzero(np.isin(scenes, new).any(axis=1)):
                     seen = {int(level): float(demand[motion, level]) for level in np.flatnonzero(is_seen[motion])}
-                    wanted |= {int(scenes[motion, level]) for level in _next_levels(levels, seen, question.spec.fill)}
+                    wanted |= {int(scenes[motion, level]) for level in next_levels(levels, seen, question.spec.fill)}
         new = np.array(sorted(wanted), int)
         asked = np.union1d(asked, new)
     return asked
 
 
-def _next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> set[int]:
+def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> set[int]:
     """The levels of one motion to look at next; none when its bracket is closed and filled below.
 
     Hunt and fill (Vamvatsikos, D. and Cornell, C. A. (2004). Applied incremental dynamic analysis. Earthquake Spectra
@@ -195,11 +198,15 @@ def _next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) ->
     fill : levels below the bracket that are looked at, evenly
     """
     levels = len(intensity)
-    # a collapse closes the bracket too: above it scenes tell nothing of other limits
+    passed = min((level for level, demand in seen.items() if demand > 1), default=levels)
     ended = min((level for level, demand in seen.items() if demand > 1 or demand == UNDECIDED), default=levels)
     held = max((level for level, demand in seen.items() if demand <= 1 and level < ended), default=-1)
     between = [level for level in range(held + 1, ended) if level not in seen]
     if ended < levels and not between:
+        last = max((level for level in seen if level < passed), default=-1)
+        if ended < passed and passed - last > 1:  # a collapse came first: a stronger motion may pass before it
+            double = int(np.searchsorted(intensity, _STEP_UNDECIDED * intensity[last]))
+            return {min(max(double, last + 1), levels - 1) if passed == levels else (last + passed) // 2}
         return set(np.linspace(0, max(held, 0), fill + 2)[1:-1].round().astype(int).tolist()) - seen.keys()
     if ended < levels:
         return {between[len(between) // 2]}

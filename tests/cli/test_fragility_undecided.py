@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import lognorm
 
 from pounding_cli import open_results
-from tests.adapter import report
+from tests.adapter import next_levels, report
 
 # A has a soft lower storey that collapses, and an upper one far too strong to yield much. B stays far from its limits.
 STUDY = """\
@@ -78,6 +78,34 @@ def test_a_building_does_not_inherit_the_collapse_of_its_neighbour_nor_a_storey_
     assert pound("report", "a.h5", "--no-figures", "-q")[0] == 0
     page = " ".join((folder / "a" / "report.html").read_text(encoding="utf-8").split())
     assert page.count("undecided in 4 of 4 motions") >= len(OTHERS)
+
+
+def test_a_limit_is_sought_above_a_collapse(pound, folder):
+    """A falls at weaker motions than B passes at, but B passes before it in stronger ones: what all intensities of
+    stripes tell of this, `ida` finds."""
+    text = STUDY[: STUDY.index("fragility")].replace("to: 2 g", "to: 4 g")
+    found = {}
+    for method in ("ida", "stripes"):
+        (folder / "two.yaml").write_text(f"{text}fragility: {{method: {method}, limits: mu > 0.8 in B}}\n")
+        pound("fragility", "two.yaml", "-o", f"{method}.h5", "-q")
+        found[method] = open_results(f"{method}.h5")
+    stripes, ida = (found[method].table("fragility_motions") for method in ("stripes", "ida"))
+    passes = stripes[stripes["demand"] > 1].groupby("record")["intensity"].min()
+    assert len(passes) >= 2
+    above = ida.set_index("record")["passed"]
+    assert (above[passes.index] >= passes).all()
+    assert np.isfinite(above[passes.index]).all()
+
+
+def test_levels_below_a_pass_are_looked_at():
+    """A motion passes at one level, holds above it, and passes again: only `fill` finds the first."""
+    levels = np.arange(1.0, 41.0)
+    demand = np.where((levels == 11) | (levels > 30), 1.5, levels / 32)
+    for fill, first in ((0, 31.0), (30, 11.0)):
+        seen: dict[int, float] = {}
+        while new := next_levels(levels, seen, fill):
+            seen |= {level: float(demand[level]) for level in new}
+        assert min(levels[level] for level, each in seen.items() if each > 1) == first
 
 
 def test_the_storey_that_collapsed_passes_every_limit_of_its_drift(pound):

@@ -158,6 +158,19 @@ def test_the_best_study_runs_to_the_numbers_that_were_told(pound):
         ].nunique()
 
 
+@pytest.mark.parametrize(
+    ("sought", "unit"), [("largest drift in B", "mm"), ("1 / largest drift in B", ""), ("sqrt(largest drift in B)", "")]
+)
+def test_only_a_variable_itself_is_told_in_its_unit(pound, sought, unit):
+    """Fails if 1 / drift is told in mm."""
+    text = few("impact.restitution", "0.4", "0.65").replace("least: largest drift", f"least: {sought}")
+    Path("few.yaml").write_text(text)
+    out = pound("optimise", "few.yaml")[1]
+    told = re.search(r"^Least of .*: ([\d.]+)(?: ± [-\d.e]+)?(?: (\w+))?;", out, re.MULTILINE)
+    value = open_results("results/few-optimise.h5").table("optimise")["optimum"].iloc[0]
+    assert (float(told[1]), told[2] or "") == (pytest.approx(1e3 * value if unit else value, rel=1e-4), unit)
+
+
 def test_the_page_says_what_is_left(pound, tmp_path):
     Path("few.yaml").write_text(few("impact.restitution", "0.4", "0.65"))
     code, out, _ = pound("optimise", "few.yaml")

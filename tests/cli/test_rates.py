@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import pounding_cli as pound
-from tests.adapter import Hazard, refused
+from tests.adapter import Hazard, refused, report
 
 G = 9.80665
 STUDY: dict[str, Any] = {
@@ -109,3 +109,10 @@ def test_a_rate_takes_an_intensity(tmp_path: Path) -> None:
     study = STUDY | {"records": {"use": ["elcentro", "taft"]}, "gap": {"hazard": POWER, "rate": "1/475"}}
     with pytest.raises(pound.InputError, match="scaled to an intensity"):
         pound.run(study, tmp_path / "x.h5", workflow="gap")
+
+
+def test_the_page_of_a_limit_that_nothing_passes(tmp_path: Path) -> None:
+    study = STUDY | {"sweep": {"records.scale.pga": ["0.1 g", "0.2 g"]}}
+    asked = {"fragility": {"limits": ["mu > 500"], "hazard": POWER}}
+    results = pound.run(study | asked, tmp_path / "f.h5", workflow="fragility")
+    assert "never passed" in str(report(results))

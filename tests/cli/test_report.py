@@ -83,6 +83,23 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     assert where == {"impact.restitution = 0.4", "impact.restitution = 0.5", "impact.restitution = 0.65"}
 
 
+@pytest.mark.parametrize(("most", "quantities"), [(500, "6 of 15"), (10, None)])
+def test_a_page_carries_no_more_numbers_than_it_may(made, folder, pound, monkeypatch, most, quantities):
+    """Of a large sweep means and the largest over the height, of fewer quantities; none where not one has room."""
+    monkeypatch.setattr("pounding_cli.report.widgets.MOST_VALUES", most)
+    assert pound("report", made / "swept.h5", "-q", "--no-figures", "-o", "page") == (0, "", "")
+    page = Path("page/report.html").read_text(encoding="utf-8")
+    assert ('id="explorer"' in page) == (quantities is not None)
+    assert quantities is None or f"{quantities} quantities" in page
+
+
+def test_a_study_without_links_is_told(folder, pound):
+    Path("two.yaml").write_text(TWO[: TWO.index("  touching")] + "  apart: {link: none}\nanalyses: [elastic]\n")
+    code, out, err = pound("run", "two.yaml")
+    assert (code, err) == (0, "")
+    assert "apart" in out
+
+
 def test_keys_that_move_together_are_fixed_together(folder, pound):
     """Fails if the key that is not given keeps the value of the study's own point."""
     Path("two.yaml").write_text(
@@ -111,7 +128,7 @@ def test_keys_that_move_together_are_fixed_together(folder, pound):
         (["two.h5", "--quantity", "mu_ratio"], "swept"), (["swept.h5", "--quantity", "mue"], "mu_ratio"),
         (["swept.h5", "--case", "gip"], "touching, gap"), (["swept.h5", "--where", "storey=8"], "1, 2, 3"),
         (["swept.h5", "--where", "restitution=0.7"], "0.4, 0.5, 0.65"), (["missing.h5"], "missing.h5"),
-        (["two.yaml"], "HDF5"), (["."], "folder"),
+        (["two.yaml"], "HDF5"), (["."], "folder"), (["swept.h5", "--case", "touching", "--case", "gap"], "twice"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_drawn_is_refused(made, folder, pound, arguments, message):

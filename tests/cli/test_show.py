@@ -99,6 +99,7 @@ def test_filters(shown, arguments, column, left):
         ("stories", ["'storey'"]),
         ("storey --format cvs", ["'csv'"]),
         ("storey --where gap", ["no value"]),
+        ("records --where gap=5mm", ["no column gap"]),
         ("storey --where gab=1cm", ["gab", "cases.gap.gap, impact.restitution"]),
         ("storey --where gap=3cm", ["5 mm, 6 mm"]),
         ("storey --where gap=2s", ["5 mm, 6 mm"]),
