@@ -7,8 +7,9 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -59,18 +60,17 @@ class Outcome:
     wall_seconds: float
 
 
-def question(name: str) -> Workflow:
-    """A question by its name, with all that it needs.  Raises InputError: there is none."""
+def question(name: str) -> Callable[[Study], Workflow]:
+    """What asks a study a question of that name, with all that it needs.  Raises InputError: there is none."""
     if name == "sensitivity":
         from pounding_cli.report.claims import at_samples
         from pounding_cli.workflows.sensitivity import Sensitivity
 
-        return Sensitivity(at_samples)
+        return partial(Sensitivity, judge=at_samples)
     return workflow_of(name)
 
 
 def run_study(
-    study: Study,
     workflow: Workflow,
     output: Path,
     *,
@@ -80,7 +80,7 @@ def run_study(
     scheduler: str | None = None,
     replace: bool = False,
 ) -> Outcome:
-    """Solve what the cache beside `output` lacks and write the results file; parameters as those of `api.run`.
+    """Solve what the cache beside `output` lacks and write the results file; further parameters as those of `api.run`.
 
     A scene that fails is reported in the outcome and in the file, and the others go on. Stopped by Ctrl-C, what is
     solved is kept, and the next call goes on from there.
@@ -90,11 +90,11 @@ def run_study(
     InputError : the study or the output is refused; another run is at work on it; no such engine; the disk is full
     KeyboardInterrupt : stopped
     """
-    begin, told = time.perf_counter(), progress or Progress()
+    begin, told, study = time.perf_counter(), progress or Progress(), workflow.study
     workers_of = pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
-        content = _content(workflow, workflow.plan(study))
+        content = _content(workflow)
         _check_output(output, study, workflow.name, replace)
         if not replace and (scenes := _finished(output, content)) is not None:
             return Outcome(output, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
@@ -105,7 +105,7 @@ def run_study(
             told.say(f"{cache.path} was made with another solver: all scenes are solved again")
         solver = Solver(cache, workers_of, told)
         try:
-            found = workflow.run(study, solver)
+            found = workflow.run(solver)
         except KeyboardInterrupt:
             told.say(f"{counted(solver.solved, 'scene')} solved now and kept in {cache.path}")
             raise
@@ -177,8 +177,9 @@ def _place_of(study: Study, results: Path) -> str:
         return str(study.path.resolve())
 
 
-def _content(workflow: Workflow, plan: Plan) -> str:
+def _content(workflow: Workflow) -> str:
     """SHA-256 of all that results follow from: the study, its scenes, the solver."""
+    plan = workflow.plan
     study, kept = plan.study, (plan.kept, plan.every)
     resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
     said = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))

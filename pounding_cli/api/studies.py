@@ -63,7 +63,7 @@ def run(
     loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
     run_study(
-        loaded, asked, path, progress=progress, workers=workers, engine=engine, scheduler=scheduler, replace=replace
+        asked(loaded), path, progress=progress, workers=workers, engine=engine, scheduler=scheduler, replace=replace
     )
     return open_results(path)
 

@@ -96,7 +96,7 @@ def _check_best(study: Path, write: Path, replace: bool) -> None:
     """Make sure, before anything is solved, that the best study can be written.  Raises `InputError`."""
     from pounding_cli.outputs import check_output
     from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise import check_written
+    from pounding_cli.workflows.optimise import Optimise
 
     if write.suffix not in (".yaml", ".yml"):
         raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
@@ -104,14 +104,18 @@ def _check_best(study: Path, write: Path, replace: bool) -> None:
     check_output(write, [study], lambda *_: True, "--write")
     if os.path.exists(write) and not replace:
         raise InputError(Problem("is there already", "choose another name, or add --replace to replace it", str(write)))
-    check_written(loaded, write)
+    asked = Optimise(loaded)
+    asked.text(asked.middle)  # refused where the text does not take other values
+    if write.parent.resolve() != loaded.path.parent.resolve():
+        hint = "write it beside the study: motions are sought there"
+        raise InputError(Problem("the study would not run from another folder", hint, str(write)))
 
 
 def _write_best(study: Path, path: Path, write: Path) -> bool:
     """Write the study with the best values that a results file has; whether there are such.  Raises `InputError`."""
     from pounding_cli.api.studies import open_results
     from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM, question_of
+    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM, Optimise
 
     results = open_results(path)
     table, loaded = results.answer(OPTIMUM).frame, load_study(study)
@@ -120,7 +124,7 @@ def _write_best(study: Path, path: Path, write: Path) -> bool:
         raise InputError(Problem("has changed while it was optimised: the best study is not written", hint, str(study)))
     if table["outcome"].iloc[0] == NOTHING:
         return False
-    text = question_of(loaded).text(tuple(table["place"].tolist()))
+    text = Optimise(loaded).text(tuple(table["place"].tolist()))
     write.write_text(text, encoding="utf-8", newline="")
     return True
 
@@ -149,7 +153,7 @@ def solve_study(workflow: str, study: Path, output: Path | None, quiet: bool, lo
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
     output = output or default_output(study, workflow)
-    outcome = run_study(loaded, question(workflow), output, progress=log or chosen(quiet), **how)
+    outcome = run_study(question(workflow)(loaded), output, progress=log or chosen(quiet), **how)
     if not (log or quiet):
         report(open_results(outcome.path)).print()
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""

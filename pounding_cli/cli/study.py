@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
     from pounding_cli.model.building import Building
     from pounding_cli.numbers import Unit
-    from pounding_cli.study import Plan, Study
+    from pounding_cli.study import Plan
+    from pounding_cli.workflows.workflow import Workflow
 
 
 @click.command()
@@ -70,7 +71,7 @@ def check(study: Path) -> None:
     """
     from pounding_cli.points import QUESTIONS, load
     from pounding_cli.reading import shortened
-    from pounding_cli.study import expand, load_study
+    from pounding_cli.study import load_study
     from pounding_cli.study.file import kind_of_file
     from pounding_cli.workflows import TITLES, workflow_of
 
@@ -80,11 +81,8 @@ def check(study: Path) -> None:
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
-    asked = [workflow_of(each) for each in TITLES if each != "run" and read.root.get(each) is not None]
-    for workflow in asked:
-        workflow.check(read)
-    plan = expand(read)
-    plans = {workflow.name: workflow.plan(read) for workflow in asked}
+    asked = [workflow_of(each)(read) for each in TITLES if each == "run" or read.root.get(each) is not None]
+    plan, *_ = [each.plan for each in asked]
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
     factors = [
@@ -95,29 +93,22 @@ def check(study: Path) -> None:
     ]
     rows = counted(math.prod(plan.shape), "row")
     click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} from {counted(len(plan), 'scene')}")
-    click.echo("\n".join([*_lines(plan), *_questions(read, plans), "times      (on one core)"]))
+    click.echo("\n".join([*_lines(plan), *_questions(asked[1:]), "times      (on one core)"]))
     from pounding_cli.batch.forecast import expected
     from pounding_cli.solver import solve  # here, so that what stands above need not wait for numba
 
     solve.say = lambda text: click.echo(text, err=True)
-    for command, each in {"run": plan, **plans}.items():
-        seconds, timed = expected(each)
-        most = " at most" if "at most" in workflow_of(command).extent(read) else ""
+    for each in asked:
+        seconds, timed = expected(each.plan)
+        most = " at most" if "at most" in each.extent else ""
         click.echo(
-            f"  pound {command:<12}{most} about {time_text(seconds)}, timed by {counted(timed, 'scene')} of them"
+            f"  pound {each.name:<12}{most} about {time_text(seconds)}, timed by {counted(timed, 'scene')} of them"
         )
 
 
-def _questions(study: Study, plans: dict[str, Plan]) -> list[str]:
-    """What the sections of a study ask, with the scenes that each question begins with.
-
-    plans : command -> what is known before anything is solved
-    """
-    from pounding_cli.workflows import workflow_of
-
-    lines = []
-    for name, plan in plans.items():
-        lines.append(f"  pound {name:<12} {workflow_of(name).extent(study)} {counted(len(plan), 'scene')}")
+def _questions(asked: Sequence[Workflow]) -> list[str]:
+    """What the sections of a study ask, with the scenes that each question begins with."""
+    lines = [f"  pound {each.name:<12} {each.extent} {counted(len(each.plan), 'scene')}" for each in asked]
     return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
 
 

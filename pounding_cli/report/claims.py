@@ -20,7 +20,7 @@ from pounding_cli.report.table import NOTHING, digits, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import DONE
 from pounding_cli.texts import cells, write_markdown
-from pounding_cli.workflows.sensitivity import Question, Series
+from pounding_cli.workflows.sensitivity import Sensitivity, Series
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -271,7 +271,7 @@ def judged(results: Results) -> pd.DataFrame:
     return pd.concat(parts[1:] or parts)
 
 
-def at_samples(plan: Plan, data: xr.Dataset, question: Question) -> Iterator[Series]:
+def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
     """Whether every claim holds (1 or 0), and whether at least a part of it does, at every sample of `pound
     sensitivity`; NaN of a sample with a scene that failed, and where nothing tests the claim."""
     axes = tuple(axis.names[0] for axis in plan.axes)  # the samples are the last one

@@ -22,8 +22,8 @@ from pounding_cli.report.table import NOTHING, digits, from_records, interval, p
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.study.file import parse
 from pounding_cli.workflows.curves import FEWEST_TOLD
-from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, GB50011, LINE, REQUIRED
-from pounding_cli.workflows.hazard import RATE, YEARS
+from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, GB50011, LINE, RATE, REQUIRED
+from pounding_cli.workflows.hazard import YEARS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results

@@ -22,9 +22,9 @@ TITLES = {
 """Every question, by the name of its command, with its line in `pound --help`."""
 
 
-def workflow_of(name: str) -> Workflow:
-    """A question by its name.  Raises InputError: there is none."""
+def workflow_of(name: str) -> type[Workflow]:
+    """The class of a question by its name.  Raises InputError: there is none."""
     if name not in TITLES:
         raise InputError(Problem(f"there is no workflow {name}", f"write one of {', '.join(TITLES)}"))
     module = "workflow" if name == "run" else name
-    return importlib.import_module(f"pounding_cli.workflows.{module}").ASKED
+    return getattr(importlib.import_module(f"pounding_cli.workflows.{module}"), name.capitalize())

@@ -22,10 +22,12 @@ Chapman & Hall, ch. 13). The motion is what is drawn, with all its observations:
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr
+
+from pounding_cli.study.questions import FragilitySpec
 
 MOST_SPREAD = 10.0
 """A curve with a larger logarithmic spread is told from no trend by chance alone [-]; buildings have 0.2 to 1."""
@@ -92,6 +94,16 @@ def interval(values: np.ndarray, confidence: float, motions: float) -> tuple:
     ends = 0.5 - confidence / 2, 0.5 + confidence / 2
     low, high = np.quantile(values, ends, axis=0, method="inverted_cdf")
     return low, high
+
+
+def with_interval(name: str, values: np.ndarray, confidence: float, motions: float, end: str = "") -> dict[str, Any]:
+    """Columns of a number and of both ends of its interval.
+
+    values : of the motions as they are first, then of their draws
+    end : of the names of the columns
+    """
+    low, high = interval(values[1:], confidence, motions)
+    return {f"{name}{end}": values[0], f"{name}_low{end}": low, f"{name}_high{end}": high}
 
 
 # Brackets of capacities
@@ -222,3 +234,90 @@ def fit_lines(intensity: np.ndarray, demand: np.ndarray, weights: np.ndarray) ->
         median = np.exp((slope * mean_x - mean_y) / rise)
     outcome = np.where(spread <= 1e-12, Outcome.SEPARATED, Outcome.FITTED)
     return _flattened(Fits(outcome, median, spread, _share(weights, y > 0)), ~rises | (spread > MOST_SPREAD))
+
+
+# What the motions say; intensities `x` and demands over limit have the shape (motions, levels)
+
+UNDECIDED = float("-inf")
+"""Demand over limit of a scene that a collapse ended before the limit was passed: the whole motion might have passed
+it or not."""
+
+
+class Brackets(NamedTuple):
+    """What every motion says, each of shape (motions,).
+
+    held : highest intensity below the first pass at which it holds; 0: none
+    passed : that of the first pass; inf: none
+    is_open : whether a collapse leaves open if it passes above all at which it holds
+    undecided : its scenes that a collapse ended before the limit was passed
+    """
+
+    held: np.ndarray
+    passed: np.ndarray
+    is_open: np.ndarray
+    undecided: np.ndarray
+
+
+def brackets(x: np.ndarray, demand: np.ndarray) -> Brackets:
+    """What motions say by their demands: above 1 where the limit is passed, UNDECIDED or NaN."""
+    passed = np.where(demand > 1, x, np.inf).min(axis=1)
+    holds, lost = (demand <= 1) & (demand != UNDECIDED), demand == UNDECIDED
+    held = np.where(holds & (x < passed[:, None]), x, 0.0).max(axis=1)
+    is_open = (np.where(lost, x, 0.0).max(axis=1) > held) & (passed == np.inf)
+    return Brackets(held, passed, is_open, lost.sum(axis=1))
+
+
+def curve_of(
+    x: np.ndarray, demand: np.ndarray, there: np.ndarray, times: np.ndarray, spec: FragilitySpec
+) -> tuple[dict[str, Any], Fits]:
+    """The columns of one curve, and its fits: of the curve first, then of its draws.
+
+    there : whether a scene was asked for; times : `draws_of` the motions
+    """
+    method, said, motions = spec.method, brackets(x, demand), len(x)
+    is_open, lost, drawn = said.is_open, demand == UNDECIDED, motions
+    if method == "cloud":  # intensities and demands
+        one, other, is_told = x, demand, np.isfinite(demand) & (demand > 0)
+    else:  # both ends of brackets, of `ida` one a motion and of `stripes` one for every scene
+        one, other = np.where((demand <= 1) & ~lost, x, 0.0), np.where(demand > 1, x, np.inf)
+        if method == "ida":
+            one, other = said.held, said.passed
+        is_told = (one > 0) | (other < np.inf)
+    one, other, motion = one[is_told], other[is_told], np.nonzero(is_told)[0]
+    if method == "cloud":
+        fits, told = fit_lines(one, other, times[:, motion]), np.unique(motion).size
+        is_few = told < FEWEST or 2 * told <= motions or float(np.ptp(np.log(one))) <= 1e-12
+        is_open = lost.any(axis=1) & ~np.isin(np.arange(motions), motion)
+        lost = ~np.isnan(demand) & ~is_told
+        if 2 * told > motions > 2 * is_open.sum():
+            drawn = told
+    else:
+        fits, ends = fit_brackets(one, other, times[:, motion]), np.unique(np.concatenate([one, other]))
+        is_few = motions < 2 or not one.size
+        is_few = is_few or (fits.outcome[0] == Outcome.SEPARATED and ((ends > 0) & (ends < np.inf)).sum() < 2)
+    outcome = Outcome.FEW if is_few else Outcome(fits.outcome[0])
+    low, high = 0.0, np.inf
+    if 2 * is_open.sum() >= motions:  # between these half of them pass, whatever the undecided ones would do
+        outcome = Outcome.UNDECIDED
+        if method != "cloud":
+            low, high = np.sort(said.held)[(motions - 1) // 2], np.sort(said.passed)[motions // 2]
+    elif outcome is Outcome.FITTED or (method == "cloud" and outcome is Outcome.SEPARATED):
+        low = high = fits.median[0]
+    elif outcome is not Outcome.FLAT and method != "cloud":  # where some hold and some pass, it may lie on either side
+        low = one[one < other.min(initial=np.inf)].max(initial=0.0)
+        high = other[other > one.max(initial=0.0)].min(initial=np.inf)
+    row: dict[str, Any] = {
+        "outcome": str(outcome),
+        "low": low,
+        "high": high,
+        "motions": drawn,
+        "scenes": there.sum(),
+        "failed": (there & np.isnan(demand)).sum(),
+        "undecided": lost.sum(),
+        "undecided_motions": is_open.sum(),
+    }
+    if outcome is Outcome.FITTED:
+        for name in ("median", "spread"):
+            row |= with_interval(name, getattr(fits, name), spec.confidence, drawn)
+        row["unfitted"] = (fits.outcome[1:] != Outcome.FITTED).sum()
+    return row, fits

@@ -4,24 +4,31 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from pounding_cli.model.links import LinkPlace, columns_struck, ends_on_columns, link_places
+from pounding_cli.numbers import Unit
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Target
-from pounding_cli.workflows.curves import FEWEST, Fits, Outcome, draws_of, fit_brackets, fit_lines, interval
-from pounding_cli.workflows.fragility_question import (
-    Question,
-    intensities,
-    intensity_unit,
-    question_of,
-    takes_blow,
+from pounding_cli.study.build import places
+from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
+from pounding_cli.study.file import Problems, get, nearest
+from pounding_cli.study.questions import FragilitySpec, Measure
+from pounding_cli.study.study import Point
+from pounding_cli.workflows.curves import UNDECIDED, Fits, brackets, curve_of, draws_of, with_interval
+from pounding_cli.workflows.hazard import (
+    INTENSITY_KEYS,
+    SWEEP,
+    Hazard,
+    hazard_of,
+    intensity_axis,
+    measured,
+    probability,
 )
-from pounding_cli.workflows.hazard import Hazard, probability
-from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, swept, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, refuse_histories, swept, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -37,10 +44,6 @@ LINKED, ALONE = "", "0"
 POINTS_OF_CURVE, STRIPS = 200, 40
 """Intensities at which a curve is told, and ranges of intensities whose contributions to a rate are."""
 
-UNDECIDED = float("-inf")
-"""Demand over limit of a scene that a collapse ended before the limit was passed: the whole motion might have passed
-it or not."""
-
 _OVERSHOOT = 1.1
 """By how much the first step beyond a capacity aims too high: a bracket from above is worth more than another below."""
 
@@ -53,42 +56,13 @@ _STEP_UNDECIDED = 2.0
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """What a limit looks at, as responses call it."""
 
-
-class Fragility(Workflow):
-    """How likely every limit is passed at an intensity, alone and with pounding."""
-
-    name = "fragility"
-
-    def check(self, study: Study) -> Question:
-        """What a study asks.  Raises InputError, see `question_of`."""
-        return question_of(study)
-
-    def plan(self, study: Study) -> Plan:
-        """The scenes of every motion at every intensity, of which `ida` solves some."""
-        self.check(study)
-        return dataclasses.replace(expand(study), workflow="fragility")
-
-    def extent(self, study: Study) -> str:
-        """Of `ida` the results decide which scenes are solved."""
-        return "has at most" if study.model.fragility.method == "ida" else "has"
-
-    def run(self, study: Study, solver: Solver) -> Found:
-        """The curves, what every motion said and, with a hazard curve, annual rates."""
-        question, plan = question_of(study), self.plan(study)
-        places = list(_places(plan, question))
-        asked = _hunted(plan, question, places, solver) if question.spec.method == "ida" else np.arange(len(plan))
-        solved = solver.responses(plan, asked)
-        return Found(plan, solver.dataset(plan, asked), _tables(plan, question, places, solved))
+_CANNOT = {
+    COLLAPSE: "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`",
+    SHEAR_DEMAND: "write `columns:` in a building that yields; `pound check` lists where slabs strike columns",
+}
 
 
-ASKED = Fragility()
-
-
-# Which scenes are solved
-
-
-@dataclass(frozen=True, eq=False)
-class Place:
+class Place(NamedTuple):
     """Where a curve with pounding and that of the building alone stand.
 
     number : of the point of the sweep, the intensity set aside; point : its index on every axis, 0 on the intensity's
@@ -98,22 +72,154 @@ class Place:
     """
 
     number: int
-    point: tuple[int, ...]
+    point: Point
     case: int
     analysis: int
     target: Target
     scenes: dict[str, np.ndarray]
 
-    def demand(self, plan: Plan, solved: Solved, suffix: str) -> np.ndarray:
+
+class Fragility(Workflow):
+    """How likely every limit is passed at an intensity, alone and with pounding.
+
+    Raises InputError: no limit, one that concerns no building of the group, an intensity that is not swept.
+
+    axis : number of the swept axis that varies the intensity; None of a cloud without one
+    swept : the measure that it varies; "" without one
+    measure : the intensity measure of the curves; `swept` unless another is wanted
+    targets : what the curves are about, in the order of the limits
+    hazard : how often a year an intensity is exceeded; None where nothing is asked of it
+    """
+
+    name = "fragility"
+
+    def __init__(self, study: Study) -> None:
+        super().__init__(study)
+        self.spec: FragilitySpec = study.model.fragility
+        spec, problems, root = self.spec, Problems(study.file), study.root
+        if spec.method == "ida":  # the results decide which scenes are solved
+            self.extent = "has at most"
+            refuse_histories(study, "the scenes that `pound fragility` chooses", problems)
+        if not spec.limits:
+            hint = "write e.g. `fragility: {limits: [mu > 4]}`"
+            problems.at(root, ("fragility",), "the study has no limit, whose fragility could be sought", hint, key=True)
+        is_list = isinstance(get(root, "fragility", "limits"), list)
+        self.targets = list[Target]()
+        for number, limit in enumerate(spec.limits):
+            path = ("fragility", "limits", number) if is_list else ("fragility", "limits")
+            for target in _targets(study, limit, path, problems):
+                if target in self.targets:
+                    problems.at(root, path, f"the limit '{limit}' occurs twice", "remove one of the two")
+                self.targets.append(target)
+        is_said = get(root, "fragility", "intensity") is not None
+        said = ("fragility", "intensity") if is_said else ("fragility",)
+        is_cloud = spec.method == "cloud"
+        self.axis = intensity_axis(study.axes, root, problems, least=1 if is_cloud else 2)
+        self.swept = "" if self.axis is None else INTENSITY_KEYS.get(study.axes[self.axis].names[0], "")
+        if self.axis is None and not is_cloud:
+            hint = f"{SWEEP}, or `method: cloud` for motions as they are"
+            problems.at(root, said, "the intensity is not swept", hint, key=not is_said)
+        self.measure = spec.intensity or Measure(self.swept or "pga")
+        if self.measure == Measure("sa") and self.swept != "sa" and (self.axis is not None or is_cloud):
+            problems.at(root, said, "sa is not swept and has no period", "write e.g. `intensity: sa(0.5 s)`")
+        problems.check()
+        self.hazard = hazard_of(study, "fragility", self.measure)
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The scenes of every motion at every intensity, of which `ida` solves some."""
+        return dataclasses.replace(expand(self.study), workflow="fragility")
+
+    @property
+    def levels(self) -> np.ndarray:
+        """The swept intensities, rising; 1 of motions as they are."""
+        values = [(1.0,)] if self.axis is None else self.plan.axes[self.axis].values
+        return np.sort([float(value) for (value,) in values])
+
+    @cached_property
+    def points(self) -> list[Point]:
+        """The points of the sweep, the intensity set aside: index on every axis, 0 on the intensity's."""
+        axes = enumerate(self.plan.axes)
+        return list(np.ndindex(*(1 if number == self.axis else len(axis) for number, axis in axes)))
+
+    @cached_property
+    def intensities(self) -> np.ndarray:
+        """The intensity of every motion at every level, rising, in SI; shape (points, motions, levels).
+
+        Every way to scale is in proportion to its value, so a motion is measured once.
+        """
+        plan, study, known = self.plan, self.study, dict[Point, list[float]]()
+        found = np.broadcast_to(self.levels, (len(self.points), len(plan.records), self.levels.size))
+        if self.measure == Measure(self.swept):
+            return found
+        keys = [study.key(point, ("records",)) for point in self.points]
+        for key, point in zip(keys, self.points, strict=True):
+            if key not in known:
+                used = study.motions(point)
+                known[key] = [measured(used[name], self.measure) for name in plan.records]
+        first = 1.0 if self.axis is None else float(plan.axes[self.axis].values[0][0])  # where they were measured
+        return np.array([known[key] for key in keys])[..., None] * found / first
+
+    @property
+    def unit(self) -> Unit:
+        """The unit that people read intensities in."""
+        name = self.measure.name
+        if self.axis is not None and name == self.swept:
+            return self.plan.axes[self.axis].units[0]
+        return {"factor": Unit(), "pgv": Unit("m/s", 1.0, "m/s")}.get(name) or self.study.unit("acceleration")
+
+    def run(self, solver: Solver) -> Found:
+        """The curves, what every motion said and, with a hazard curve, annual rates."""
+        places = list(self._places())
+        asked = self._hunted(places, solver) if self.spec.method == "ida" else np.arange(len(self.plan))
+        solved = solver.responses(self.plan, asked)
+        return Found(self.plan, solver.dataset(self.plan, asked), self._tables(places, solved))
+
+    # Which scenes are solved
+
+    def _places(self) -> Iterator[Place]:
+        """Every curve with its scenes."""
+        plan, numbers = self.plan, self.plan.numbers[..., None, :]
+        if self.axis is not None:
+            order = np.argsort([float(value) for (value,) in plan.axes[self.axis].values])
+            numbers = np.moveaxis(np.take(plan.numbers, order, self.axis), self.axis, -2)
+        numbers = numbers.reshape(-1, *numbers.shape[-5:])  # points, cases, analyses, motions, levels, 1 + buildings
+        for number, case, analysis in np.ndindex(numbers.shape[:3]):
+            for target in self.targets:
+                here = numbers[number, case, analysis]
+                scenes = {LINKED: here[..., 0]}
+                if target.limit.quantity not in TAKES_NEIGHBOUR:
+                    scenes[ALONE] = here[..., 1 + target.building]
+                yield Place(number, self.points[number], case, analysis, target, scenes)
+
+    def _hunted(self, places: Sequence[Place], solver: Solver) -> np.ndarray:
+        """Incremental dynamic analysis: the scenes that bracket where every motion passes each limit (`next_levels`).
+
+        The next intensities of all motions are solved together, so that workers are busy.
+        """
+        asked = new = np.unique([scenes[:, 0] for place in places for scenes in place.scenes.values()])
+        while new.size:
+            solved, wanted = solver.responses(self.plan, asked), set[int]()
+            for place in places:
+                for end, scenes in place.scenes.items():
+                    is_seen, demand = np.isin(scenes, asked), self._demand(place, solved, end)
+                    for motion in np.flatnonzero(np.isin(scenes, new).any(axis=1)):
+                        seen = {int(level): float(demand[motion, level]) for level in np.flatnonzero(is_seen[motion])}
+                        wanted |= {int(scenes[motion, k]) for k in next_levels(self.levels, seen, self.spec.fill)}
+            new = np.array(sorted(wanted), int)
+            asked = np.union1d(asked, new)
+        return asked
+
+    def _demand(self, at: Place, solved: Solved, end: str) -> np.ndarray:
         """Demand over limit [-], above 1 where the limit is passed; inf where a collapse ended the scene after that,
         UNDECIDED where it did before; NaN where the scene failed or was not asked for; shape (motions, levels).
 
         Passed are limits that were passed before a scene ended, the collapse itself, and limits on the drift or the
         ductility of the storey that collapsed: its drift has no bound.
         """
-        limit, values, scenes = self.target.limit, solved.values, self.scenes[suffix]
-        place = 0 if suffix == ALONE else self.target.building
-        reached = self._reached(plan, solved, scenes, place)
+        limit, values, scenes = at.target.limit, solved.values, at.scenes[end]
+        place = 0 if end == ALONE else at.target.building
+        reached = self._reached(at, solved, scenes, place)
         storey = np.nan_to_num(values["collapse_storey"][scenes]).astype(int)
         own = np.where(values["collapse_building"][scenes] == place, storey, 0)
         falls = own > 0 if limit.quantity == COLLAPSE or not limit.level else own == limit.level
@@ -121,66 +227,138 @@ class Place:
         demand = np.where(storey > 0, np.where(passed, np.inf, UNDECIDED), reached)
         return np.where(solved.ended[scenes], demand, np.nan)
 
-    def _reached(self, plan: Plan, solved: Solved, scenes: np.ndarray, place: int) -> np.ndarray:
+    def _reached(self, at: Place, solved: Solved, scenes: np.ndarray, place: int) -> np.ndarray:
         """Demand over limit by the largest values of scenes, whatever ended them; 0 of collapse."""
-        limit, values, links = self.target.limit, solved.values, plan.links
-        building = plan.study.building(self.point, self.target.building)
-        there = links.kind[(*self.point, self.case)] != ""
-        if limit.quantity in ("mu", "drift", "acceleration"):
+        limit, values, links = at.target.limit, solved.values, self.plan.links
+        building = self.study.building(at.point, at.target.building)
+        there = links.kind[(*at.point, at.case)] != ""
+        if limit.quantity in _PEAKS:
             peaks = values[_PEAKS[limit.quantity]][scenes, place, : building.storeys]
             parts = peaks / (limit.value * building.height if limit.of_height else limit.value)
             return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
         if limit.quantity == CONTACT:
-            mine = [k for k, each in enumerate(links.places) if there[k] and each[0] == self.target.building]
-            gap, closing = links.gap[(*self.point, self.case)][mine], values["link.max_closing"][scenes][..., mine]
-            at_once = np.where(closing > 0, np.inf, np.where(np.isnan(closing), np.nan, 0.0))  # floors in touch
-            parts = np.divide(closing, gap, out=at_once, where=np.broadcast_to(gap > 0, closing.shape))
+            mine = [k for k, each in enumerate(links.places) if there[k] and each[0] == at.target.building]
+            gap, closing = links.gap[(*at.point, at.case)][mine], values["link.max_closing"][scenes][..., mine]
+            with np.errstate(divide="ignore", invalid="ignore"):  # floors in touch
+                parts = np.where(closing == 0, 0.0, closing / gap)
         elif limit.quantity == SHEAR_DEMAND:
-            strikes = [takes_blow(self.target, each, building.yield_shear) for each in links.places]
+            strikes = [_takes_blow(at.target, each, building.yield_shear) for each in links.places]
             mine = np.flatnonzero(there & strikes).tolist()
             parts = values["columns.demand"][scenes][..., mine] / limit.value
         else:
             mine = []
         return np.fmax.reduce(parts, axis=-1) if mine else np.zeros(scenes.shape)
 
+    # The tables
 
-def _places(plan: Plan, question: Question) -> Iterator[Place]:
-    """Every curve with its scenes."""
-    numbers, sizes = plan.numbers[..., None, :], [len(axis.values) for axis in plan.axes]
-    if question.axis is not None:
-        order = np.argsort([float(value) for (value,) in plan.axes[question.axis].values])
-        numbers = np.moveaxis(np.take(plan.numbers, order, question.axis), question.axis, -2)
-        sizes[question.axis] = 1
-    numbers = numbers.reshape(-1, *numbers.shape[-5:])  # points, cases, analyses, motions, levels, 1 + buildings
-    points = list(np.ndindex(*sizes))
-    for number, case, analysis in np.ndindex(numbers.shape[:3]):
-        for target in question.targets:
-            here = numbers[number, case, analysis]
-            scenes = {LINKED: here[..., 0]}
-            if target.limit.quantity not in TAKES_NEIGHBOUR:
-                scenes[ALONE] = here[..., 1 + target.building]
-            yield Place(number, points[number], case, analysis, target, scenes)
-
-
-def _hunted(plan: Plan, question: Question, places: Sequence[Place], solver: Solver) -> np.ndarray:
-    """Incremental dynamic analysis: the scenes that bracket where every motion passes each limit (`next_levels`).
-
-    The next intensities of all motions are solved together, so that workers are busy.
-    """
-    assert question.axis is not None  # of `ida`
-    levels = np.sort([float(value) for (value,) in plan.axes[question.axis].values])
-    asked = new = np.unique([scenes[:, 0] for place in places for scenes in place.scenes.values()])
-    while new.size:
-        solved, wanted = solver.responses(plan, asked), set[int]()
+    def _tables(self, places: Sequence[Place], solved: Solved) -> list[Table]:
+        """The tables of curves, of motions, of points and, with a hazard curve, of rates and contributions."""
+        spec, hazard, tables = self.spec, self.hazard, list[Table]()
+        times, records = draws_of(len(self.plan.records), spec.draws), np.array(self.plan.records, object)
+        parts: dict[str, list[pd.DataFrame]] = {name: [] for name in _columns(spec.method)}
         for place in places:
-            for suffix, scenes in place.scenes.items():
-                is_seen, demand = np.isin(scenes, asked), place.demand(plan, solved, suffix)
-                for motion in np.flatnonzero(np.isin(scenes, new).any(axis=1)):
-                    seen = {int(level): float(demand[motion, level]) for level in np.flatnonzero(is_seen[motion])}
-                    wanted |= {int(scenes[motion, level]) for level in next_levels(levels, seen, question.spec.fill)}
-        new = np.array(sorted(wanted), int)
-        asked = np.union1d(asked, new)
-    return asked
+            x, fitted, top = self.intensities[place.number], Curves(), 0.0
+            row, said = dict[str, Any](), dict[str, Any](record=records)
+            if spec.method != "ida":
+                said = {"record": np.repeat(records, x.shape[1]), "intensity": x.ravel()}
+            for end, scenes in place.scenes.items():
+                demand = self._demand(place, solved, end)
+                own, fits = curve_of(x, demand, solved.there[scenes], times, spec)
+                row |= {name + end: value for name, value in own.items()}
+                if "median" in own:
+                    fitted[end] = own["motions"], fits
+                each, is_lost = brackets(x, demand), demand == UNDECIDED
+                top = max(top, np.where(each.passed < np.inf, each.passed, each.held).max())
+                if spec.method == "ida":
+                    said |= {f"held{end}": each.held, f"passed{end}": each.passed, f"undecided{end}": each.undecided}
+                else:
+                    known = np.where(is_lost, np.nan, demand)
+                    said |= {f"demand{end}": known.ravel(), f"undecided{end}": is_lost.ravel()}
+            if len(fitted) == 2:
+                row |= _ratio("ratio", [fits.median for _, fits in fitted.values()], fitted, spec.confidence)
+            parts[CURVES].append(pd.DataFrame([row]))
+            parts[MOTIONS].append(pd.DataFrame(said))
+            parts[POINTS].append(_points(fitted, top, spec.confidence))
+            if hazard is not None:
+                parts[RATES].append(pd.DataFrame([_rates(hazard, fitted, spec.confidence)]))
+                parts[CONTRIBUTIONS].append(_contributions(hazard, fitted))
+        where = self._where(places)
+        for name, columns in _columns(spec.method).items():
+            if not parts[name]:
+                continue
+            at = where.loc[np.repeat(where.index, [len(each) for each in parts[name]])].reset_index(drop=True)
+            frame = pd.concat(parts[name], ignore_index=True).reindex(columns=columns)
+            texts = [column for column in columns if column == "record" or column.startswith("outcome")]
+            frame = frame.astype({column: object if column in texts else float for column in columns})
+            frame = frame.fillna(dict.fromkeys(texts, ""))
+            shown = [column for column in columns if columns_of(CURVES).get(_bare(column), ("",))[0] == "*"]
+            units = dict.fromkeys(shown, self.unit)
+            tables.append(tabled(name, at.join(frame), self.plan.axes, units, self.unit.si))
+        return tables
+
+    def _where(self, places: Sequence[Place]) -> pd.DataFrame:
+        """Where curves stand: the swept values but the intensity, case, analysis, limit and building."""
+        plan, others = self.plan, [number for number in range(len(self.plan.axes)) if number != self.axis]
+        found = swept([plan.axes[number] for number in others], [[each.point[n] for n in others] for each in places])
+        found["case"] = [plan.cases[each.case] for each in places]
+        found["analysis"] = [plan.analyses[each.analysis] for each in places]
+        found["limit"] = [str(each.target.limit) for each in places]
+        found["building"] = [each.target.label(plan.buildings) for each in places]
+        return found
+
+
+# Limits
+
+
+def _targets(study: Study, limit: Limit, path: tuple[str | int, ...], problems: Problems) -> list[Target]:
+    """The buildings, or pairs, that a limit concerns; what is wrong with it is noted."""
+    group, names = study.model.group, places(study.model.group)
+    if limit.quantity == CONTACT:
+        return [Target(limit, left) for left in range(len(names) - 1)]
+    first, wanted = (0,) * len(study.axes), limit.building
+    mine = [place for place, name in enumerate(names) if not wanted or wanted in (name, group[place])]
+    storeys = {place: study.building(first, place).storeys for place in mine}
+    found = [Target(limit, place) for place in mine if storeys[place] >= limit.level]
+    able = {COLLAPSE: _can_collapse, SHEAR_DEMAND: _can_be_struck}.get(limit.quantity)
+    if not mine:
+        what = f"'{limit}': no building '{wanted}' in the group"
+        problems.at(study.root, path, what, nearest(wanted, dict.fromkeys((*names, *group))))
+    elif not found:
+        most = max(storeys.values())
+        problems.at(study.root, path, f"'{limit}': the highest is {most}", f"write a number from 1 to {most}")
+    elif able is not None:
+        points = list(np.ndindex(*(len(axis.values) for axis in study.axes)))
+        found = [target for target in found if any(able(study, target, at) for at in points)]
+        if not found:
+            problems.at(study.root, path, f"'{limit}': no storey there can pass it", _CANNOT[limit.quantity])
+    return found
+
+
+def _can_collapse(study: Study, target: Target, at: Point) -> bool:
+    return bool(np.isfinite(study.building(at, target.building).collapse_drift).any())
+
+
+def _can_be_struck(study: Study, target: Target, at: Point) -> bool:
+    """Whether a slab strikes columns of the building in any case."""
+    yield_shear = study.building(at, target.building).yield_shear
+    links = (place for case in study.model.cases for place in link_places(study.links(at, case) or ()))
+    return any(_takes_blow(target, place, yield_shear) for place in links)
+
+
+def _takes_blow(target: Target, place: LinkPlace, yield_shear: np.ndarray) -> bool:
+    """Whether a link strikes columns of the target's building, of its only storey if the limit names one; not those of
+    storeys that cannot yield: nothing says what they can carry.
+
+    yield_shear : of the building's storeys [N], shape (storeys,)
+    """
+    if not ends_on_columns(place):
+        return False
+    building, storey = columns_struck(place)
+    is_meant = building == target.building and target.limit.level in (0, storey)
+    return bool(is_meant and yield_shear[storey - 1] < np.inf)
+
+
+# The hunt of one motion
 
 
 def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> set[int]:
@@ -218,167 +396,70 @@ def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> 
     return {min(between, key=lambda level: (abs(level - wanted), level))} if between else set()
 
 
-# What the motions say; intensities `x` and demands over limit have the shape (motions, levels)
+# The curves
 
 
-class Brackets(NamedTuple):
-    """What every motion says, each of shape (motions,).
-
-    held : highest intensity below the first pass at which it holds; 0: none
-    passed : that of the first pass; inf: none
-    is_open : whether a collapse leaves open if it passes above all at which it holds
-    undecided : its scenes that a collapse ended before the limit was passed
-    """
-
-    held: np.ndarray
-    passed: np.ndarray
-    is_open: np.ndarray
-    undecided: np.ndarray
+Curves = dict[str, tuple[int, Fits]]
+"""By LINKED and ALONE, where there is a curve, its motions and its fits."""
 
 
-def brackets(x: np.ndarray, demand: np.ndarray) -> Brackets:
-    """What motions say by their demands: above 1 where the limit is passed, UNDECIDED or NaN."""
-    passed = np.where(demand > 1, x, np.inf).min(axis=1)
-    holds, lost = (demand <= 1) & (demand != UNDECIDED), demand == UNDECIDED
-    held = np.where(holds & (x < passed[:, None]), x, 0.0).max(axis=1)
-    is_open = (np.where(lost, x, 0.0).max(axis=1) > held) & (passed == np.inf)
-    return Brackets(held, passed, is_open, lost.sum(axis=1))
-
-
-def _observed(x: np.ndarray, demand: np.ndarray, method: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Both ends of brackets, of `ida` one a motion and of `stripes` one for every scene, or the intensities and demands
-    of a cloud; and the motion of each."""
-    if method == "cloud":
-        one, other = x, demand
-        is_told = np.isfinite(demand) & (demand > 0)
-    else:
-        one, other = np.where((demand <= 1) & (demand != UNDECIDED), x, 0.0), np.where(demand > 1, x, np.inf)
-        if method == "ida":
-            one, other = brackets(x, demand)[:2]
-        is_told = (one > 0) | (other < np.inf)
-    return one[is_told], other[is_told], np.nonzero(is_told)[0]
-
-
-def _curve(
-    x: np.ndarray, demand: np.ndarray, there: np.ndarray, question: Question, times: np.ndarray
-) -> tuple[dict[str, Any], Fits]:
-    """The columns of one curve, and its fits: of the curve first, then of its draws.
-
-    there : whether a scene was asked for; times : `draws_of` the motions
-    """
-    method, said, motions = question.spec.method, brackets(x, demand), len(x)
-    one, other, motion = _observed(x, demand, method)
-    is_open, lost, drawn = said.is_open, demand == UNDECIDED, np.unique(motion).size
-    if method == "cloud":
-        fits, is_few = fit_lines(one, other, times[:, motion]), drawn < FEWEST or 2 * drawn <= motions
-        is_few = is_few or float(np.ptp(np.log(one))) <= 1e-12
-        is_open = lost.any(axis=1) & ~np.isin(np.arange(motions), motion)
-        lost = ~np.isnan(demand) & ~(np.isfinite(demand) & (demand > 0))
-    else:
-        fits, is_few = fit_brackets(one, other, times[:, motion]), motions < 2 or not one.size
-        ends = np.unique(np.concatenate([one, other]))
-        is_few = is_few or (fits.outcome[0] == Outcome.SEPARATED and ((ends > 0) & (ends < np.inf)).sum() < 2)
-    outcome = Outcome.FEW if is_few else Outcome(fits.outcome[0])
-    low, high = 0.0, np.inf
-    if 2 * is_open.sum() >= motions:  # between these half of them pass, whatever the undecided ones would do
-        outcome = Outcome.UNDECIDED
-        if method != "cloud":
-            low, high = np.sort(said.held)[(motions - 1) // 2], np.sort(said.passed)[motions // 2]
-    elif outcome is Outcome.FITTED or (method == "cloud" and outcome is Outcome.SEPARATED):
-        low = high = fits.median[0]
-    elif outcome is not Outcome.FLAT and method != "cloud":  # where some hold and some pass, it may lie on either side
-        low = one[one < other.min(initial=np.inf)].max(initial=0.0)
-        high = other[other > one.max(initial=0.0)].min(initial=np.inf)
-    row: dict[str, Any] = {
-        "outcome": str(outcome),
-        "low": low,
-        "high": high,
-        "motions": drawn if method == "cloud" and 2 * drawn > motions > 2 * is_open.sum() else motions,
-        "scenes": there.sum(),
-        "failed": (there & np.isnan(demand)).sum(),
-        "undecided": lost.sum(),
-        "undecided_motions": is_open.sum(),
-    }
-    if outcome is Outcome.FITTED:
-        for name in ("median", "spread"):
-            values = getattr(fits, name)
-            lower, upper = interval(values[1:], question.spec.confidence, row["motions"])
-            row |= {name: values[0], f"{name}_low": lower, f"{name}_high": upper}
-        row["unfitted"] = (fits.outcome[1:] != Outcome.FITTED).sum()
-    return row, fits
-
-
-Curves = dict[str, tuple[dict[str, Any], Fits]]
-"""By LINKED and ALONE the columns of a curve and its fits."""
-
-
-def _ratio(name: str, values: Sequence[np.ndarray], found: Curves, confidence: float) -> dict[str, float]:
+def _ratio(name: str, values: Sequence[np.ndarray], fitted: Curves, confidence: float) -> dict[str, float]:
     """The ratio of a number with pounding to that alone, and its interval over the same draws; a draw whose ratio has
     no value, both beyond the same end, is taken as 1."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio, *drawn = values[0] / values[1]
-    motions = min(row["motions"] for row, _ in found.values())
-    low, high = interval(np.where(np.isnan(drawn), 1.0, drawn), confidence, motions)
-    return {name: ratio, f"{name}_low": low, f"{name}_high": high}
+        ratio = values[0] / values[1]
+    ratio[1:] = np.where(np.isnan(ratio[1:]), 1.0, ratio[1:])
+    return with_interval(name, ratio, confidence, min(motions for motions, _ in fitted.values()))
 
 
-def _points(found: Curves, top: float, confidence: float) -> pd.DataFrame:
+def _points(fitted: Curves, top: float, confidence: float) -> pd.DataFrame:
     """Points of both curves with their bands, from above 0 to beyond nearly all of each, but not far beyond where
     motions pass; none where there is no curve.
 
     top : highest intensity at which a motion says something
     """
-    fitted = {end: fits for end, (row, fits) in found.items() if "median" in row}
     if not fitted:
         return pd.DataFrame()
-    median, spread = (np.array([getattr(fits, name)[0] for fits in fitted.values()]) for name in ("median", "spread"))
+    median, spread = np.array([(fits.median[0], fits.spread[0]) for _, fits in fitted.values()]).T
     right = np.minimum(median * np.exp(1.8 * spread), np.maximum(2 * top, 1.2 * median)).max()
     x = np.linspace(0.0, 1.1 * right, POINTS_OF_CURVE + 1)[1:]
     columns = {"intensity": x}
-    for end, fits in fitted.items():
-        passed, *drawn = fits.probability(x)
-        low, high = interval(np.array(drawn), confidence, found[end][0]["motions"])
-        columns |= {f"probability{end}": passed, f"probability_low{end}": low, f"probability_high{end}": high}
+    for end, (motions, fits) in fitted.items():
+        columns |= with_interval("probability", fits.probability(x), confidence, motions, end)
     return pd.DataFrame(columns)
 
 
-# Annual rates
-
-
-def _rates(hazard: Hazard, found: Curves, confidence: float) -> dict[str, float]:
+def _rates(hazard: Hazard, fitted: Curves, confidence: float) -> dict[str, float]:
     """Annual rates of a limit, their ratio, and their intervals; nothing where there is no curve."""
     row, rates = dict[str, float](), []
-    for end, (curve, fits) in found.items():
-        if "median" not in curve:
-            continue
+    for end, (motions, fits) in fitted.items():
         at_all = np.where(fits.share > 0, fits.share * hazard.rate(np.zeros(1)), 0.0)  # of draws without a trend
         rates.append(np.where(np.isinf(fits.spread), at_all, hazard.of_lognormal(fits.median, fits.spread)))
         rate = float(rates[-1][0])
-        low, high = interval(rates[-1][1:], confidence, curve["motions"])
         beyond = float(hazard.of_lognormal(fits.median[0], fits.spread[0], above=hazard.last))
-        row |= {f"rate{end}": rate, f"rate_low{end}": low, f"rate_high{end}": high}
+        row |= with_interval("rate", rates[-1], confidence, motions, end)
         row |= {f"probability{end}": probability(rate), f"beyond{end}": beyond / rate if rate > 0 else 0.0}
     if len(rates) == 2 and rates[1][0] > 0:
-        row |= _ratio("rate_ratio", rates, found, confidence)
+        row |= _ratio("rate_ratio", rates, fitted, confidence)
     return row
 
 
-def _contributions(hazard: Hazard, found: Curves) -> pd.DataFrame:
+def _contributions(hazard: Hazard, fitted: Curves) -> pd.DataFrame:
     """The rates that come from STRIPS ranges of intensities, equal in their logarithm; none where there is no curve."""
-    fitted = {end: (fits.median[0], fits.spread[0]) for end, (row, fits) in found.items() if "median" in row}
     if not fitted:
         return pd.DataFrame()
-    low = min(median * np.exp(-4 * spread) for median, spread in fitted.values())
-    high = max(2.5 * median * np.exp(3 * spread) for median, spread in fitted.values())
+    curves = {end: (fits.median[0], fits.spread[0]) for end, (_, fits) in fitted.items()}
+    low = min(median * np.exp(-4 * spread) for median, spread in curves.values())
+    high = max(2.5 * median * np.exp(3 * spread) for median, spread in curves.values())
     edges = np.geomspace(max(low, hazard.edges[0]), max(high, 2 * hazard.edges[0]), STRIPS + 1)
     columns = {"from": edges[:-1], "to": edges[1:]}
-    for end, (median, spread) in fitted.items():
+    for end, (median, spread) in curves.items():
         slope = np.full(STRIPS, 1 / spread)
         columns[f"rate{end}"] = hazard.contributions(edges, -slope * np.log(median), slope)
     return pd.DataFrame(columns)
 
 
-# The tables
+# Columns
 
 
 def _three(name: str) -> list[str]:
@@ -405,59 +486,6 @@ def _columns(method: str) -> dict[str, list[str]]:
     }
 
 
-def _tables(plan: Plan, question: Question, places: Sequence[Place], solved: Solved) -> list[Table]:
-    """The tables of curves, of motions, of points and, with a hazard curve, of rates and contributions."""
-    spec, hazard, measured = question.spec, question.hazard, intensities(plan, question)
-    times, records = draws_of(len(plan.records), spec.draws), np.array(plan.records, object)
-    parts: dict[str, list[pd.DataFrame]] = {name: [] for name in _columns(spec.method)}
-    for place in places:
-        x, found, top = measured[place.number], Curves(), 0.0
-        row, said = dict[str, Any](), dict[str, Any](record=records)
-        if spec.method != "ida":
-            said = {"record": np.repeat(records, x.shape[1]), "intensity": x.ravel()}
-        for end, scenes in place.scenes.items():
-            demand = place.demand(plan, solved, end)
-            found[end] = _curve(x, demand, solved.there[scenes], question, times)
-            row |= {name + end: value for name, value in found[end][0].items()}
-            each, is_lost = brackets(x, demand), demand == UNDECIDED
-            top = max(top, np.where(each.passed < np.inf, each.passed, each.held).max())
-            if spec.method == "ida":
-                said |= {f"held{end}": each.held, f"passed{end}": each.passed, f"undecided{end}": each.undecided}
-            else:
-                said |= {f"demand{end}": np.where(is_lost, np.nan, demand).ravel(), f"undecided{end}": is_lost.ravel()}
-        if "median" in row and "median0" in row:
-            row |= _ratio("ratio", [fits.median for _, fits in found.values()], found, spec.confidence)
-        parts[CURVES].append(pd.DataFrame([row]))
-        parts[MOTIONS].append(pd.DataFrame(said))
-        parts[POINTS].append(_points(found, top, spec.confidence))
-        if hazard is not None:
-            parts[RATES].append(pd.DataFrame([_rates(hazard, found, spec.confidence)]))
-            parts[CONTRIBUTIONS].append(_contributions(hazard, found))
-    where, unit, tables = _where(plan, question, places), intensity_unit(plan, question), []
-    for name, columns in _columns(spec.method).items():
-        if not parts[name]:
-            continue
-        at = where.loc[np.repeat(where.index, [len(each) for each in parts[name]])].reset_index(drop=True)
-        frame = pd.concat(parts[name], ignore_index=True).reindex(columns=columns)
-        texts = [column for column in columns if column == "record" or column.startswith("outcome")]
-        frame = frame.astype({column: object if column in texts else float for column in columns})
-        frame = frame.fillna(dict.fromkeys(texts, ""))
-        shown = [column for column in columns if columns_of(CURVES).get(_bare(column), ("",))[0] == "*"]
-        tables.append(tabled(name, at.join(frame), plan.axes, dict.fromkeys(shown, unit), unit.si))
-    return tables
-
-
 def _bare(column: str) -> str:
     """The name of a column without what tells its interval or the building alone."""
     return column.removesuffix(ALONE).removesuffix("_low").removesuffix("_high")
-
-
-def _where(plan: Plan, question: Question, places: Sequence[Place]) -> pd.DataFrame:
-    """Where curves stand: the swept values but the intensity, case, analysis, limit and building."""
-    others = [number for number in range(len(plan.axes)) if number != question.axis]
-    found = swept([plan.axes[number] for number in others], [[each.point[n] for n in others] for each in places])
-    found["case"] = [plan.cases[each.case] for each in places]
-    found["analysis"] = [plan.analyses[each.analysis] for each in places]
-    found["limit"] = [str(each.target.limit) for each in places]
-    found["building"] = [each.target.label(plan.buildings) for each in places]
-    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -31,11 +31,21 @@ from pounding_cli.model.wall import Wall
 from pounding_cli.results.solved import most_storeys
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import Axis
-from pounding_cli.study.file import Map
+from pounding_cli.study.file import Map, Problems
+from pounding_cli.study.motions import Pga, Pgv, Sa
+from pounding_cli.study.questions import GapSpec, Measure
 from pounding_cli.study.study import Point
-from pounding_cli.workflows.curves import FEWEST_TOLD
-from pounding_cli.workflows.hazard import hazard_of, intensity_of, of_rate
-from pounding_cli.workflows.workflow import Found, Table, Workflow, swept, tabled
+from pounding_cli.workflows.curves import FEWEST_TOLD, draws_of, with_interval
+from pounding_cli.workflows.hazard import (
+    INTENSITY_KEYS,
+    LEAST,
+    Hazard,
+    gaps_of,
+    hazard_of,
+    intensity_axis,
+    probability,
+)
+from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, swept, tabled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,8 +63,12 @@ GB50011 = "GB 50011-2010"
 CONFIDENCE = 0.90
 """Of the interval of a gap for a probability of contact [-]."""
 
-REQUIRED, CASES, LINE = "gap", "gap_cases", "property_line"
-"""Names of the tables: what floors that face require, the gaps of the cases, distances to a property line."""
+DRAWS = 300
+"""Draws of the bootstrap over the motions for the interval of a gap for a rate."""
+
+REQUIRED, CASES, LINE, RATE = "gap", "gap_cases", "property_line", "gap_rate"
+"""Names of the tables: what floors that face require, the gaps of the cases, distances to a property line, gaps for a
+rate of contact."""
 
 _BETWEEN = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
@@ -72,25 +86,49 @@ depend on the motions; NaN where it says nothing."""
 
 
 class Gap(Workflow):
-    """The required separations of all neighbours over the motions."""
+    """The required separations of all neighbours over the motions.
+
+    Raises InputError: a rate of contact without an intensity, or without its hazard curve.
+
+    apart : the study with nothing between its buildings, whose closings are the required separations; swept keys of
+        links are left out, those of buildings and motions stay
+    axis : number of its axis that varies the intensity; None of one intensity
+    levels : intensities [SI]; of a study that asks for a rate, as `hazard` and `axis`
+    hazard : how often a year an intensity is exceeded; None where no rate is asked for
+    """
 
     name = "gap"
 
-    def check(self, study: Study) -> None:
-        """A rate of contact takes an intensity and its hazard curve."""
-        if study.model.gap.rate is not None:
-            hazard_of(study, "gap", intensity_of(study)[1])
+    def __init__(self, study: Study) -> None:
+        super().__init__(study)
+        self.spec: GapSpec = study.model.gap
+        self.apart = _with_nothing_between(study)
+        self.axis, self.levels, self.hazard = None, np.zeros(0), None
+        if self.spec.rate is None:
+            return
+        problems, scale = Problems(study.file), study.model.records.scale
+        self.axis = intensity_axis(self.apart.axes, study.root, problems)
+        if self.axis is not None:
+            axis = self.apart.axes[self.axis]
+            measure, levels = Measure(INTENSITY_KEYS.get(axis.names[0], "pga")), [value for (value, *_) in axis.values]
+        elif isinstance(scale, Pga | Pgv | Sa):
+            name = type(scale).__name__.lower()
+            measure, levels = Measure(name, getattr(scale, "period", 0.0)), [getattr(scale, name)]
+        else:
+            hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
+            what = "a rate needs motions that are scaled to an intensity"
+            problems.at(study.root, ("gap", "rate"), what, hint, key=True)
+        problems.check()
+        self.levels, self.hazard = np.array(levels, float), hazard_of(study, "gap", measure)
 
-    def plan(self, study: Study) -> Plan:
-        """The scenes whose closings are the required separations: every motion and analysis, with nothing between the
-        buildings; swept keys of links are left out, those of buildings and motions stay."""
-        self.check(study)
-        apart = _with_nothing_between(study)
-        return dataclasses.replace(expand(apart, partial(_all_facing, apart)), workflow="gap")
+    @cached_property
+    def plan(self) -> Plan:
+        """The scenes of every motion and analysis, with nothing between the buildings."""
+        return dataclasses.replace(expand(self.apart, partial(_all_facing, self.apart)), workflow="gap")
 
-    def run(self, study: Study, solver: Solver) -> Found:
+    def run(self, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
-        plan = self.plan(study)
+        plan = self.plan
         data = solver.dataset(plan)
         separations = _separations(plan, _between_floors(plan, data))
         distances = _separations(plan, _to_lines(plan, data))
@@ -99,15 +137,36 @@ class Gap(Workflow):
             _of_cases(plan, separations),
             _required(plan, LINE, distances, ["building", "side", "floor", "height"]),
         ]
-        if study.model.gap.rate is not None:
-            exact = separations[separations["rule"] == EXACT]
-            keys = ["point", "analysis", "number", "motion"]
-            worst = exact.groupby(keys, observed=True)["value"].agg(lambda each: each.max(skipna=False)).reset_index()
-            tables.append(of_rate(plan, worst, CONFIDENCE))
+        if self.hazard is not None:
+            tables.append(self._of_rate(self.hazard, separations[separations["rule"] == EXACT]))
         return Found(plan, data, tables)
 
+    def _of_rate(self, hazard: Hazard, exact: pd.DataFrame) -> Table:
+        """The gap for the rate that the study allows: a row for every point of the other axes, analysis and pair.
 
-ASKED = Gap()
+        exact : the separations, of which the largest over the floors of a pair counts; NaN of a scene that failed
+        """
+        plan, rate, points = self.plan, self.spec.rate, _points(self.plan)
+        assert rate is not None  # that is where the hazard comes from
+        keys = ["point", "analysis", "number", "motion"]
+        worst = exact.groupby(keys, observed=True)["value"].agg(lambda each: each.max(skipna=False)).reset_index()
+        intensities = self.levels[[0 if self.axis is None else at[self.axis] for at in points]]
+        rows = worst.join(swept(plan.axes, points).assign(intensity=intensities), on="point")
+        others = [name for number, each in enumerate(plan.axes) if number != self.axis for name in each.names]
+        keys, found = [*others, "analysis", "number"], list[dict[str, Any]]()
+        for place, mine in rows.groupby(keys, observed=True, sort=False):
+            row: dict[str, Any] = dict(zip(keys, place, strict=True))
+            table = mine.pivot_table("value", "intensity", "motion", dropna=False).dropna(axis=1)
+            logs, x = np.log(table.clip(lower=LEAST).to_numpy()), np.log(table.index.to_numpy())
+            count, (left, right) = logs.shape[1], plan.buildings[row["number"] : row["number"] + 2]
+            row |= {"left": left, "right": right, "motions": count, "intensities": len(x)}
+            row |= {"rate": rate, "probability": probability(rate)}
+            if count > 1:
+                gaps = gaps_of(hazard, rate, x, logs, draws_of(count, DRAWS))
+                row |= with_interval("gap", gaps, CONFIDENCE, count)
+            found.append(row)
+        frame = pd.DataFrame(found).reindex(columns=[*others, *columns_of(RATE)])
+        return tabled(RATE, frame, plan.axes, dict.fromkeys(["gap", "gap_low", "gap_high"], plan.study.unit("gap")))
 
 
 # What is required where

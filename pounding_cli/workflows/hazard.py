@@ -1,4 +1,5 @@
-"""Seismic hazard: the annual rate at which an intensity is exceeded, and from it the annual rate of a limit.
+"""Seismic hazard: the annual rate at which an intensity is exceeded, and from it the annual rate of a limit; the
+intensity measures of motions.
 
 Between the points of a hazard curve the logarithm of the rate is a straight line over the logarithm of the intensity,
 so every piece is a power law, lambda(x) = k0 x^-k. Where the probability that a limit is passed is
@@ -19,29 +20,24 @@ are taken to be in proportion to it, as those of linear buildings are."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 from pydantic_core import PydanticCustomError
 from scipy.special import log_ndtr, ndtr
 
+from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.hazard import intensity_factor, read_hazard
-from pounding_cli.study import Plan, Study
-from pounding_cli.study.file import Problems
-from pounding_cli.study.motions import Pga, Pgv, Sa
+from pounding_cli.study import Study
+from pounding_cli.study.axes import Axis
+from pounding_cli.study.file import Map, Problems
+from pounding_cli.study.motions import Used
 from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
-from pounding_cli.workflows.curves import draws_of, interval
-from pounding_cli.workflows.workflow import columns_of, swept, tabled
-
-if TYPE_CHECKING:
-    from pounding_cli.results.tables import Table
 
 YEARS = 50.0
 """Years of the probability that is told beside a rate."""
@@ -148,6 +144,40 @@ INTENSITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "pgv": _VELOCITY, "facto
 """How every intensity measure is written."""
 
 
+SWEEP = "write e.g. `sweep: {records.scale.pga: {from: 0.05 g, to: 2 g, step: 0.05 g}}`"
+
+
+def intensity_axis(axes: Sequence[Axis], root: Map, problems: Problems, least: int = 1) -> int | None:
+    """The number of the axis that varies the intensity; what is wrong with it is noted.
+
+    least : intensities that are needed
+    """
+    for number, axis in enumerate(axes):
+        if INTENSITY_KEYS.keys().isdisjoint(axis.names):
+            continue
+        if len(axis.names) > 1:
+            what = f"{' and '.join(axis.names)} move together: the intensity is an axis of its own"
+            problems.at(root, ("sweep",), what, SWEEP, key=True)
+        elif any(isinstance(value, str) for (value,) in axis.values):
+            problems.at(root, ("sweep",), f"'{axis.names[0]}' takes values that are not numbers", SWEEP, key=True)
+        elif len(axis) < least:
+            problems.at(root, ("sweep", axis.names[0]), "a fragility curve takes two intensities at least", SWEEP)
+        return number
+    return None
+
+
+def measured(used: Used, measure: Measure) -> float:
+    """The intensity of a motion as used [SI]."""
+    match measure.name:
+        case "factor":
+            return used.use.scale
+        case "pga":
+            return used.motion.pga
+        case "pgv":
+            return records.pgv(used.motion)
+    return float(records.spectrum(used.motion, (measure.period,))[0])
+
+
 def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
     """The hazard curve that a section of a study gives; None without one.
 
@@ -158,18 +188,16 @@ def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
     spec, quantity = getattr(study.model, section).hazard, INTENSITIES[measure.name]
     if spec is None:
         return None
+    if isinstance(spec, HazardFile):
+        return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, quantity.si, measure))
     try:
         if isinstance(spec, PowerHazard):
             one = intensity_factor(spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(quantity.si), quantity.si, "")
             return Hazard.power_law(spec.k0 * one**spec.k, spec.k)
-        if isinstance(spec, HazardFile):
-            return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, quantity.si, measure))
         return Hazard.table(*_from_study(spec, quantity))
     except InputError as error:
         problems = Problems(study.file)
         for problem in error.problems:
-            if problem.file:
-                raise
             problems.at(study.root, (section, "hazard"), problem.message, problem.hint)
         problems.check()
         raise
@@ -203,66 +231,11 @@ def _from_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple
 
 # The gap for an annual rate of contact
 
-RATE = "gap_rate"
-"""Name of the table."""
-
-DRAWS = 300
-"""Draws of the bootstrap over the motions."""
-
 LEAST, MOST = 1e-6, 1e3
 """Gaps between which one is sought [m]; a closing below the first counts as it."""
 
 
-def intensity_of(study: Study) -> tuple[int | None, Measure, np.ndarray]:
-    """The swept axis of the intensity, the measure, and its values [SI].
-
-    Raises
-    ------
-    InputError : the motions have no common intensity
-    """
-    for number, axis in enumerate(study.axes):
-        if axis.names[0] in INTENSITY_KEYS and len(axis.names) == 1:
-            levels = np.array([float(value) for (value,) in axis.values])
-            return number, Measure(INTENSITY_KEYS[axis.names[0]]), levels
-    scale, problems = study.model.records.scale, Problems(study.file)
-    if not isinstance(scale, Pga | Pgv | Sa):
-        hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
-        problems.at(study.root, ("gap", "rate"), "a rate needs motions that are scaled to an intensity", hint, key=True)
-        problems.check()
-    name = type(scale).__name__.lower()
-    return None, Measure(name, scale.period if isinstance(scale, Sa) else 0.0), np.array([getattr(scale, name)])
-
-
-def of_rate(plan: Plan, closings: pd.DataFrame, confidence: float) -> Table:
-    """The gap for the rate that the study allows: a row for every point of the other axes, analysis and pair.
-
-    closings : `point`, `number` (of the left building) and `motion` by number, `analysis`, and `value` [m]: the largest
-        over the floors of the pair; NaN of a scene that failed
-    """
-    axis, measure, levels = intensity_of(plan.study)
-    hazard, rate = hazard_of(plan.study, "gap", measure), plan.study.model.gap.rate
-    assert hazard is not None  # the study was validated
-    points = list(np.ndindex(*plan.shape[:-3]))
-    intensities = levels[[0 if axis is None else at[axis] for at in points]]
-    where = swept(plan.axes, points).assign(intensity=intensities)
-    others = [name for number, each in enumerate(plan.axes) if number != axis for name in each.names]
-    rows, keys, found = closings.join(where, on="point"), [*others, "analysis", "number"], []
-    for place, mine in rows.groupby(keys, observed=True, sort=False):
-        row: dict[str, Any] = dict(zip(keys, place, strict=True))
-        table = mine.pivot_table("value", "intensity", "motion", dropna=False).dropna(axis=1)
-        logs, x = np.log(table.clip(lower=LEAST).to_numpy()), np.log(table.index.to_numpy())
-        count, (left, right) = logs.shape[1], plan.buildings[row["number"] : row["number"] + 2]
-        row |= {"left": left, "right": right, "motions": count, "intensities": len(x)}
-        row |= {"rate": rate, "probability": probability(rate)}
-        if count > 1:
-            row["gap"], *drawn = _gaps(hazard, rate, x, logs, draws_of(count, DRAWS))
-            row["gap_low"], row["gap_high"] = interval(np.array(drawn), confidence, count)
-        found.append(row)
-    frame = pd.DataFrame(found).reindex(columns=[*others, *columns_of(RATE)])
-    return tabled(RATE, frame, plan.axes, dict.fromkeys(["gap", "gap_low", "gap_high"], plan.study.unit("gap")))
-
-
-def _gaps(hazard: Hazard, rate: float, x: np.ndarray, logs: np.ndarray, times: np.ndarray) -> np.ndarray:
+def gaps_of(hazard: Hazard, rate: float, x: np.ndarray, logs: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The gaps [m] with an annual rate of contact, of every draw, shape (draws,); NaN where there is none.
 
     x : ln intensities, rising, shape (levels,); logs : ln closings, shape (levels, motions)

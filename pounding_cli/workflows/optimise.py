@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import islice, product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
-from pounding_cli.errors import InputError, Problem
 from pounding_cli.results.dataset import dataset
 from pounding_cli.results.flags import is_void, parted
 from pounding_cli.solver.response import OUTCOMES
@@ -48,43 +45,69 @@ NOTHING = "no point gave a number"
 """Outcomes."""
 
 
-# What is asked
+class Optimise(Workflow):
+    """The values of keys at which a number is least, or most.
 
-
-@dataclass(frozen=True, eq=False)
-class Question:
-    """What `pound optimise` is asked of a study.
+    Raises InputError: nothing to optimise, no key that varies, an expression that is not understood, several cases or
+    analyses and none chosen.
 
     expression : the number that is optimised least, or most
+    sign : 1 where the least is sought, -1 where the most is: the search knows the least alone
     factors : the keys that vary
     case, analysis : that are looked at
     written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written:
         a plan then has one point more, its last, for the study as it is written
     """
 
-    study: Study
-    expression: Expression
-    factors: tuple[Factor, ...]
-    case: str
-    analysis: str
-    written: Point | None
+    name = "optimise"
+    extent = "begins with"  # every point decides about the next
 
-    @property
-    def spec(self) -> OptimiseSpec:
-        """The section of the study."""
-        return self.study.model.optimise
+    def __init__(self, study: Study) -> None:
+        super().__init__(study)
+        self.spec: OptimiseSpec = study.model.optimise
+        spec, problems, root = self.spec, Problems(study.file), study.root
+        self.sign = -1 if spec.least is None and spec.most is not None else 1
+        texts = [text for text in (spec.least, spec.most) if text is not None]
+        key = "least" if self.sign > 0 else "most"
+        expressions = read_all(read_expression, study, "optimise", key, texts, problems)
+        if not texts:
+            hint = "write e.g. `optimise: {least: largest V_ratio in stiff}`"
+            problems.at(root, ("optimise",), "`optimise:` lacks 'least' or 'most'", hint, key=True)
+        self.factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
+        if not self.factors and not problems.found:
+            hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
+            problems.at(root, ("optimise",), "no key is given to vary", hint, key=True)
+        self.case = self._one("case", "cases", spec.case, list(study.model.cases), problems)
+        self.analysis = self._one("analysis", "analyses", spec.analysis, list(study.model.analyses), problems)
+        refuse_histories(study, "the points of a search", problems)
+        problems.check()
+        self.expression = expressions[0]
+        given = [(factor, get(root, *factor.key.split("."))) for factor in self.factors]
+        places = [None if value is None else factor.place(value) for factor, value in given]
+        written = tuple(place for place in places if place is not None)
+        self.written: Point | None = written if len(written) == len(places) else None
 
-    @property
-    def sign(self) -> int:
-        """1 where the least is sought, -1 where the most is: the search knows the least alone."""
-        return 1 if self.spec.least is not None else -1
+    def _one(self, what: str, many: str, wanted: str | None, names: list[str], problems: Problems) -> str:
+        """The case or analysis that is looked at; what is wrong with the choice is noted."""
+        root = self.study.root
+        if wanted is not None and wanted not in names:
+            problems.at(root, ("optimise", what), f"{what}: no {what} '{wanted}'", nearest(wanted, names))
+        elif wanted is None and len(names) > 1:
+            hint = f"select one: `optimise: {{{what}: {names[0]}}}`"
+            problems.at(root, ("optimise",), f"the study has {len(names)} {many}", hint, key=True)
+        return str(wanted or names[0])
 
     @property
     def middle(self) -> Point:
         """The middle of all ranges and choices."""
         return tuple((0.5 + factor.options // 2) / (factor.options or 1) for factor in self.factors)
 
-    def plan(self, points: Sequence[Point]) -> Plan:
+    def text(self, point: Point) -> str:
+        """The text of the study with the keys at a point; everything else stays as it is written (`with_values`)."""
+        values = {factor.key: factor.value(u) for factor, u in zip(self.factors, point, strict=True)}
+        return with_values(self.study.text, values, self.study.file)
+
+    def plan_of(self, points: Sequence[Point]) -> Plan:
         """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
         stands for it.  Raises InputError: the study is not sound at one of them."""
         plan = expand(
@@ -93,123 +116,37 @@ class Question:
         )
         return dataclasses.replace(plan, workflow="optimise", harder=True)
 
-    def check_corners(self) -> None:
-        """Raises InputError: the study is not sound with both ends of every range and every option of every choice."""
+    @cached_property
+    def plan(self) -> Plan:
+        """The scenes of the first points: the study as it is written, or else the middle of all ranges.  Raises
+        InputError: the study is not sound there, or with both ends of every range and every option of every choice."""
         ends = [[(n + 0.5) / each.options for n in range(each.options)] or [0.0, 1.0] for each in self.factors]
         at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
+        return self.plan_of([self.written or self.middle])
 
-    def text(self, point: Point) -> str:
-        """The text of the study with the keys at a point; everything else stays as it is written (`with_values`)."""
-        values = {factor.key: factor.value(u) for factor, u in zip(self.factors, point, strict=True)}
-        return with_values(self.study.text, values, self.study.file)
-
-
-def question_of(study: Study) -> Question:
-    """What a study asks.
-
-    Raises
-    ------
-    InputError : nothing to optimise, no key that varies, an expression that is not understood, several cases or
-        analyses and none chosen
-    """
-    spec: OptimiseSpec = study.model.optimise
-    problems, root = Problems(study.file), study.root
-    key = "most" if spec.least is None and spec.most is not None else "least"
-    texts = [text for text in (spec.least, spec.most) if text is not None]
-    found = read_all(read_expression, study, "optimise", key, texts, problems)
-    if not texts:
-        hint = "write e.g. `optimise: {least: largest V_ratio in stiff}`"
-        problems.at(root, ("optimise",), "`optimise:` lacks 'least' or 'most'", hint, key=True)
-    factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
-    if not factors and not problems.found:
-        hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
-        problems.at(root, ("optimise",), "no key is given to vary", hint, key=True)
-    case = _one(study, "case", "cases", spec.case, list(study.model.cases), problems)
-    analysis = _one(study, "analysis", "analyses", spec.analysis, list(study.model.analyses), problems)
-    refuse_histories(study, "the points of a search", problems)
-    problems.check()
-    given = [(factor, get(root, *factor.key.split("."))) for factor in factors]
-    places = [None if value is None else factor.place(value) for factor, value in given]
-    written = tuple(place for place in places if place is not None)
-    is_point = len(written) == len(places)
-    return Question(study, found[0], tuple(factors), case, analysis, written if is_point else None)
-
-
-def _one(study: Study, what: str, many: str, wanted: str | None, names: list[str], problems: Problems) -> str:
-    """The case or analysis that is looked at; what is wrong with the choice is noted."""
-    if wanted is not None and wanted not in names:
-        problems.at(study.root, ("optimise", what), f"{what}: no {what} '{wanted}'", nearest(wanted, names))
-    elif wanted is None and len(names) > 1:
-        hint = f"select one: `optimise: {{{what}: {names[0]}}}`"
-        problems.at(study.root, ("optimise",), f"the study has {len(names)} {many}", hint, key=True)
-    return str(wanted or names[0])
-
-
-def check_written(study: Study, path: Path) -> None:
-    """Make sure that the study with other values can be written to `path`: its text takes them, and its motions are
-    found from there.
-
-    Raises
-    ------
-    InputError : as `question_of` and `Question.text`; or the path is in another folder
-    """
-    question = question_of(study)
-    question.text(question.middle)
-    if path.parent.resolve() != study.path.parent.resolve():
-        hint = "write it beside the study: motions are sought there"
-        raise InputError(Problem("the study would not run from another folder", hint, str(path)))
-
-
-# The search
-
-
-class Optimise(Workflow):
-    """The values of keys at which a number is least, or most."""
-
-    name = "optimise"
-
-    def check(self, study: Study) -> Question:
-        """What a study asks.  Raises InputError, see `question_of`."""
-        return question_of(study)
-
-    def plan(self, study: Study) -> Plan:
-        """The scenes of the first points: the study as it is written, or else the middle of all ranges."""
-        question = question_of(study)
-        question.check_corners()
-        return question.plan([question.written or question.middle])
-
-    def extent(self, study: Study) -> str:
-        """Every point decides about the next."""
-        return "begins with"
-
-    def run(self, study: Study, solver: Solver) -> Found:
+    def run(self, solver: Solver) -> Found:
         """The optimum, what the buildings do there, and all points."""
-        question = question_of(study)
-        question.check_corners()
 
-        def function(points: list[Point], is_rough: bool) -> tuple[np.ndarray, np.ndarray]:
-            plan = question.plan(points)
-            found = _sought(question, plan, dataset(plan, solver.responses(plan, rough=is_rough)))[: len(points)]
-            return question.sign * found["value"].to_numpy(), found["error"].to_numpy()
+        def function(points: list[Point], is_rough: bool) -> np.ndarray:
+            plan = self.plan_of(points)
+            found = _sought(self, plan, dataset(plan, solver.responses(plan, rough=is_rough)))
+            return self.sign * found["value"].to_numpy()[: len(points)]
 
-        search = Search(function, [factor.options for factor in question.factors], question.spec, question.written)
+        search = Search(function, [factor.options for factor in self.factors], self.spec, self.written)
         search.run()
         tried = list(search.tried)
-        plan = question.plan(tried)
+        plan = self.plan_of(tried)
         data = dataset(plan, solver.responses(plan, rough=True))  # what only led to the valley keeps its rough numbers
-        sought = _sought(question, plan, data)
+        sought = _sought(self, plan, data)
         best = None if search.best is None else tried.index(search.best)
         written = len(sought) - 1 if search.written is None else tried.index(search.written)
         columns = {"optimum": best, "as_written": written}
         tables = [
-            tabled(OPTIMUM, _optimum(search, question, plan, sought, columns), star=question.expression.unit),
-            tabled(DESIGN, _design(question, plan, data, sought["value"], columns)),
-            _points(search, question, sought[: len(tried)]),
+            tabled(OPTIMUM, _optimum(search, self, plan, sought, columns), star=self.expression.unit),
+            tabled(DESIGN, _design(self, plan, data, sought["value"], columns)),
+            _points(search, self, sought[: len(tried)]),
         ]
         return Found(plan, data, tables)
-
-
-ASKED = Optimise()
 
 
 def _by_point(plan: Plan, values: np.ndarray) -> np.ndarray:
@@ -217,7 +154,7 @@ def _by_point(plan: Plan, values: np.ndarray) -> np.ndarray:
     return values.reshape(-1, len(plan.axes[-1].values), *values.shape[len(plan.axes) :])
 
 
-def _sought(question: Question, plan: Plan, data: xr.Dataset) -> pd.DataFrame:
+def _sought(question: Optimise, plan: Plan, data: xr.Dataset) -> pd.DataFrame:
     """The number sought, a row for every point: over a sweep its mean or its worst (`value`, NaN where it has none or
     no meaning), its numerical error, and whether a link of a scene went where its law has no meaning."""
     spec, one = question.spec, data.sel(case=question.case, analysis=question.analysis)
@@ -237,7 +174,7 @@ def _sought(question: Question, plan: Plan, data: xr.Dataset) -> pd.DataFrame:
 
 
 def _optimum(
-    search: Search, question: Question, plan: Plan, sought: pd.DataFrame, at: dict[str, int | None]
+    search: Search, question: Optimise, plan: Plan, sought: pd.DataFrame, at: dict[str, int | None]
 ) -> pd.DataFrame:
     """A row for each key.
 
@@ -289,7 +226,7 @@ def _value(factor: Factor, u: float, number: str, option: str) -> dict[str, Any]
 
 
 def _design(
-    question: Question, plan: Plan, data: xr.Dataset, sought: pd.Series, at: dict[str, int | None]
+    question: Optimise, plan: Plan, data: xr.Dataset, sought: pd.Series, at: dict[str, int | None]
 ) -> pd.DataFrame:
     """What the buildings do at the optimum, and with the study as it is written: a row for each quantity.
 
@@ -333,10 +270,10 @@ def _alone(quantity: Quantity, value: Callable[[Quantity], np.ndarray]) -> np.nd
     return value(quantity)
 
 
-def _points(search: Search, question: Question, sought: pd.DataFrame) -> Table:
+def _points(search: Search, question: Optimise, sought: pd.DataFrame) -> Table:
     """Every point that was tried, in the order in which the search asked for it."""
     keys, meant, units = key_columns(question.factors, np.array(list(search.tried)))
     keys.insert(0, "point", range(1, len(keys) + 1))
-    keys.insert(1, "stage", [each.stage for each in search.tried.values()])
+    keys.insert(1, "stage", search.stages)
     found = keys.join(sought.astype({"meaningless": int}))
     return tabled(POINTS, found, units=units, star=question.expression.unit, more=meant)

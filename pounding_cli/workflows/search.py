@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
@@ -24,9 +24,9 @@ from pounding_cli.study.questions import OptimiseSpec
 Point = tuple[float, ...]
 """Coordinates between 0 and 1."""
 
-Function = Callable[[list[Point], bool], tuple[np.ndarray, np.ndarray]]
-"""function(points, rough) -> values, NaN where there is none, and their errors, NaN where not known; shape (points,).
-`rough`: these points only lead to the valley, whose bottom later ones look at."""
+Function = Callable[[list[Point], bool], np.ndarray]
+"""function(points, rough) -> values, NaN where there is none, shape (points,). `rough`: these points only lead to the
+valley, whose bottom later ones look at."""
 
 WRITTEN, SEARCH, POLISH, SLICES = "as written", "search", "polish", "slices"
 """The stages."""
@@ -53,14 +53,6 @@ _RETURNS = 3
 """Times that the search goes on from a lower point along a coordinate."""
 
 
-class Tried(NamedTuple):
-    """What is known of a point: its value and the error of that, NaN where there is none; the stage that asked."""
-
-    value: float
-    error: float
-    stage: str
-
-
 class Search:
     """A search, and what it found.
 
@@ -73,7 +65,8 @@ class Search:
 
     Attributes
     ----------
-    tried : every point that was looked at, in that order
+    tried : the value of every point that was looked at, in that order; infinite where it has none
+    stages : for which stage each was looked at
     best : the point of the least value, the first of several; None where no point has a value
     is_settled : whether the population came together before its generations were spent
     """
@@ -84,14 +77,10 @@ class Search:
         self.function, self.options, self.spec = function, tuple(options), spec or OptimiseSpec()
         self.written = None if written is None else self.key(written)
         self.continuous = [number for number, many in enumerate(options) if not many]
-        self.tried: dict[Point, Tried] = {}
+        self.tried: dict[Point, float] = {}
+        self.stages: list[str] = []
         self.best: Point | None = None
         self.is_settled = True
-
-    def value(self, point: Point) -> float:
-        """The value of a point that was looked at; infinite where it has none."""
-        value = self.tried[point].value
-        return np.inf if np.isnan(value) else value
 
     def key(self, point: Sequence[float]) -> Point:
         """The point as it is known: choices in the middle of their share."""
@@ -126,9 +115,9 @@ class Search:
 
     def _take_lowest(self, least: float = 0.0) -> bool:
         """Make the lowest point the best one where it is lower by more than a share of its value; whether it is."""
-        lowest = min(self.tried, key=self.value)
-        is_lower = self.best is None or self.value(self.best) - self.value(lowest) > least * abs(self.value(self.best))
-        if is_lower and np.isfinite(self.value(lowest)):
+        lowest, best = min(self.tried, key=self.tried.__getitem__), self.best
+        is_lower = best is None or self.tried[best] - self.tried[lowest] > least * abs(self.tried[best])
+        if is_lower and np.isfinite(self.tried[lowest]):
             self.best = lowest
         return is_lower
 
@@ -136,10 +125,10 @@ class Search:
         """The values at points, worked out where they are not known; infinite where there is none."""
         keys = [self.key(point) for point in points]
         if new := [key for key in dict.fromkeys(keys) if key not in self.tried]:
-            values, errors = self.function(new, stage == SEARCH and bool(self.continuous))
-            found = zip(new, values.tolist(), errors.tolist(), strict=True)
-            self.tried |= {key: Tried(value, error, stage) for key, value, error in found}
-        return np.array([self.value(key) for key in keys])
+            values = self.function(new, stage == SEARCH and bool(self.continuous))
+            self.tried |= zip(new, np.where(np.isnan(values), np.inf, values).tolist(), strict=True)
+            self.stages += [stage] * len(new)
+        return np.array([self.tried[key] for key in keys])
 
     def _moved(self, point: Point, moves: dict[int, float]) -> Point:
         """A point with other values of some coordinates."""
@@ -171,7 +160,7 @@ class Search:
     def _polish(self, best: Point) -> None:
         """The simplex method from the best point, choices kept."""
         for edge in _SIMPLEX:
-            before, begin = self.value(best), np.array([best[place] for place in self.continuous])
+            before, begin = self.tried[best], np.array([best[place] for place in self.continuous])
             corners = begin + np.vstack([np.zeros(begin.size), edge * np.diag(np.where(begin + edge > 1, -1.0, 1.0))])
             options = {
                 "initial_simplex": corners, "xatol": 1e-4, "fatol": max(1e-7 * abs(before), 1e-300),
@@ -183,6 +172,6 @@ class Search:
                 return float(self._look([self._moved(best, moves)], POLISH)[0])
 
             minimize(at, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
-            best = min(self.tried, key=self.value)
-            if before - self.value(best) <= _GAIN * abs(before):
+            best = min(self.tried, key=self.tried.__getitem__)
+            if before - self.tried[best] <= _GAIN * abs(before):
                 return

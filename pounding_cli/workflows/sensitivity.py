@@ -6,7 +6,6 @@ import dataclasses
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -54,14 +53,34 @@ _OF_METHOD = {
 """Columns of the indices of each method."""
 
 
-# What is asked
+class Series(NamedTuple):
+    """A number looked at, over all samples.
+
+    point : number on every other swept axis, from 0
+    case, analysis : where it is; "" where it rests on all of them
+    name : of the output
+    unit : SI
+    values : NaN where a sample gave none, shape (samples,)
+    """
+
+    point: tuple[int, ...]
+    case: str
+    analysis: str
+    name: str
+    unit: str
+    values: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Question:
-    """What `pound sensitivity` is asked of a study.
+Judge = Callable[["Plan", "xr.Dataset", "Sensitivity"], "Iterable[Series]"]
+"""judge(plan, dataset, question) -> what else may hold: 1, 0, or NaN of a sample where it is not known."""
 
-    spec : its section
+
+class Sensitivity(Workflow):
+    """Which of the uncertain keys matter most, and how uncertain the outputs are.
+
+    Raises InputError: no key that varies, no output, or one that is not understood.
+
+    judge : says whether the claims of the paper hold
     factors : the keys that vary, the choice of motions among them
     outputs : the numbers looked at
     statements : what may hold of such numbers, and how likely
@@ -69,12 +88,47 @@ class Question:
     sets : the motions that a sample may rest on, by number, shape (options, motions of a sample); None: all of them
     """
 
-    spec: SensitivitySpec
-    factors: tuple[Factor, ...]
-    outputs: tuple[Expression, ...]
-    statements: tuple[Statement, ...]
-    motions: tuple[str, ...]
-    sets: np.ndarray | None
+    name = "sensitivity"
+
+    def __init__(self, study: Study, judge: Judge | None = None) -> None:
+        super().__init__(study)
+        spec: SensitivitySpec = study.model.sensitivity
+        problems, root = Problems(study.file), study.root
+        factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
+        self.spec, self.judge, self.motions = spec, judge, tuple(study.motions(study.base))
+        self.sets: np.ndarray | None = None
+        if len(factors) < 2 and not problems.found:
+            hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
+            problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
+        for number, factor in enumerate(factors):
+            if factor.key == MOTION:
+                if len(self.motions) < 2:
+                    hint = "name more under `records:`"
+                    problems.add(factor.mark, "the study has one motion: there is nothing to choose", hint)
+                self.sets = np.arange(len(self.motions))[:, None]
+                if factor.options:  # sets drawn with replacement
+                    size = factor.options, len(self.motions)
+                    drawn = np.random.default_rng(spec.seed).integers(len(self.motions), size=size)
+                    self.sets = np.sort(drawn, axis=1)
+                factors[number] = dataclasses.replace(factor, options=len(self.sets))
+        self.factors = tuple(factors)
+        refuse_histories(study, "samples", problems)
+        if spec.claims and study.model.claims is None:
+            hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
+            at = ("sensitivity", "claims")
+            problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
+        if not (spec.outputs or spec.probabilities or spec.claims):
+            hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
+            problems.at(root, ("sensitivity",), "`sensitivity:` lacks 'outputs'", hint, key=True)
+        self.outputs = read_all(read_expression, study, "sensitivity", "outputs", spec.outputs, problems)
+        self.statements = read_all(read_statement, study, "sensitivity", "probabilities", spec.probabilities, problems)
+        points = self.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
+        if points > MOST_POINTS:
+            what = f"{self.samples} samples make {points} points"
+            problems.at(root, ("sensitivity", "samples"), what, f"keep it to {MOST_POINTS}: write fewer")
+        problems.check()
+
+    # The samples
 
     @property
     def samples(self) -> int:
@@ -138,142 +192,51 @@ class Question:
         number = next(n for n, factor in enumerate(self.factors) if factor.key == MOTION)
         return self.sets[choice_of(self.cube[:, number], len(self.sets))]
 
-
-def question_of(study: Study) -> Question:
-    """What a study asks.
-
-    Raises
-    ------
-    InputError : no key that varies, no output, or one that is not understood
-    """
-    spec: SensitivitySpec = study.model.sensitivity
-    problems, root = Problems(study.file), study.root
-    factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
-    motions, sets = tuple(study.motions(study.base)), None
-    if len(factors) < 2 and not problems.found:
-        hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
-        problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
-    for number, factor in enumerate(factors):
-        if factor.key == MOTION:
-            if len(motions) < 2:
-                hint = "name more under `records:`"
-                problems.add(factor.mark, "the study has one motion: there is nothing to choose", hint)
-            sets = np.arange(len(motions))[:, None]
-            if factor.options:  # sets drawn with replacement
-                random = np.random.default_rng(spec.seed)
-                sets = np.sort(random.integers(len(motions), size=(factor.options, len(motions))), axis=1)
-            factors[number] = dataclasses.replace(factor, options=len(sets))
-    refuse_histories(study, "samples", problems)
-    if spec.claims and study.model.claims is None:
-        hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
-        at = ("sensitivity", "claims")
-        problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
-    if not (spec.outputs or spec.probabilities or spec.claims):
-        hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
-        problems.at(root, ("sensitivity",), "`sensitivity:` lacks 'outputs'", hint, key=True)
-    outputs = read_all(read_expression, study, "sensitivity", "outputs", spec.outputs, problems)
-    named = read_all(read_statement, study, "sensitivity", "probabilities", spec.probabilities, problems)
-    question = Question(spec, tuple(factors), outputs, named, motions, sets)
-    points = question.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
-    if points > MOST_POINTS:
-        what = f"{question.samples} samples make {points} points"
-        problems.at(root, ("sensitivity", "samples"), what, f"keep it to {MOST_POINTS}: write fewer")
-    problems.check()
-    return question
-
-
-# The workflow
-
-
-class Series(NamedTuple):
-    """A number looked at, over all samples.
-
-    point : number on every other swept axis, from 0
-    case, analysis : where it is; "" where it rests on all of them
-    name : of the output
-    unit : SI
-    values : NaN where a sample gave none, shape (samples,)
-    """
-
-    point: tuple[int, ...]
-    case: str
-    analysis: str
-    name: str
-    unit: str
-    values: np.ndarray
-
-
-Judge = Callable[["Plan", "xr.Dataset", "Question"], "Iterable[Series]"]
-"""judge(plan, dataset, question) -> what else may hold: 1, 0, or NaN of a sample where it is not known."""
-
-
-class Sensitivity(Workflow):
-    """Which of the uncertain keys matter most, and how uncertain the outputs are."""
-
-    name = "sensitivity"
-
-    def __init__(self, judge: Judge | None = None) -> None:
-        self.judge = judge
-
-    def check(self, study: Study) -> Question:
-        """What a study asks.  Raises InputError, see `question_of`."""
-        return question_of(study)
-
-    def plan(self, study: Study) -> Plan:
+    @cached_property
+    def plan(self) -> Plan:
         """The scenes of all samples.  Raises InputError: a sample at which the study is not sound."""
-        question = question_of(study)
-        factors, points, place = question.keys
-        sampled, asks = at_points(study, factors, points), None
-        if question.drawn is not None:
-            wanted = {(at, question.motions[n]) for at, n in np.broadcast(place[:, None], question.drawn)}
+        factors, points, place = self.keys
+        sampled, asks = at_points(self.study, factors, points), None
+        if self.drawn is not None:
+            wanted = {(at, self.motions[n]) for at, n in np.broadcast(place[:, None], self.drawn)}
             asks = lambda point, _case, _analysis, name: (point[-1], name) in wanted  # noqa: E731
         return dataclasses.replace(expand(sampled, asks=asks), workflow="sensitivity", harder=True)
 
-    def run(self, study: Study, solver: Solver) -> Found:
+    def run(self, solver: Solver) -> Found:
         """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
         samples."""
-        question, plan = question_of(study), self.plan(study)
+        plan, method = self.plan, self.spec.method
         data = solver.dataset(plan)
-        method = question.spec.method
-        outputs = list(_series(plan, data, question, question.outputs))
-        holds = list(_series(plan, data, question, question.statements))
-        claims = list(self.judge(plan, data, question)) if self.judge and question.spec.claims else []
+        outputs = list(_series(plan, data, self, self.outputs))
+        holds = list(_series(plan, data, self, self.statements))
+        claims = list(self.judge(plan, data, self)) if self.judge and self.spec.claims else []
         every = [*outputs, *holds, *claims]
-        each = [indices(question, one.values) for one in every]
+        each = [indices(self, one.values) for one in every]
         where = _where(plan, every)
-        rows = where.loc[np.repeat(where.index, len(question.factors))].reset_index(drop=True)
+        rows = where.loc[np.repeat(where.index, len(self.factors))].reset_index(drop=True)
         found = pd.concat(each, ignore_index=True)
         columns = ["key", "outcome", "failed", "samples", *_OF_METHOD[method]]
         tables = [tabled(INDICES, rows.join(found.reindex(columns=columns)), plan.axes)]
         if outputs and method == "sobol":
-            numbers = pd.DataFrame([distribution(question, one.values) for one in outputs])
+            numbers = pd.DataFrame([distribution(self, one.values) for one in outputs])
             tables.append(tabled(OUTPUTS, _where(plan, outputs).join(numbers), plan.axes))
         if said := [*holds, *claims]:
-            decided = [_decided(method, one) for one in each[len(outputs) :]]
-            numbers = pd.DataFrame(
-                [probability(question, one.values) | d for one, d in zip(said, decided, strict=True)]
-            )
+            parts = zip(said, each[len(outputs) :], strict=True)
+            numbers = pd.DataFrame([probability(self, one.values) | _decided(method, part) for one, part in parts])
             frame = _where(plan, said).drop(columns="unit").rename(columns={"output": "statement"})
             tables.append(tabled(PROBABILITIES, frame.join(numbers), plan.axes))
         if outputs or holds:
-            tables.append(_samples(plan, question, [*outputs, *holds]))
+            tables.append(_samples(plan, self, [*outputs, *holds]))
         return Found(plan, data, tables)
 
 
-ASKED = Sensitivity()
-
-
 def _series(
-    plan: Plan, data: xr.Dataset, question: Question, asked: Sequence[Expression | Statement]
+    plan: Plan, data: xr.Dataset, question: Sensitivity, asked: Sequence[Expression | Statement]
 ) -> Iterator[Series]:
     """Expressions, or whether statements hold, at all samples: by point, case, analysis and what is asked."""
     *others, samples = (axis.names[0] for axis in plan.axes)
-    wanted = {part.name for one in asked for part in one.quantities} | {
-        "status",
-        "drift",
-        "acceleration",
-        "max_closing",
-    }
+    wanted = {part.name for one in asked for part in one.quantities}
+    wanted |= {"status", "drift", "acceleration", "max_closing"}
     data = data[[name for name in data if name in wanted]].drop_vars([samples, "record"])
     data = data.isel({samples: xr.DataArray(question.keys[2], dims=samples)})
     if question.drawn is not None:
@@ -293,7 +256,7 @@ def _series(
 # Numbers of one output; y : of every sample, NaN where it gave none, shape (samples,)
 
 
-def indices(question: Question, y: np.ndarray) -> pd.DataFrame:
+def indices(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
     """Sensitivity indices of an output by every key, Sobol's or those of Morris, with their intervals; a row a key."""
     failed, is_constant = int(np.isnan(y).sum()), np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0)
     outcome = f"refused: {failed} of {y.size} samples gave no number" if failed else CONSTANT if is_constant else FOUND
@@ -306,7 +269,7 @@ def indices(question: Question, y: np.ndarray) -> pd.DataFrame:
     return found.join([_sobol(question, y), _ends(question, y)])
 
 
-def _sobol(question: Question, y: np.ndarray) -> pd.DataFrame:
+def _sobol(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
     """First-order and total indices with their percentile intervals, drawn base sample by base sample."""
     from SALib.analyze import sobol
 
@@ -324,7 +287,7 @@ def _sobol(question: Question, y: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame(columns)
 
 
-def _morris(question: Question, y: np.ndarray) -> pd.DataFrame:
+def _morris(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
     from SALib.analyze import morris
 
     spec = question.spec
@@ -337,7 +300,7 @@ def _morris(question: Question, y: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame(ends | {"mu": mu, "sigma": sigma})
 
 
-def _ends(question: Question, y: np.ndarray) -> pd.DataFrame:
+def _ends(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
     """Means of the output at both ends of every key, of a choice at the options where it is least and most, each with
     its standard error; none of sets of motions, which have no ends."""
     y, cube, rows = y[question.independent], question.cube[question.independent], []
@@ -369,7 +332,7 @@ def _decided(method: str, found: pd.DataFrame) -> dict[str, Any]:
             "share_high": most[f"{name}_high"]}  # fmt: skip
 
 
-def distribution(question: Question, y: np.ndarray) -> dict[str, float]:
+def distribution(question: Sensitivity, y: np.ndarray) -> dict[str, float]:
     """Mean, standard deviation and percentiles of an output, with bootstrap intervals, over the independent samples;
     NaN where some sample gave no number."""
     some, spec = y[question.independent], question.spec
@@ -390,7 +353,7 @@ def _statistics(y: np.ndarray) -> np.ndarray:
     return np.stack([y.mean(axis=0), y.std(axis=0, ddof=1), *np.percentile(y, PERCENTILES, axis=0)])
 
 
-def probability(question: Question, holds: np.ndarray) -> dict[str, Any]:
+def probability(question: Sensitivity, holds: np.ndarray) -> dict[str, Any]:
     """How likely something holds (1, 0, NaN where it is not known) over the independent samples, with the exact
     interval of Clopper and Pearson; NaN where it is known of none."""
     from scipy.stats import binomtest
@@ -414,7 +377,7 @@ def _where(plan: Plan, series: Sequence[Series]) -> pd.DataFrame:
     return swept(plan.axes[:-1], [each.point for each in series]).join(texts)
 
 
-def _samples(plan: Plan, question: Question, series: Sequence[Series]) -> Table:
+def _samples(plan: Plan, question: Sensitivity, series: Sequence[Series]) -> Table:
     """All samples in the order of the method with their outputs; a block for each point, case and analysis."""
     count, are_keys = len(question.cube), [factor.key != MOTION for factor in question.factors]
     keys, meant, units = key_columns(question.keys[0], question.cube[:, are_keys])

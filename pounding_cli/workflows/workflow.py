@@ -6,9 +6,9 @@ import csv
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from pounding_cli.numbers import Unit
 from pounding_cli.results.tables import ANSWERS, Column, Table
@@ -51,31 +51,31 @@ class Found:
 
 
 class Workflow(ABC):
-    """One kind of question; `name` is its command, and its section of a study file."""
+    """A question asked of a study.  Raises InputError where the study asks what cannot be answered.
+
+    name : its command, and its section of a study file
+    extent : whether it `has` the scenes of its plan, `has at most` these, or `begins with` them
+    """
 
     name: ClassVar[str]
+    extent = "has"
 
-    def check(self, study: Study) -> Any:
-        """What a study asks.  Raises InputError where it asks what it cannot answer."""
-        return None
+    def __init__(self, study: Study) -> None:
+        self.study = study
+
+    @property
+    @abstractmethod
+    def plan(self) -> Plan:
+        """The scenes that may be wanted, as far as is known before anything is solved.  Raises InputError."""
 
     @abstractmethod
-    def plan(self, study: Study) -> Plan:
-        """The scenes that may be wanted, as far as is known before anything is solved.  Raises InputError as
-        `check`."""
-
-    @abstractmethod
-    def run(self, study: Study, solver: Solver) -> Found:
+    def run(self, solver: Solver) -> Found:
         """The answer.  After an interruption it is asked again, and what was solved comes from the cache.
 
         Raises
         ------
-        InputError : as `check`; the cache cannot be written
+        InputError : the study is not sound where the question takes it; the cache cannot be written
         """
-
-    def extent(self, study: Study) -> str:
-        """Whether it `has` the scenes of its plan, `has at most` these, or `begins with` them."""
-        return "has"
 
 
 class Run(Workflow):
@@ -83,19 +83,16 @@ class Run(Workflow):
 
     name = "run"
 
-    def plan(self, study: Study) -> Plan:
+    @cached_property
+    def plan(self) -> Plan:
         """All scenes."""
         from pounding_cli.study import expand
 
-        return expand(study)
+        return expand(self.study)
 
-    def run(self, study: Study, solver: Solver) -> Found:
+    def run(self, solver: Solver) -> Found:
         """What all scenes did."""
-        plan = self.plan(study)
-        return Found(plan, solver.dataset(plan), [])
-
-
-ASKED = Run()
+        return Found(self.plan, solver.dataset(self.plan), [])
 
 
 def refuse_histories(study: Study, of: str, problems: Problems) -> None:
