@@ -54,6 +54,28 @@ def test_doubted_at_its_place(tmp_path, study, row):
     assert word in warning
 
 
+THREE = """\
+buildings:
+  A: {storeys: 6, period: 0.4 s, mass: 100 t, height: 3 m, columns: 20 %}
+  B: {like: A, height: [3 m, 3 m, 3 m, 3 m, 3 m, TOP]}
+group: [A, B, A]
+records: {use: [elcentro]}
+analyses: [elastic]
+cases: {case: {gap: 5 cm, impact: {}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "top"),
+    [("link: [pounding]", 3), ("elsewhere: none", 3), ("by_floor: {}", 3), ("pairs: []", 3), ("at_columns: none", 2)],
+)
+def test_what_stands_for_an_old_link_is_sound(old, top):
+    """Fails if the example of a refusal is itself refused."""
+    study = THREE.replace("impact: {}", old).replace("TOP", f"{top} m")
+    (told,) = refused(study)
+    assert refused(study.replace(old, told[2].split("`")[-4])) == []
+
+
 @pytest.mark.parametrize("part", [part for part in TABLE if part["study"].count("\n") > 1])
 def test_the_studies_themselves_are_sound(tmp_path, part):
     """Fails if a study is wrong or doubtful before it is changed: then its rows would show nothing."""
