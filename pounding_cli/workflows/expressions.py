@@ -20,10 +20,11 @@ from pounding_cli.study.expression import (
     Quantity,
     Statement,
 )
-from pounding_cli.study.file import Problems, get
+from pounding_cli.study.file import get
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import Factor
 from pounding_cli.variables import RATIOS, VARIABLES
+from pounding_cli.workflows.workflow import Workflow
 
 
 def values_of(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
@@ -40,14 +41,11 @@ def error_of(expression: Expression, data: xr.Dataset, over_motions: str) -> np.
     """The numerical error of an expression, at most: what it changes where each of its quantities moves by its own
     error, all added up; NaN where no scene was solved more finely.  Shape (...), as `values_of`."""
 
-    def moved(part: Quantity, sign: int) -> np.ndarray:
-        def value(quantity: Quantity) -> np.ndarray:
-            error = sign * _error(part.name, data) if quantity is part else 0.0
-            return _value(quantity, data, over_motions, error)
+    def moved(part: Quantity, by: np.ndarray) -> np.ndarray:
+        return expression(lambda each: _value(each, data, over_motions, by if each is part else 0.0))
 
-        return expression(value)
-
-    return sum((np.abs(moved(part, 1) - moved(part, -1)) / 2 for part in expression.quantities), np.zeros(()))
+    errors = ((part, _error(part.name, data)) for part in expression.quantities)
+    return sum((np.abs(moved(part, error) - moved(part, -error)) / 2 for part, error in errors), np.zeros(()))
 
 
 def _numbers(name: str, data: xr.Dataset) -> np.ndarray:
@@ -107,28 +105,27 @@ Said = TypeVar("Said", Expression, Statement)
 
 
 def read_all(
-    read: Callable[[str, Sequence[str]], Said],
-    study: Study, section: str, key: str, texts: Sequence[str], problems: Problems,
-) -> tuple[Said, ...]:  # fmt: skip
-    """What the texts of a section say over the tables of this study; what is wrong with them is noted.
+    read: Callable[[str, Sequence[str]], Said], asked: Workflow, key: str, texts: Sequence[str]
+) -> tuple[Said, ...]:
+    """What the texts under a key of a question say over the tables of its study; what is wrong with them is noted.
 
     read : `read_expression` or `read_statement`
     """
-    root, found, names = study.root, dict[str, Said](), places(study.model.group)
+    study, found = asked.study, dict[str, Said]()
+    names = places(study.model.group)
     storeys = [study.building((0,) * len(study.axes), place).storeys for place in range(len(names))]
     for number, text in enumerate(texts):
-        path = (section, key, number) if isinstance(get(root, section, key), list) else (section, key)
         try:
             said = read(text, names)
         except NotUnderstood as error:
-            problems.at(root, path, *error.args)
+            asked.wrong((key, number), *error.args)
             continue
         if said.text in found:
-            problems.at(root, path, f"'{said}' occurs twice", "remove one of the two")
+            asked.wrong((key, number), f"'{said}' occurs twice", "remove one of the two")
         for part in said.quantities:
             most = max(storeys) if part.building is None else storeys[part.building]
             if part.level > most:
-                problems.at(root, path, f"'{said}': the highest is {most}", f"write a number from 1 to {most}")
+                asked.wrong((key, number), f"'{said}': the highest is {most}", f"write a number from 1 to {most}")
         found[said.text] = said
     return tuple(found.values())
 

@@ -15,7 +15,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.build import places
 from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
-from pounding_cli.study.file import Problems, get, nearest
+from pounding_cli.study.file import nearest
 from pounding_cli.study.questions import FragilitySpec, Measure
 from pounding_cli.study.study import Point
 from pounding_cli.workflows.curves import UNDECIDED, Fits, brackets, curve_of, draws_of, with_interval
@@ -28,7 +28,7 @@ from pounding_cli.workflows.hazard import (
     measured,
     probability,
 )
-from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, refuse_histories, swept, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, swept, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -92,38 +92,57 @@ class Fragility(Workflow):
     """
 
     name = "fragility"
+    spec: FragilitySpec
 
     def __init__(self, study: Study) -> None:
         super().__init__(study)
-        self.spec: FragilitySpec = study.model.fragility
-        spec, problems, root = self.spec, Problems(study.file), study.root
+        spec, is_cloud = self.spec, self.spec.method == "cloud"
         if spec.method == "ida":  # the results decide which scenes are solved
             self.extent = "has at most"
-            refuse_histories(study, "the scenes that `pound fragility` chooses", problems)
+            self.refuse_histories("the scenes that `pound fragility` chooses")
         if not spec.limits:
             hint = "write e.g. `fragility: {limits: [mu > 4]}`"
-            problems.at(root, ("fragility",), "the study has no limit, whose fragility could be sought", hint, key=True)
-        is_list = isinstance(get(root, "fragility", "limits"), list)
+            self.wrong((), "the study has no limit, whose fragility could be sought", hint, key=True)
         self.targets = list[Target]()
         for number, limit in enumerate(spec.limits):
-            path = ("fragility", "limits", number) if is_list else ("fragility", "limits")
-            for target in _targets(study, limit, path, problems):
+            for target in self._targets(limit, number):
                 if target in self.targets:
-                    problems.at(root, path, f"the limit '{limit}' occurs twice", "remove one of the two")
+                    self.wrong(("limits", number), f"the limit '{limit}' occurs twice", "remove one of the two")
                 self.targets.append(target)
-        is_said = get(root, "fragility", "intensity") is not None
-        said = ("fragility", "intensity") if is_said else ("fragility",)
-        is_cloud = spec.method == "cloud"
-        self.axis = intensity_axis(study.axes, root, problems, least=1 if is_cloud else 2)
+        self.axis = intensity_axis(self, study.axes, least=1 if is_cloud else 2)
         self.swept = "" if self.axis is None else INTENSITY_KEYS.get(study.axes[self.axis].names[0], "")
         if self.axis is None and not is_cloud:
             hint = f"{SWEEP}, or `method: cloud` for motions as they are"
-            problems.at(root, said, "the intensity is not swept", hint, key=not is_said)
+            self.wrong(("intensity",), "the intensity is not swept", hint, key=spec.intensity is None)
         self.measure = spec.intensity or Measure(self.swept or "pga")
         if self.measure == Measure("sa") and self.swept != "sa" and (self.axis is not None or is_cloud):
-            problems.at(root, said, "sa is not swept and has no period", "write e.g. `intensity: sa(0.5 s)`")
-        problems.check()
-        self.hazard = hazard_of(study, "fragility", self.measure)
+            self.wrong(("intensity",), "sa is not swept and has no period", "write e.g. `intensity: sa(0.5 s)`")
+        self.problems.check()
+        self.hazard = hazard_of(self, self.measure)
+
+    def _targets(self, limit: Limit, number: int) -> list[Target]:
+        """The buildings, or pairs, that a limit concerns; what is wrong with it is noted."""
+        study, path = self.study, ("limits", number)
+        group, names = study.model.group, places(study.model.group)
+        if limit.quantity == CONTACT:
+            return [Target(limit, left) for left in range(len(names) - 1)]
+        first, wanted = (0,) * len(study.axes), limit.building
+        mine = [place for place, name in enumerate(names) if not wanted or wanted in (name, group[place])]
+        storeys = {place: study.building(first, place).storeys for place in mine}
+        found = [Target(limit, place) for place in mine if storeys[place] >= limit.level]
+        able = {COLLAPSE: _can_collapse, SHEAR_DEMAND: _can_be_struck}.get(limit.quantity)
+        if not mine:
+            what = f"'{limit}': no building '{wanted}' in the group"
+            self.wrong(path, what, nearest(wanted, dict.fromkeys((*names, *group))))
+        elif not found:
+            most = max(storeys.values())
+            self.wrong(path, f"'{limit}': the highest is {most}", f"write a number from 1 to {most}")
+        elif able is not None:
+            points = list(np.ndindex(*(len(axis.values) for axis in study.axes)))
+            found = [target for target in found if any(able(study, target, at) for at in points)]
+            if not found:
+                self.wrong(path, f"'{limit}': no storey there can pass it", _CANNOT[limit.quantity])
+        return found
 
     @cached_property
     def plan(self) -> Plan:
@@ -299,39 +318,17 @@ class Fragility(Workflow):
     def _where(self, places: Sequence[Place]) -> pd.DataFrame:
         """Where curves stand: the swept values but the intensity, case, analysis, limit and building."""
         plan, others = self.plan, [number for number in range(len(self.plan.axes)) if number != self.axis]
-        found = swept([plan.axes[number] for number in others], [[each.point[n] for n in others] for each in places])
-        found["case"] = [plan.cases[each.case] for each in places]
-        found["analysis"] = [plan.analyses[each.analysis] for each in places]
-        found["limit"] = [str(each.target.limit) for each in places]
-        found["building"] = [each.target.label(plan.buildings) for each in places]
-        return found
+        return swept(
+            [plan.axes[number] for number in others],
+            [[each.point[number] for number in others] for each in places],
+            case=[plan.cases[each.case] for each in places],
+            analysis=[plan.analyses[each.analysis] for each in places],
+            limit=[str(each.target.limit) for each in places],
+            building=[each.target.label(plan.buildings) for each in places],
+        )
 
 
 # Limits
-
-
-def _targets(study: Study, limit: Limit, path: tuple[str | int, ...], problems: Problems) -> list[Target]:
-    """The buildings, or pairs, that a limit concerns; what is wrong with it is noted."""
-    group, names = study.model.group, places(study.model.group)
-    if limit.quantity == CONTACT:
-        return [Target(limit, left) for left in range(len(names) - 1)]
-    first, wanted = (0,) * len(study.axes), limit.building
-    mine = [place for place, name in enumerate(names) if not wanted or wanted in (name, group[place])]
-    storeys = {place: study.building(first, place).storeys for place in mine}
-    found = [Target(limit, place) for place in mine if storeys[place] >= limit.level]
-    able = {COLLAPSE: _can_collapse, SHEAR_DEMAND: _can_be_struck}.get(limit.quantity)
-    if not mine:
-        what = f"'{limit}': no building '{wanted}' in the group"
-        problems.at(study.root, path, what, nearest(wanted, dict.fromkeys((*names, *group))))
-    elif not found:
-        most = max(storeys.values())
-        problems.at(study.root, path, f"'{limit}': the highest is {most}", f"write a number from 1 to {most}")
-    elif able is not None:
-        points = list(np.ndindex(*(len(axis.values) for axis in study.axes)))
-        found = [target for target in found if any(able(study, target, at) for at in points)]
-        if not found:
-            problems.at(study.root, path, f"'{limit}': no storey there can pass it", _CANNOT[limit.quantity])
-    return found
 
 
 def _can_collapse(study: Study, target: Target, at: Point) -> bool:

@@ -31,7 +31,7 @@ from pounding_cli.model.wall import Wall
 from pounding_cli.results.solved import most_storeys
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.axes import Axis
-from pounding_cli.study.file import Map, Problems
+from pounding_cli.study.file import Map
 from pounding_cli.study.motions import Pga, Pgv, Sa
 from pounding_cli.study.questions import GapSpec, Measure
 from pounding_cli.study.study import Point
@@ -98,16 +98,16 @@ class Gap(Workflow):
     """
 
     name = "gap"
+    spec: GapSpec
 
     def __init__(self, study: Study) -> None:
         super().__init__(study)
-        self.spec: GapSpec = study.model.gap
         self.apart = _with_nothing_between(study)
         self.axis, self.levels, self.hazard = None, np.zeros(0), None
         if self.spec.rate is None:
             return
-        problems, scale = Problems(study.file), study.model.records.scale
-        self.axis = intensity_axis(self.apart.axes, study.root, problems)
+        scale = study.model.records.scale
+        self.axis = intensity_axis(self, self.apart.axes)
         if self.axis is not None:
             axis = self.apart.axes[self.axis]
             measure, levels = Measure(INTENSITY_KEYS.get(axis.names[0], "pga")), [value for (value, *_) in axis.values]
@@ -116,10 +116,9 @@ class Gap(Workflow):
             measure, levels = Measure(name, getattr(scale, "period", 0.0)), [getattr(scale, name)]
         else:
             hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
-            what = "a rate needs motions that are scaled to an intensity"
-            problems.at(study.root, ("gap", "rate"), what, hint, key=True)
-        problems.check()
-        self.levels, self.hazard = np.array(levels, float), hazard_of(study, "gap", measure)
+            self.wrong(("rate",), "a rate needs motions that are scaled to an intensity", hint, key=True)
+        self.problems.check()
+        self.levels, self.hazard = np.array(levels, float), hazard_of(self, measure)
 
     @cached_property
     def plan(self) -> Plan:

@@ -32,12 +32,11 @@ from scipy.special import log_ndtr, ndtr
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.hazard import intensity_factor, read_hazard
-from pounding_cli.study import Study
 from pounding_cli.study.axes import Axis
-from pounding_cli.study.file import Map, Problems
 from pounding_cli.study.motions import Used
 from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
+from pounding_cli.workflows.workflow import Workflow
 
 YEARS = 50.0
 """Years of the probability that is told beside a rate."""
@@ -147,11 +146,12 @@ INTENSITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "pgv": _VELOCITY, "facto
 SWEEP = "write e.g. `sweep: {records.scale.pga: {from: 0.05 g, to: 2 g, step: 0.05 g}}`"
 
 
-def intensity_axis(axes: Sequence[Axis], root: Map, problems: Problems, least: int = 1) -> int | None:
+def intensity_axis(asked: Workflow, axes: Sequence[Axis], least: int = 1) -> int | None:
     """The number of the axis that varies the intensity; what is wrong with it is noted.
 
     least : intensities that are needed
     """
+    root, problems = asked.study.root, asked.problems
     for number, axis in enumerate(axes):
         if INTENSITY_KEYS.keys().isdisjoint(axis.names):
             continue
@@ -178,28 +178,27 @@ def measured(used: Used, measure: Measure) -> float:
     return float(records.spectrum(used.motion, (measure.period,))[0])
 
 
-def hazard_of(study: Study, section: str, measure: Measure) -> Hazard | None:
-    """The hazard curve that a section of a study gives; None without one.
+def hazard_of(asked: Workflow, measure: Measure) -> Hazard | None:
+    """The hazard curve that the section of a question gives; None without one.
 
     Raises
     ------
     InputError : no hazard curve, or one of another intensity measure
     """
-    spec, quantity = getattr(study.model, section).hazard, INTENSITIES[measure.name]
+    spec, quantity = asked.spec.hazard, INTENSITIES[measure.name]
     if spec is None:
         return None
     if isinstance(spec, HazardFile):
-        return Hazard.table(*_from_file(study.path.parent / spec.file, spec.unit, quantity.si, measure))
+        return Hazard.table(*_from_file(asked.study.path.parent / spec.file, spec.unit, quantity.si, measure))
     try:
         if isinstance(spec, PowerHazard):
             one = intensity_factor(spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(quantity.si), quantity.si, "")
             return Hazard.power_law(spec.k0 * one**spec.k, spec.k)
         return Hazard.table(*_from_study(spec, quantity))
     except InputError as error:
-        problems = Problems(study.file)
         for problem in error.problems:
-            problems.at(study.root, (section, "hazard"), problem.message, problem.hint)
-        problems.check()
+            asked.wrong(("hazard",), problem.message, problem.hint)
+        asked.problems.check()
         raise
 
 

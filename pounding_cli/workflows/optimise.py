@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from collections.abc import Sequence
+from functools import cached_property
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +17,13 @@ from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.expression import Expression, Quantity, read_expression
-from pounding_cli.study.file import Problems, get, nearest
+from pounding_cli.study.file import get, nearest
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
 from pounding_cli.workflows.expressions import at_points, error_of, key_columns, read_all, values_of
 from pounding_cli.workflows.search import Point, Search
-from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, refuse_histories, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, tabled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,26 +60,26 @@ class Optimise(Workflow):
     """
 
     name = "optimise"
+    spec: OptimiseSpec
     extent = "begins with"  # every point decides about the next
 
     def __init__(self, study: Study) -> None:
         super().__init__(study)
-        self.spec: OptimiseSpec = study.model.optimise
-        spec, problems, root = self.spec, Problems(study.file), study.root
+        spec, problems, root = self.spec, self.problems, study.root
         self.sign = -1 if spec.least is None and spec.most is not None else 1
         texts = [text for text in (spec.least, spec.most) if text is not None]
         key = "least" if self.sign > 0 else "most"
-        expressions = read_all(read_expression, study, "optimise", key, texts, problems)
+        expressions = read_all(read_expression, self, key, texts)
         if not texts:
             hint = "write e.g. `optimise: {least: largest V_ratio in stiff}`"
-            problems.at(root, ("optimise",), "`optimise:` lacks 'least' or 'most'", hint, key=True)
+            self.wrong((), "`optimise:` lacks 'least' or 'most'", hint, key=True)
         self.factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
         if not self.factors and not problems.found:
             hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
-            problems.at(root, ("optimise",), "no key is given to vary", hint, key=True)
-        self.case = self._one("case", "cases", spec.case, list(study.model.cases), problems)
-        self.analysis = self._one("analysis", "analyses", spec.analysis, list(study.model.analyses), problems)
-        refuse_histories(study, "the points of a search", problems)
+            self.wrong((), "no key is given to vary", hint, key=True)
+        self.case = self._one("case", "cases", spec.case, list(study.model.cases))
+        self.analysis = self._one("analysis", "analyses", spec.analysis, list(study.model.analyses))
+        self.refuse_histories("the points of a search")
         problems.check()
         self.expression = expressions[0]
         given = [(factor, get(root, *factor.key.split("."))) for factor in self.factors]
@@ -87,14 +87,13 @@ class Optimise(Workflow):
         written = tuple(place for place in places if place is not None)
         self.written: Point | None = written if len(written) == len(places) else None
 
-    def _one(self, what: str, many: str, wanted: str | None, names: list[str], problems: Problems) -> str:
+    def _one(self, what: str, many: str, wanted: str | None, names: list[str]) -> str:
         """The case or analysis that is looked at; what is wrong with the choice is noted."""
-        root = self.study.root
         if wanted is not None and wanted not in names:
-            problems.at(root, ("optimise", what), f"{what}: no {what} '{wanted}'", nearest(wanted, names))
+            self.wrong((what,), f"{what}: no {what} '{wanted}'", nearest(wanted, names))
         elif wanted is None and len(names) > 1:
             hint = f"select one: `optimise: {{{what}: {names[0]}}}`"
-            problems.at(root, ("optimise",), f"the study has {len(names)} {many}", hint, key=True)
+            self.wrong((), f"the study has {len(names)} {many}", hint, key=True)
         return str(wanted or names[0])
 
     @property
@@ -250,8 +249,7 @@ def _design(
         ("scenes that failed", "1", of, failed.sum(axis=(0, 2))),
     ]
     for text, quantity in quantities.items():
-        expression = Expression(quantity.name, "", (quantity,), partial(_alone, quantity))
-        values = _by_point(plan, values_of(expression, one, spec.over_motions))
+        values = _by_point(plan, values_of(_only(quantity), one, spec.over_motions))
         over_sweep = values.mean(axis=0) if spec.over_sweep == "mean" else values.max(axis=0)
         rows.append((text, VARIABLES[quantity.name].unit, 0, over_sweep))
     flags = _by_point(plan, one["flags"].values)
@@ -265,9 +263,9 @@ def _design(
     return frame[list(columns_of(DESIGN))]
 
 
-def _alone(quantity: Quantity, value: Callable[[Quantity], np.ndarray]) -> np.ndarray:
+def _only(quantity: Quantity) -> Expression:
     """An expression that is one quantity."""
-    return value(quantity)
+    return Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
 
 
 def _points(search: Search, question: Optimise, sought: pd.DataFrame) -> Table:

@@ -93,23 +93,23 @@ class Search:
         """Search."""
         if self.written is not None:
             self._look([self.written], WRITTEN)
+        every = [  # values of the coordinates: every choice, or points from end to end
+            [(each + 0.5) / options for each in range(options)] or np.linspace(0, 1, self.spec.slice_points).tolist()
+            for options in self.options
+        ]
         if not self.continuous and np.prod(self.options) <= _FEW_COMBINATIONS:
-            self._look(list(product(*(self._across(number) for number in range(len(self.options))))), SEARCH)
+            self._look(list(product(*every)), SEARCH)
             self._take_lowest()
             return
         self._evolve()
         self._take_lowest()
         for _ in range(_RETURNS):
-            if self.best is not None and self.continuous:
-                self._polish(self.best)
-                self._take_lowest()
             if self.best is None:
                 return
-            slices = [
-                self._moved(self.best, {number: u}) for number in range(len(self.options))
-                for u in self._across(number)
-            ]  # fmt: skip
-            self._look(slices, SLICES)
+            if self.continuous:
+                self._polish(self.best)
+                self._take_lowest()
+            self._look([self._moved(self.best, {n: u}) for n, across in enumerate(every) for u in across], SLICES)
             if not self._take_lowest(_SAME):
                 return
 
@@ -133,11 +133,6 @@ class Search:
     def _moved(self, point: Point, moves: dict[int, float]) -> Point:
         """A point with other values of some coordinates."""
         return self.key([moves.get(number, u) for number, u in enumerate(point)])
-
-    def _across(self, number: int) -> list[float]:
-        """Values of a coordinate: every choice, or points from end to end."""
-        options = self.options[number]
-        return [(each + 0.5) / options for each in range(options)] or np.linspace(0, 1, self.spec.slice_points).tolist()
 
     def _evolve(self) -> None:
         """Differential evolution until all points of a generation are nearly as good."""

@@ -15,11 +15,10 @@ import xarray as xr
 
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.expression import Expression, Statement, read_expression, read_statement
-from pounding_cli.study.file import Problems
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
 from pounding_cli.workflows.expressions import at_points, distinct, key_columns, read_all, values_of
-from pounding_cli.workflows.workflow import Found, Table, Workflow, refuse_histories, swept, tabled
+from pounding_cli.workflows.workflow import Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
@@ -89,13 +88,13 @@ class Sensitivity(Workflow):
     """
 
     name = "sensitivity"
+    spec: SensitivitySpec
 
     def __init__(self, study: Study, judge: Judge | None = None) -> None:
         super().__init__(study)
-        spec: SensitivitySpec = study.model.sensitivity
-        problems, root = Problems(study.file), study.root
+        spec, problems, root = self.spec, self.problems, study.root
         factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
-        self.spec, self.judge, self.motions = spec, judge, tuple(study.motions(study.base))
+        self.judge, self.motions = judge, tuple(study.motions(study.base))
         self.sets: np.ndarray | None = None
         if len(factors) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
@@ -112,20 +111,19 @@ class Sensitivity(Workflow):
                     self.sets = np.sort(drawn, axis=1)
                 factors[number] = dataclasses.replace(factor, options=len(self.sets))
         self.factors = tuple(factors)
-        refuse_histories(study, "samples", problems)
+        self.refuse_histories("samples")
         if spec.claims and study.model.claims is None:
             hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
-            at = ("sensitivity", "claims")
-            problems.at(root, at, "the study names no figure whose claims could be judged", hint, key=True)
+            self.wrong(("claims",), "the study names no figure whose claims could be judged", hint, key=True)
         if not (spec.outputs or spec.probabilities or spec.claims):
             hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
-            problems.at(root, ("sensitivity",), "`sensitivity:` lacks 'outputs'", hint, key=True)
-        self.outputs = read_all(read_expression, study, "sensitivity", "outputs", spec.outputs, problems)
-        self.statements = read_all(read_statement, study, "sensitivity", "probabilities", spec.probabilities, problems)
+            self.wrong((), "`sensitivity:` lacks 'outputs'", hint, key=True)
+        self.outputs = read_all(read_expression, self, "outputs", spec.outputs)
+        self.statements = read_all(read_statement, self, "probabilities", spec.probabilities)
         points = self.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
         if points > MOST_POINTS:
             what = f"{self.samples} samples make {points} points"
-            problems.at(root, ("sensitivity", "samples"), what, f"keep it to {MOST_POINTS}: write fewer")
+            self.wrong(("samples",), what, f"keep it to {MOST_POINTS}: write fewer")
         problems.check()
 
     # The samples

@@ -8,10 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pounding_cli.numbers import Unit
 from pounding_cli.results.tables import ANSWERS, Column, Table
+from pounding_cli.study.file import Problems, Steps
 from pounding_cli.variables import COORDINATES
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
     from pounding_cli.study import Plan, Study
     from pounding_cli.study.axes import Axis
-    from pounding_cli.study.file import Problems
 
 COLUMNS = Path(__file__).with_name("columns.csv")
 """Unit and meaning of the columns of answers; a table takes what it lacks there from the first table of its question.
@@ -55,13 +55,27 @@ class Workflow(ABC):
 
     name : its command, and its section of a study file
     extent : whether it `has` the scenes of its plan, `has at most` these, or `begins with` them
+    spec : the section
+    problems : what is wrong with it
     """
 
     name: ClassVar[str]
     extent = "has"
+    spec: Any
 
     def __init__(self, study: Study) -> None:
-        self.study = study
+        self.study, self.problems = study, Problems(study.file)
+        self.spec = getattr(study.model, self.name, None)
+
+    def wrong(self, path: Steps, message: str, hint: str, key: bool = False) -> None:
+        """Note what is wrong at a place of the section, or with the key of that place."""
+        self.problems.at(self.study.root, (self.name, *path), message, hint, key)
+
+    def refuse_histories(self, of: str) -> None:
+        """Note that histories are asked for of scenes that nobody knows beforehand."""
+        if self.study.model.keep is not None:
+            hint = "remove `keep:`; `pound run` keeps those of chosen points"
+            self.problems.at(self.study.root, ("keep",), f"histories cannot be kept of {of}", hint, key=True)
 
     @property
     @abstractmethod
@@ -95,17 +109,11 @@ class Run(Workflow):
         return Found(self.plan, solver.dataset(self.plan), [])
 
 
-def refuse_histories(study: Study, of: str, problems: Problems) -> None:
-    """Note that histories are asked for of scenes that nobody knows beforehand."""
-    if study.model.keep is not None:
-        hint = "remove `keep:`; `pound run` keeps those of chosen points"
-        problems.at(study.root, ("keep",), f"histories cannot be kept of {of}", hint, key=True)
-
-
-def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame:
+def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]], **more: Sequence[Any]) -> pd.DataFrame:
     """The swept values at some points, a row a point and a column a key.
 
     points : of every row its index on every axis
+    more : further columns that say where something stands
     """
     import pandas as pd
 
@@ -114,7 +122,7 @@ def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]]) -> pd.DataFrame
         for number, axis in enumerate(axes)
         for key, name in enumerate(axis.names)
     }
-    return pd.DataFrame(columns, index=range(len(points)))
+    return pd.DataFrame(columns | more, index=range(len(points)))
 
 
 @cache

@@ -105,10 +105,18 @@ def test_hazards_that_are_refused(section: str, words: str) -> None:
     assert any(words in told for _, _, told in problems), problems
 
 
-def test_a_rate_takes_an_intensity(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("sweep", "words"),
+    [
+        ({}, "scaled to an intensity"),
+        ({"records.scale": [1, "table1"]}, "not numbers"),
+        ([{"records.scale": [1, 2], "buildings.soft.period": ["0.5 s", "0.6 s"]}], "an axis of its own"),
+    ],
+)
+def test_a_rate_takes_an_intensity(tmp_path: Path, sweep: Any, words: str) -> None:
     study = STUDY | {"records": {"use": ["elcentro", "taft"]}, "gap": {"hazard": POWER, "rate": "1/475"}}
-    with pytest.raises(pound.InputError, match="scaled to an intensity"):
-        pound.run(study, tmp_path / "x.h5", workflow="gap")
+    with pytest.raises(pound.InputError, match=words):
+        pound.run(study | ({"sweep": sweep} if sweep else {}), tmp_path / "x.h5", workflow="gap")
 
 
 def test_the_page_of_a_limit_that_nothing_passes(tmp_path: Path) -> None:
