@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache, cached_property, partial
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -328,14 +328,14 @@ def statistics(
     centre, spread = groups["log"].mean().where(is_fitted), groups["log"].std().where(is_fitted)
     found["median"], found["dispersion"] = np.exp(centre), spread
     for share in contact:
-        factors = found["motions"].map(partial(_factors, probability=share))
+        factors = {motions: _factors(motions, share) for motions in found["motions"].unique()}
         for number, end in enumerate(("", "_low", "_high")):
-            found[f"contact_{100 * share:g}{end}"] = np.exp(centre + factors.str[number].astype(float) * spread)
+            times = found["motions"].map({motions: each[number] for motions, each in factors.items()})
+            found[f"contact_{100 * share:g}{end}"] = np.exp(centre + times.astype(float) * spread)
     found["error"] = groups["error"].max()
     return found
 
 
-@cache
 def _factors(motions: int, probability: float) -> tuple[float, float, float]:
     """By how many standard deviations above the mean of the logarithms the gap lies, and its confidence interval.
 

@@ -483,3 +483,19 @@ def test_no_interval_of_few_motions(pound, motions):
         assert "In brackets: 90% confidence." in said
         assert "No confidence interval" not in said + page
         assert "In brackets: 90% confidence." in page
+
+
+def test_where_every_scene_collapses_nothing_is_required(pound):
+    """Fails with a traceback where no motion has a value."""
+    weak = "storeys: 2, period: 1 s, mass: 100 t, p_delta: true, hardening: 0, yield_shear: [20 kN, 20 kN]"
+    text = (
+        RUNS[: RUNS.index("sweep:")]
+        .replace("storeys: 3, period: 0.3 s", weak)
+        .replace("storeys: 2, period: 0.5", "period: 1.5")
+    )
+    text = text.replace("duration: 5 s", "duration: 12 s, scale: {pga: 3 g}") + "analyses: [inelastic]\n"
+    Path("two.yaml").write_text(text)
+    assert pound("gap", "two.yaml")[0] == 0
+    results = open_results("results/two-gap.h5")
+    assert set(results.scene()["status"]) == {"collapsed"}
+    assert results.table("gap").empty
