@@ -254,14 +254,14 @@ def commit(dofs, elements, terms, r, series):
                 r.across = r.h
             next_branch(el, el.guard)
             if was_open and el.closed:
-                el.hits += 1
+                el.hits = 1 if el.least > -TOUCH else el.hits + 1
                 if el.smooth:
                     r.next = max(r.onset, 0.0)
                     r.onset = -1.0
             if el.least > -TOUCH and was_open and el.closed:
                 el.time = r.time - r.begun
             elif el.least > -TOUCH and el.peak_v < TOUCH:
-                el.time = 0.0
+                el.time, el.hits = 0.0, 0
             el.stuck += 1
             r.events += 1
     list_active(elements, r, series)

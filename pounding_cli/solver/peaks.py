@@ -17,6 +17,12 @@ def _may_turn(first, last, deviation):
     return not abs(last - first) > 4.0 * deviation
 
 
+@njit(**PART)
+def _keeps_sign(first, last, deviation):
+    """Whether a rate keeps its sign in the step: then what it belongs to has no peak inside."""
+    return first * last > 0.0 and min(abs(first), abs(last)) > deviation
+
+
 @njit(**CALLED)
 def raise_peaks(dofs, elements, terms, r, series, columns):
     """Raise every largest value that this step, up to s = run.end, exceeds."""
@@ -24,7 +30,7 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
         d = dofs[i]
         if max(d.u0, d.u1) + d.du > d.u_max or min(d.u0, d.u1) - d.du < d.u_min:
             d.u_max, d.u_min = max(d.u_max, d.u0, d.u1), min(d.u_min, d.u0, d.u1)
-            if _may_turn(d.u0, d.u1, d.du):
+            if not _keeps_sign(d.w[0], d.v1, d.dv):
                 _displacement_peak(d, r)
         largest = max(abs(d.a0), abs(d.a1))
         if largest + d.da > d.a_max:
@@ -53,7 +59,7 @@ def _ends_rise(el, storey):
         first, last = abs(el.k * el.v0 + el.f0), abs(el.k * el.v1 + el.f0)
         rises = rises or max(first, last) + abs(el.k) * el.dv > el.peak_f
         el.peak_f = max(el.peak_f, first, last)
-    return rises and _may_turn(el.v0, el.v1, el.dv)
+    return rises and not _keeps_sign(el.r0, el.r1, el.dr)
 
 
 @njit(**CALLED)

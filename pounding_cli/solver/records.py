@@ -20,8 +20,8 @@ from pounding_cli.laws.law import HISTORY, PARAMETERS
 ORDERS = 32
 """Room for the orders of a series: none has more than 31 terms."""
 
-MOST_POINTS = 12
-"""Places inside a step where powers are looked at, at most."""
+PLACES_INSIDE = 8
+"""Places inside a step where velocities and forces are looked at for its energies."""
 
 
 def _dtype(**fields: str) -> np.dtype:
@@ -45,8 +45,8 @@ DOF = _dtype(
     # push: sum of forces of links, order by order
     # allowed: 1 / what a term of the series may leave out; scale: recent acceleration
     # apart: nine lines of the cache a record: eight (512 bytes) lie in the same places of it and slow the walks
-    f8=f"inv_mass drag below push allowed lean u0 a0 w:{ORDERS} inside:{MOST_POINTS} u1 v1 a1 du dv da mass loaded"
-    " scale u_max u_min a_max apart:7",
+    f8=f"inv_mass drag below push allowed lean u0 a0 w:{ORDERS} inside:{PLACES_INSIDE} u1 v1 a1 du dv da mass loaded"
+    " scale u_max u_min a_max apart:11",
     u8="foot",
 )
 ELEMENT = _dtype(
@@ -84,11 +84,11 @@ RUN = _dtype(
     # begun: when the motion began [s]; still: 1 before
     # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
     f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset across input drag dashpots time begun",
-    i8="n m drags columns points trials active max_order order steps events orders instant status smooth always_smooth"
+    i8="n m drags columns trials active max_order order steps events orders instant status smooth always_smooth"
     " follows has_lean most_steps most_events output still",
-    # p: room for one polynomial and its derivative; powers: of the places inside a step
+    # p: room for one polynomial and its derivative
     # values: of a polynomial at the places that it is fitted to
-    f8_=f"p:{2 * (ORDERS + 8)} powers:{MOST_POINTS}x{ORDERS} values:8",
+    f8_=f"p:{2 * (ORDERS + 8)} values:8",
 )
 
 DERIVATIVES = 16

@@ -62,6 +62,19 @@ def test_floors_in_touch_press_from_the_start_or_not_at_all(push: float, accurac
     run = solve(Scene(two, np.full(21, push), 1e-3, POUNDING | {"floors": [5]}), accuracy)
     assert run.contact_time[0] == pytest.approx(0.02 if push > 0 else 0.0, rel=1e-12)
     assert run.peak_force[0] > 0 or push < 0
+    assert run.impacts.tolist() == [1.0 if push > 0 else 0.0]
+
+
+def test_floors_in_touch_count_contacts_that_are_no_rounding() -> None:
+    """Nearly rigid links between five floors in touch: in the first milliseconds they press and part by less than
+    1e-20 m. Accuracies that round otherwise count the same contacts. Fails if such partings count."""
+    row = [{"storeys": 5, "period": period, "rayleigh": {"alpha": 0.5, "beta": 0.002}} for period in (0.36, 0.60)]
+    impact = {"impact": {"stiffness": "5000 x stiffest storey", "restitution": 0.9}}
+    counts = [
+        solve(Scene(row, shake(0.3), 0.02, POUNDING, analysis="elastic", more=impact), accuracy).impacts.tolist()
+        for accuracy in (1e-8, 1e-9, 1e-10, 1e-11)
+    ]
+    assert counts[0] == counts[1] == counts[2] == counts[3]
 
 
 @pytest.mark.parametrize("foundation", ["fixed", SWAY | ROCK], ids=["fixed", "moving"])
