@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.style import Look, finish, looks, panels, shared_legend, styled
@@ -26,8 +26,6 @@ from pounding_cli.workflows.hazard import INTENSITY_KEYS, YEARS
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
-TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
-"""The tables of scenes that the report has."""
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""
 MUCH_BEYOND = 0.1
@@ -67,11 +65,7 @@ def fragility_report(results: Results) -> Report:
         if len(parts := shown.here(results.answer(CONTRIBUTIONS).frame)):  # no limit may have a curve
             draw = partial(draw_contributions, parts, unit, shown)
             pictures.append(Picture("fragility-rates", "What contributes to the annual rates", text, draw))
-    return Report(
-        **frame_of(results, shown, results.scene()),
-        answer=Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes),
-        more=partial(background, results, shown, results.scene(), TABLES),
-    )
+    return report_of(results, shown, Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes))
 
 
 def _measure(results: Results) -> str:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from pounding_cli.model.links import BASE
 from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.style import finish, panels, shared_legend, styled
@@ -28,8 +28,6 @@ from pounding_cli.workflows.hazard import YEARS
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
-TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
-"""The tables of scenes that the report has."""
 PLACE = ["floor", "right_floor", "columns"]
 """Which floors of two neighbours face each other."""
 
@@ -73,11 +71,7 @@ def gap_report(results: Results) -> Report:
     if len(frame):
         draw = partial(draw_profiles, frame, unit, shown)
         pictures = [Picture("required-gap", "Required gap over the height", " ".join(said), draw)]
-    return Report(
-        **frame_of(results, shown, results.scene()),
-        answer=Section("", said, tables, pictures, notes),
-        more=partial(background, results, shown, results.scene(), TABLES),
-    )
+    return report_of(results, shown, Section("", said, tables, pictures, notes))
 
 
 def _rows(frame: pd.DataFrame) -> list[dict[Any, Any]]:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.style import finish, name_axis, panels, shared_legend, styled
@@ -39,8 +39,7 @@ Row = Mapping[Any, Any]
 
 def optimise_report(results: Results) -> Report:
     """What the search for an optimum says."""
-    whole, results = results, results.first_sample()
-    shown, scene = nominal(results), whole.scene()
+    shown = nominal(results.first_sample())
     keys, tried, units = _in_units(results)
     first, design = keys.iloc[0].to_dict(), results.answer(DESIGN).frame.to_dict("records")
     said, tables, pictures = _sentences(first, design, units["value"]), list[Table](), list[Picture]()
@@ -49,11 +48,7 @@ def optimise_report(results: Results) -> Report:
         draw = partial(draw_optimum, keys, tried, units, shown, " ".join(said))
         text = f"{said[0]} Along each key through the optimum, and every point that was tried."
         pictures = [Picture("optimise", "The optimum and its surroundings", text, draw)]
-    return Report(
-        **frame_of(results, shown, scene, is_sampled=True),
-        answer=Section("", said, tables, pictures, list(_notes(keys))),
-        more=lambda: background(whole, shown, scene, ("records",)),
-    )
+    return report_of(results, shown, Section("", said, tables, pictures, list(_notes(keys))), is_sampled=True)
 
 
 def _in_units(results: Results) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Unit]]:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, nominal
 from pounding_cli.report.style import finish, key_words, new_figure, shared_legend, styled
@@ -39,8 +39,7 @@ Row = Mapping[Any, Any]
 
 def sensitivity_report(results: Results) -> Report:
     """What a sensitivity study says; figures and sentences at one point of the other swept keys."""
-    whole, results = results, results.first_sample()
-    frame, shown, scene = results.answer(INDICES).frame, nominal(results), whole.scene()
+    frame, shown = results.answer(INDICES).frame, nominal(results.first_sample())
     of_cases = frame[frame["case"] != ""]  # claims rest on all cases: their probabilities say what decides
     said, tables, pictures, stated = list[str](), list[Table](), list[Picture](), set[str]()
     if PROBABILITIES in results.answers:
@@ -57,11 +56,7 @@ def sensitivity_report(results: Results) -> Report:
         text = " ".join(sentence(*each) for each in drawn)
         draw = partial(draw_indices, drawn, shown)
         pictures = [Picture("sensitivity", "What decides the outputs", text, draw)]
-    return Report(
-        **frame_of(results, shown, scene, is_sampled=True),
-        answer=Section("", said, tables, pictures, list(_notes(results, frame))),
-        more=lambda: background(whole, shown, scene, ("records",)),
-    )
+    return report_of(results, shown, Section("", said, tables, pictures, list(_notes(results, frame))), is_sampled=True)
 
 
 def _where(results: Results, row: Row) -> str:
