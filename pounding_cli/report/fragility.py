@@ -87,10 +87,9 @@ def _medians(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
     rows = []
     for row in frame.to_dict("records"):
         cells = place_of(results, frame, row, ("limit", "building"), ("case", "analysis"))
-        for end, what in _BOTH.items():
-            cells[unit.label(f"median {what}")] = median_text(row, end, unit)
-            cells[f"spread {what}"] = interval(row, "spread", end)
-        rows.append(cells | {"ratio of medians": interval(row, "ratio")})
+        cells |= {unit.label(f"median {what}"): median_text(row, end, unit) for end, what in _BOTH.items()}
+        cells["ratio of medians"] = interval(row, "ratio")
+        rows.append(cells | {f"spread {what}": interval(row, "spread", end) for end, what in _BOTH.items()})
     return from_records("Intensity at which half of the motions pass", rows)
 
 

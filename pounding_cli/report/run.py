@@ -16,6 +16,7 @@ from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
 from pounding_cli.report.figures import RESPONSES, loop_pictures, profiles
+from pounding_cli.report.style import key_words
 from pounding_cli.report.sweep import Asked, sweep_pictures
 from pounding_cli.report.table import NOTHING, column_of, digits, from_records
 from pounding_cli.report.widgets import explored, players
@@ -128,7 +129,7 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
     several = len(results.data["record"]) > 1
     for row in frame.loc[largest].to_dict("records"):
         where = [row["building"], f"{level} {row[level]}", *([row["record"]] if several else [])]
-        point = ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes)
+        point = ", ".join(f"{key_words(key)} = {results.value_label(key, row[key])}" for key in results.axes)
         mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
         number = f"{digits(row[name] / how.unit.factor, 3)} {how.unit.name}".rstrip() + mark
         found[row["case"], row["analysis"]] = "\n".join(filter(None, (number, ", ".join(where), point)))

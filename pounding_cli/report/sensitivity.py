@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 MOST = 6
 """Outputs in the figure; of more, the first are drawn."""
 
+ROUNDING = 1e-9
+"""An index below this is zero: the numbers differ by rounding [-]."""
+
 _LOW, _HIGH, _FIRST, _TOTAL = "#0072B2", "#E69F00", "#56B4E9", "#000000"
 _SHOWN = {
     "first": "first order", "total": "total", "at_low": "output at its low end", "at_high": "output at its high end",
@@ -69,6 +72,8 @@ def parts(results: Results, frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataF
     """Every output in words with where it stands, and its indices, those that decide most first."""
     keys = [key for key in results.axes if key in frame]
     by = "total" if "total" in frame else "mu_star"
+    indices = frame.columns[frame.columns.str.match("(first|total)(_|$)")]
+    frame = frame.assign(**frame[indices].mask(frame[indices].abs() < ROUNDING, 0.0))
     for _, rows in frame.groupby([*keys, "case", "analysis", "output"], sort=False):
         first = rows.iloc[0].to_dict()
         title = f"{Unit(first['unit']).label(first['output'])}, {_where(results, first)}"

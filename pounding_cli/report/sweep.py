@@ -37,7 +37,7 @@ LARGE_RANGE = 20.0
 """Largest over smallest value above which an axis, or the colours of a map, are logarithmic."""
 MOST_TICKS = 12
 """Points of an axis up to which each has its own tick, and its own cell of a map."""
-COLOURS = "viridis"  # equal steps of a number are equal steps to the eye, also printed in grey
+COLOURS = "viridis_r"  # darker is larger; equal steps of a number are equal steps to the eye, also in grey
 
 
 class SweptAxis(NamedTuple):
