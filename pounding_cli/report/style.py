@@ -113,6 +113,19 @@ def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **s
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 
 
+def grid(
+    count: int, width: float = 3.9, height: float = 3.2, ylabel: str = "", **shared: Any
+) -> tuple[Figure, list[Axes]]:
+    """The same of `count` panels one after the other, two or three in a line, the first of which has the label."""
+    columns = min(count, 2 if count in (2, 4) else 3)
+    figure, axes = panels(-(-count // columns), columns, width, height, **shared)
+    for ax in axes.flat[count:]:
+        ax.set_visible(False)
+    for ax in axes[:, 0]:
+        ax.set_ylabel(ylabel)
+    return figure, list(axes.flat[:count])
+
+
 def case_handles(cases: Mapping[str, str]) -> list[Any]:
     """Line and marker of every case for a legend; `cases`: what each is called."""
     from matplotlib.lines import Line2D
