@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ import pandas as pd
 from pounding_cli.model.effects import told
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.document import Picture, Section
+from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
@@ -27,7 +27,7 @@ _TITLES = {
     "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
     "struck": "Struck columns", "scene": "Runs", "flagged": "Flags", "records": "Motions", "buildings": "Buildings",
 }  # fmt: skip
-
+"""The tables of scenes that a report has, and what they are called."""
 
 STIFFNESS = "impact.stiffness"
 
@@ -39,12 +39,17 @@ ADVICE = (
 """What is said where floors strike and the impact stiffness has one value."""
 
 
-def frame_of(results: Results, shown: Evidence, scene: pd.DataFrame, is_sampled: bool = False) -> dict[str, Any]:
-    """Title, lead, sketch and study of a report.
+def report_of(
+    results: Results, shown: Evidence, answer: Section, more: Callable[[], list[Section]] = list,
+    is_sampled: bool = False,
+) -> Report:  # fmt: skip
+    """A report of the whole results file, with the sections that stand behind every answer.
 
-    scene : the scenes of the whole study; is_sampled : whether its points are samples
+    shown : the point of the sweep that the answer and its figures are about
+    more : () -> sections of this question, before those
+    is_sampled : whether the points are samples, whose tables of scenes say nothing by themselves
     """
-    points = len(scene[list(results.axes)].drop_duplicates()) if results.axes else 1
+    points = len(results.scene()[list(results.axes)].drop_duplicates()) if results.axes else 1
     lead = [
         counted(len(shown.group), "building"),
         counted(len(shown.cases), "case"),
@@ -52,20 +57,19 @@ def frame_of(results: Results, shown: Evidence, scene: pd.DataFrame, is_sampled:
         counted(len(shown.records), "motion"),
         *([counted(points, "different sample") if is_sampled else f"{points} points of a sweep"] if points > 1 else []),
     ]
-    return {
-        "title": results.title,
-        "lead": f"{', '.join(lead)}: {counted(len(scene), 'run')}.",
-        "sketch": partial(sketch, shown),
-        "study": results.study_text,
-    }
+    tables = ("records",) if is_sampled else tuple(_TITLES)
+    return Report(
+        results.title,
+        answer,
+        lambda: [*more(), *background(results, shown, tables)],
+        f"{', '.join(lead)}: {counted(len(results.scene()), 'run')}.",
+        partial(sketch, shown),
+        results.study_text,
+    )
 
 
-def background(results: Results, shown: Evidence, scene: pd.DataFrame, tables: Sequence[str]) -> list[Section]:
-    """The sections behind the answer.
-
-    scene : the scenes of the whole study
-    tables : names of the tables of scenes that the report has, those of the answer besides
-    """
+def background(results: Results, shown: Evidence, tables: Sequence[str]) -> list[Section]:
+    """The sections behind the answer, with these tables of scenes and those of the answer."""
     found = [results.answer(name) for name in results.answers]
     for name in tables:
         frame = results.table(name)
@@ -77,7 +81,7 @@ def background(results: Results, shown: Evidence, scene: pd.DataFrame, tables: S
     return [
         *limits(results),
         _motions(results, shown),
-        _simulated(results, shown, scene),
+        _simulated(results, shown),
         Section("Tables", [where], found, folded=True),
         _study(results),
     ]
@@ -111,7 +115,8 @@ def _motions(results: Results, shown: Evidence) -> Section:
     return Section("Motions", said, [Table("", frame, columns, "Ground motions as used")], pictures)
 
 
-def _simulated(results: Results, shown: Evidence, scene: pd.DataFrame) -> Section:
+def _simulated(results: Results, shown: Evidence) -> Section:
+    scene = results.scene()
     scenes = counted(int(results.attrs["scenes"]), "different scene was", "different scenes were")
     said = [f"{counted(len(scene), 'run')}; {scenes} solved, buildings alone included, each once."]
     tables, failed = [_cases(shown), _effects(scene)], failed_scenes(scene)

@@ -1,21 +1,22 @@
 """The paper's statements about Figs 6 and 7, judged: the numbers that test them, their thresholds, the verdicts.
 
-A claim is a function that gives its numbers at all points of the sweep at once; `judged` makes one DataFrame of them.
-Its docstring is the rule that is printed."""
+A claim is a function of one Dataset that gives its numbers at all points of the sweep at once; its docstring is the
+rule that is printed. `evaluated` makes one DataFrame of all of them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from itertools import chain, product
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pounding_cli.records import catalogue
 from pounding_cli.report.document import Section
+from pounding_cli.report.evidence import points_of, told
 from pounding_cli.report.table import NOTHING, digits, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import DONE
@@ -28,58 +29,19 @@ if TYPE_CHECKING:
 
 HOLDS, PARTLY, FAILS, UNTESTED = "holds", "holds partly", "does not hold", "not tested here"
 
-TABLE1 = {"elcentro": 1.00, "taft": 1.75, "eureka": 1.33, "olympia": 1.25, "parkfield": 0.82}
-"""Scales of the paper's Table 1 [-]."""
+AS_GIVEN = "as given"
+"""What stands for the only point of a study without a sweep."""
 IMPLIED = ("eureka", "olympia")
 """Stand-ins of these motions are built from Table 1's scale, so they cannot test it."""
 
-RESPONSES = (("V_ratio", "elastic", "V/V0, elastic"), ("mu_ratio", "inelastic", "μ/μ0, inelastic"))
-"""What Figs 6 and 7 plot: the ratio, its analysis, its name."""
-
-_OF_MOTIONS = ["record_scale", "record_arias", "record_source"]
-_OF_SCENES = ["V_ratio", "mu_ratio", "acceleration", "impacts", "max_closing", "kind", "gap", "period", "separation"]
-
-
-@dataclass(frozen=True)
-class Numbers:
-    """What claims rest on: variables of a results file, each over some swept axes, case, analysis, record and place.
-
-    data : of the scenes; `record` numbers the motions of a point
-    motions : scale, Arias intensity and source of every motion by name
-    axes : the swept axes
-    """
-
-    data: xr.Dataset
-    motions: xr.Dataset
-    axes: tuple[str, ...]
-
-    def of(self, name: str, case: str, analysis: str) -> xr.DataArray:
-        """A variable in one case and analysis; NaN where the study lacks it."""
-        return self.data[name].reindex(case=[case], analysis=[analysis]).isel(case=0, analysis=0, drop=True)
-
-    def mean(self, ratio: str, case: str, analysis: str) -> xr.DataArray:
-        """A line of the figures, of every building: mean over the motions of a ratio to the building alone."""
-        return self.of(ratio, case, analysis).mean("record")
-
-    def quotient(self, ratio: str, case: str, base: str, analysis: str) -> xr.DataArray:
-        """The stiffer building's line of one case over that of another."""
-        return (self.mean(ratio, case, analysis) / self.mean(ratio, base, analysis)).isel(building=self.stiffer)
-
-    @cached_property
-    def stiffer(self) -> xr.DataArray:
-        """Number of the building with the shortest fundamental period."""
-        return self.data["period"].argmin("building")
-
-    @property
-    def buildings(self) -> Iterator[tuple[int, str]]:
-        """Numbers and names of all buildings."""
-        return enumerate(self.data["building"].values.tolist())
+RATIOS = (("V_ratio", "elastic", "V/V0, elastic"), ("mu_ratio", "inelastic", "μ/μ0, inelastic"))
+"""What Figs 6 and 7 plot: the ratio to the building alone, its analysis, its name."""
 
 
 class Finding(NamedTuple):
     """One number that was found.
 
-    number : over swept axes; NaN where the results have none
+    number : over the swept axes; NaN where the results have none
     met : whether it meets its threshold
     unit : "-" (ratio), "%" or "cm"
     """
@@ -90,7 +52,7 @@ class Finding(NamedTuple):
     unit: str = "-"
 
 
-Find = Callable[[Numbers], Iterator[Finding]]
+Find = Callable[[xr.Dataset], Iterator[Finding]]
 
 CLAIMS: dict[str, tuple[str, str, Find]] = {}
 """By name in the order of the report: the figure that a statement is about ("" for both), the paper's words, its
@@ -107,24 +69,45 @@ def claim(paper: str, figure: str = "") -> Callable[[Find], Find]:
     return noted
 
 
+def at(data: xr.Dataset, name: str, case: str, analysis: str) -> xr.DataArray:
+    """A variable in one case and analysis; NaN where the study lacks it."""
+    return data[name].reindex(case=[case], analysis=[analysis]).isel(case=0, analysis=0, drop=True)
+
+
+def responses(data: xr.Dataset, *cases: str) -> Iterator[tuple[Any, ...]]:
+    """The lines of the figures: "V/V0, elastic" and "μ/μ0, inelastic", each with its mean over the motions in every
+    case, over building and storey."""
+    for ratio, analysis, label in RATIOS:
+        yield label, *(at(data, ratio, case, analysis).mean("record") for case in cases)
+
+
+def stiffer(data: xr.Dataset) -> xr.DataArray:
+    """Number of the building with the shortest fundamental period."""
+    return data["period"].argmin("building")
+
+
+def stiff(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """Values of that building."""
+    return values.isel(building=stiffer(data))
+
+
 @claim("There is practically no reduction in either story shears or ductility factors [by the infill].")
-def infill_response(of: Numbers) -> Iterator[Finding]:
+def infill_response(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where the infill keeps at least 90 % of V/V0 (elastic) and of μ/μ0 (inelastic) of the stiffer building,
     mean over the storeys, both against touching and against the gap."""
     for base in ("touching", "gap"):
-        for ratio, analysis, label in RESPONSES:
-            kept = of.quotient(ratio, "infill", base, analysis).mean("storey")
+        for label, infill, other in responses(data, "infill", base):
+            kept = stiff(data, infill / other).mean("storey")
             yield Finding(f"{label}: infill over {base}, mean over the storeys", kept, kept >= 0.9)
 
 
 @claim("There is more than 80% reduction to the accelerations [by the infill].")
-def infill_accelerations(of: Numbers) -> Iterator[Finding]:
+def infill_accelerations(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where the largest floor accelerations of the stiffer building fall by more than 80 % against touching,
     both in the mean over the floors and at the floor where they fall most, in each analysis."""
-
-    for analysis in of.data["analysis"].values.tolist():
-        infill, touching = (of.of("acceleration", case, analysis) for case in ("infill", "touching"))
-        falls = 100 * (1 - (infill / touching.where(touching > 0)).mean("record").isel(building=of.stiffer))
+    for analysis in data["analysis"].values.tolist():
+        infill, touching = (at(data, "acceleration", case, analysis) for case in ("infill", "touching"))
+        falls = 100 * (1 - stiff(data, (infill / touching.where(touching > 0)).mean("record")))
         words = f"reduction of accelerations, infill against touching, {analysis}"
         mean, most = falls.mean("floor"), falls.max("floor")
         yield Finding(f"{words}, mean over the floors", mean, mean > 80, "%")
@@ -132,71 +115,72 @@ def infill_accelerations(of: Numbers) -> Iterator[Finding]:
 
 
 @claim("There is a small increase in the responses [...] if a 1/10 to 1/100 of this average value is used instead.")
-def softer_infill(of: Numbers) -> Iterator[Finding]:
+def softer_infill(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where V/V0 and μ/μ0 of the stiffer building grow, by at most 15 %, mean over the storeys."""
     for case, share in (("infill_1_10", "1/10"), ("infill_1_100", "1/100")):
-        for ratio, analysis, label in RESPONSES:
-            increase = 100 * (of.quotient(ratio, case, "infill", analysis).mean("storey") - 1)
+        for label, softer, infill in responses(data, case, "infill"):
+            increase = 100 * (stiff(data, softer / infill).mean("storey") - 1)
             words = f"increase of {label}, infill at {share} against 1/5, mean over the storeys"
             yield Finding(words, increase, (increase > 0) & (increase <= 15), "%")
 
 
 @claim("Results indicate that the code specified separation is quite adequate.", "fig7")
-def code_gap(of: Numbers) -> Iterator[Finding]:
+def code_gap(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where, with the 7 cm gap, no storey of any building has a mean ratio above 1.10."""
-    for number, building in of.buildings:
-        for ratio, analysis, label in RESPONSES:
-            most = of.mean(ratio, "gap", analysis).isel(building=number).max("storey")
+    for number, building in enumerate(data["building"].values.tolist()):
+        for label, line in responses(data, "gap"):
+            most = line.isel(building=number).max("storey")
             words = f"{label}: largest mean over the storeys of {building}, with the gap"
             yield Finding(words, most, most <= 1.1)
 
 
 @claim("[...] a gap of 5cm (less than the UBC specification) for the 2-system.", "fig6")
-def narrow_gap(of: Numbers) -> Iterator[Finding]:
+def narrow_gap(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where the gap is smaller than the separation by the code."""
-    gap, code = of.data["gap"].reindex(case=["gap"]).isel(case=0).max("link"), of.data["separation"].max("building")
+    gap, code = data["gap"].reindex(case=["gap"]).isel(case=0).max("link"), data["separation"].max("building")
     more = 100 * (code - gap)
     yield Finding("separation by the code less the gap of the study", more, more > 0, "cm")
 
 
 @claim("The UBC specified separation distance (equal to the sum of the design maximum displacements) is approximately "
        "7cm.")  # fmt: skip
-def separation(of: Numbers) -> Iterator[Finding]:
+def separation(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where the separation rounds to 7 cm (6.5 to 7.5 cm)."""
     words = "separation by the code, sum of the design displacements at the roof"
-    widest = 100 * of.data["separation"].max("building")
+    widest = 100 * data["separation"].max("building")
     yield Finding(words, widest, (widest >= 6.5) & (widest <= 7.5), "cm")
 
 
 @claim("There is a substantial increase to the response of the stiffer building, especially for the inelastic case.")
-def connection_stiffer(of: Numbers) -> Iterator[Finding]:
+def connection_stiffer(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where the mean ratio reaches 1.20 at some storey, in both analyses, and μ/μ0 (inelastic) lies above V/V0
     (elastic) in the mean over the storeys."""
-    lines = [of.mean(ratio, "connected", how).isel(building=of.stiffer) for ratio, how, _ in RESPONSES]
-    for (*_, label), line in zip(RESPONSES, lines, strict=True):
-        most = line.max("storey")
+    means = []
+    for label, line in responses(data, "connected"):
+        most = stiff(data, line).max("storey")
         yield Finding(f"{label}: largest mean over the storeys", most, most >= 1.2)
-    elastic, inelastic = (line.mean("storey") for line in lines)
+        means.append(stiff(data, line).mean("storey"))
+    elastic, inelastic = means
     words = "mean over the storeys of μ/μ0, inelastic, less that of V/V0, elastic"
     yield Finding(words, inelastic - elastic, inelastic > elastic)
 
 
 @claim("At the same time [...] the response of the other connected system was found to reduce.")
-def connection_other(of: Numbers) -> Iterator[Finding]:
+def connection_other(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where the mean ratios of every other building lie below 1, mean over the storeys."""
-    for number, building in of.buildings:
-        for ratio, analysis, label in RESPONSES if (of.stiffer != number).any() else ():
-            line = of.mean(ratio, "connected", analysis).isel(building=number).where(of.stiffer != number)
-            mean = line.mean("storey")
+    for number, building in enumerate(data["building"].values.tolist()):
+        is_other = stiffer(data) != number
+        for label, line in responses(data, "connected") if is_other.any() else ():
+            mean = line.isel(building=number).where(is_other).mean("storey")
             yield Finding(f"{label}: mean over the storeys of {building}", mean, mean < 1)
 
 
 @claim("The connection always penalizes one building and benefits the other.")
-def connection_always(of: Numbers) -> Iterator[Finding]:
+def connection_always(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where, in every single motion, one building's ratio lies above 1 and another's below 1, mean over the
     storeys."""
-    for ratio, analysis, label in RESPONSES:
-        means = of.of(ratio, "connected", analysis).mean("storey")
+    for ratio, analysis, label in RATIOS:
+        means = at(data, ratio, "connected", analysis).mean("storey")
         both = (means.max("building") > 1) & (means.min("building") < 1)
         share = 100 * both.where((means == means).any("building")).mean("record")
         words = f"motions in which one building gains and another is relieved, {label}"
@@ -204,100 +188,101 @@ def connection_always(of: Numbers) -> Iterator[Finding]:
 
 
 @claim("The maximum compression v must never be greater than the initial gap for meaningful results.")
-def connection_closing(of: Numbers) -> Iterator[Finding]:
+def connection_closing(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where no connector closes by more than the gap, in no run."""
-    bridged = of.data["gap"].where((of.data["kind"] == "connector") & (of.data["gap"] > 0))
-    most = (100 * of.data["max_closing"] / bridged).max(("case", "link", "analysis", "record"))
+    bridged = data["gap"].where((data["kind"] == "connector") & (data["gap"] > 0))
+    most = (100 * data["max_closing"] / bridged).max(("case", "link", "analysis", "record"))
     yield Finding("largest closing of a connector over its gap", most, most <= 100, "%")
 
 
 @claim("The scale [of Table 1] was computed by equating the Arias intensities of these motions to the Arias intensity "
        "of the El Centro record.")  # fmt: skip
-def scales(of: Numbers) -> Iterator[Finding]:
+def scales(data: xr.Dataset) -> Iterator[Finding]:
     """Holds where the scales for equal Arias intensity, over the analysed durations, are Table 1's within 2 %."""
-    motions = {name: of.motions.sel(record=name, drop=True) for name in of.motions["record"].values.tolist()}
-    for name in (each for each in motions if each in TABLE1 and each != "elcentro" and "elcentro" in motions):
-        source = str(motions[name]["record_source"].values.flat[0])
+    first, names = "elcentro", data["motion"].values.tolist()
+    for name in (each for each in names if each in catalogue() and each != first and first in names):
+        source, printed = str(data["record_source"].sel(motion=name).values.flat[0]), catalogue()[name].scale
         if not (source == "stand-in" and name in IMPLIED):
             # Arias intensity goes with the square of the scale; that of the file is of the motion as used
-            scale, arias = (motions[name][each] / motions["elcentro"][each] for each in _OF_MOTIONS[:2])
-            ratio = scale / np.sqrt(arias) / TABLE1[name]
-            words = f"{name} ({source}): scale for equal Arias intensity over Table 1's {TABLE1[name]:.2f}"
+            scale, arias = (data[f"record_{what}"] for what in ("scale", "arias"))
+            scale, arias = (each.sel(motion=name) / each.sel(motion=first) for each in (scale, arias))
+            ratio = scale / np.sqrt(arias) / printed
+            words = f"{name} ({source}): scale for equal Arias intensity over Table 1's {printed:.2f}"
             yield Finding(words, ratio, abs(ratio - 1) <= 0.02)
 
 
 # judging
 
-
-def evaluated(of: Numbers, figure: str | None) -> Iterator[tuple[str, list[tuple[Finding, np.ndarray, np.ndarray]]]]:
-    """Of every claim about a figure the findings with their numbers at every point, and whether each meets its
-    threshold: 1, 0, or NaN where there is no number; shape (axes...) each."""
-    whole = xr.DataArray(np.zeros([of.data.sizes[axis] for axis in of.axes]), dims=of.axes)
-
-    def at_points(values: xr.DataArray) -> xr.DataArray:
-        return values.reset_coords(drop=True).broadcast_like(whole).transpose(*of.axes).astype(float)
-
-    for key, (about, _, find) in CLAIMS.items() if figure and "impacts" in of.data else ():
-        found = []
-        for finding in find(of) if about in ("", figure) else ():
-            number = at_points(finding.number)
-            found.append((finding, number.values, at_points(finding.met).where(np.isfinite(number)).values))
-        if found:
-            yield key, found
+_OF_MOTIONS = ("record_scale", "record_arias", "record_source")
 
 
-def verdict(passed: Sequence[np.ndarray]) -> np.ndarray:
-    """Holds where every threshold is met, does not hold where none is, holds partly in between."""
-    met, known = np.array(passed) == 1, np.isfinite(passed)
-    return np.select([~known.any(0), (met | ~known).all(0), met.any(0)], [UNTESTED, HOLDS, PARTLY], FAILS)
+def _with_motions(scenes: xr.Dataset, motions: xr.Dataset) -> xr.Dataset:
+    """Scenes, whose `record` numbers the motions of a point, and what is known of every motion over its name,
+    `motion`."""
+    of_motions = {name: motions[name].reset_coords(drop=True).rename(record="motion") for name in _OF_MOTIONS}
+    return scenes.drop_vars(_OF_MOTIONS).assign(of_motions)
+
+
+def evaluated(data: xr.Dataset, axes: Sequence[str], figure: str | None) -> pd.DataFrame:
+    """Every number of the claims about a figure at every point of the swept axes: claim, finding, unit, point (its
+    number, the last axis fastest), number, passed (1, 0, NaN where there is no number), verdict of the claim there."""
+    whole, parts = xr.DataArray(np.zeros([data.sizes[axis] for axis in axes]), dims=axes), list[pd.DataFrame]()
+
+    def at_points(values: xr.DataArray) -> np.ndarray:
+        return values.reset_coords(drop=True).broadcast_like(whole).transpose(*axes).values.astype(float).ravel()
+
+    for key, (about, _, find) in CLAIMS.items() if figure and "impacts" in data else ():
+        for finding in find(data) if about in ("", figure) else ():
+            number, met = at_points(finding.number), at_points(finding.met)
+            numbers = {"point": np.arange(number.size), "number": number, "passed": met}
+            parts.append(pd.DataFrame(numbers).assign(claim=key, finding=finding.words, unit=finding.unit))
+    if not parts:
+        return pd.DataFrame(columns=["point", "number", "passed", "claim", "finding", "unit", "verdict"])
+    found = pd.concat(parts, ignore_index=True)
+    found["passed"] = found["passed"].where(found["number"].notna())
+    passed = found.groupby(["claim", "point"])["passed"]  # its extremes leave out what is not known
+    known, all_met, some_met = passed.transform("count") > 0, passed.transform("min"), passed.transform("max")
+    found["verdict"] = np.select([~known, all_met == 1, some_met == 1], [UNTESTED, HOLDS, PARTLY], FAILS)
+    return found
 
 
 def judged(results: Results) -> pd.DataFrame:
     """One row a number found at a point of the sweep: where, claim, verdict, finding, number, unit, passed; of the
     claims about the figure that the study names, `claims: fig6` or `claims: fig7`."""
-    data, axes = results.data, tuple(names[0] for names in results.swept)
-    of = Numbers(data[[name for name in _OF_SCENES if name in data]], data[_OF_MOTIONS].reset_coords(_OF_MOTIONS), axes)
-    where = []
-    for at in np.ndindex(*(data.sizes[axis] for axis in axes)):
-        point = [(key, results.axes[key][n]) for keys, n in zip(results.swept, at, strict=True) for key in keys]
-        where.append(", ".join(f"{key} = {results.value_label(key, value)}" for key, value in point) or "as given")
-    parts = [pd.DataFrame(columns=["where", "claim", "verdict", "finding", "number", "unit", "passed"])]
-    for key, found in evaluated(of, results.resolved.get("claims")):
-        said = verdict([passed for *_, passed in found]).ravel()
-        for finding, number, passed in found:
-            met = [{1.0: True, 0.0: False}.get(each, "") for each in passed.ravel().tolist()]
-            columns = [where, key, said, finding.words, number.ravel(), finding.unit, met]
-            parts.append(pd.DataFrame(dict(zip(parts[0].columns, columns, strict=True))))
-    return pd.concat(parts[1:] or parts)
+    data, axes = results.data, [names[0] for names in results.swept]
+    found, where = evaluated(_with_motions(data, data), axes, results.resolved.get("claims")), list[str]()
+    for point in product(*(points_of(results, keys) for keys in results.swept)):
+        where.append(told(results, dict(zip(results.axes, chain(*point), strict=True))) or AS_GIVEN)
+    found = found.assign(
+        where=[where[point] for point in found["point"]],
+        passed=[{1.0: True, 0.0: False}.get(passed, "") for passed in found["passed"]],
+    )
+    return found[["where", "claim", "verdict", "finding", "number", "unit", "passed"]]
 
 
 def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
     """Whether every claim holds (1 or 0), and whether at least a part of it does, at every sample of `pound
     sensitivity`; NaN of a sample with a scene that failed, and where nothing tests the claim."""
-    axes = tuple(axis.names[0] for axis in plan.axes)  # the samples are the last one
-    at = {axes[-1]: xr.DataArray(question.keys[2], dims=axes[-1])}
-    data = data.reset_coords(_OF_MOTIONS).drop_vars(axes[-1]).isel(at)
-    scenes = data[[name for name in (*_OF_SCENES, "status", "drift", "drift0") if name in data]]
+    axes = [axis.names[0] for axis in plan.axes]  # the samples are the last one
+    data = data.drop_vars(axes[-1]).isel({axes[-1]: xr.DataArray(question.keys[2], dims=axes[-1])})
+    scenes = data
     if question.drawn is not None:
         drawn = xr.DataArray(question.drawn, dims=(axes[-1], "record"))
-        scenes = scenes.drop_vars("record").isel(record=drawn)
-    alone_failed = ((scenes["drift"] == scenes["drift"]) & (scenes["drift0"] != scenes["drift0"])).any(
-        ("building", "storey")
-    )
-    failed = ((scenes["status"] != DONE) | alone_failed).any(("case", "analysis", "record")).transpose(*axes)
-    for key, found in evaluated(Numbers(scenes, data[_OF_MOTIONS], axes), plan.study.model.claims):
-        said = np.where(failed, UNTESTED, verdict([passed for *_, passed in found]))
-        for name, held in ((f"claim {key}", (HOLDS,)), (f"claim {key}, at least in part", (HOLDS, PARTLY))):
-            if held == (HOLDS,) or (said == PARTLY).any():
+        scenes = data.drop_vars("record").isel(record=drawn)
+    alone_failed: Any = np.isfinite(scenes["drift"]) & ~np.isfinite(scenes["drift0"])
+    failed = (scenes["status"] != DONE) | alone_failed.any(("building", "storey"))
+    is_void = failed.any(("case", "analysis", "record")).transpose(*axes).values
+    found = evaluated(_with_motions(scenes, data), axes, plan.study.model.claims)
+    for key, mine in found.groupby("claim", sort=False):
+        said = mine.drop_duplicates("point")["verdict"].to_numpy().reshape(is_void.shape)
+        said = np.where(is_void, UNTESTED, said)
+        for name, held in ((f"claim {key}", [HOLDS]), (f"claim {key}, at least in part", [HOLDS, PARTLY])):
+            if held == [HOLDS] or (said == PARTLY).any():
                 number = np.where(said == UNTESTED, np.nan, np.isin(said, held))
                 yield from (Series(point, "", "", name, "", number[point]) for point in np.ndindex(number.shape[:-1]))
 
 
 # what is shown of them
-
-
-def _text(number: float, unit: str) -> str:
-    return f"{digits(number, 3)} {unit}".removesuffix(" -")
 
 
 def claim_sections(results: Results, here: str) -> list[Section]:
@@ -308,12 +293,11 @@ def claim_sections(results: Results, here: str) -> list[Section]:
     every, rows = judged(results), []
     if every.empty:
         return []
-    for key, mine in every[every["where"] == (here or "as given")].groupby("claim", sort=False):
+    for key, mine in every[every["where"] == (here or AS_GIVEN)].groupby("claim", sort=False):
         _, paper, find = CLAIMS[str(key)]
         rows.append([f"{key}\n“{paper}” {' '.join(str(find.__doc__).split())}", mine["verdict"].iloc[0], ""])
-        for row in mine.to_dict("records"):
-            met = {True: "met", False: "missed"}.get(row["passed"], NOTHING)
-            rows.append([row["finding"], met, _text(row["number"], row["unit"])])
+        met = mine["passed"].map({True: "met", False: "missed", "": NOTHING})
+        rows += map(list, zip(mine["finding"], met, _texts(mine), strict=True))
     heads = ("claim, and its numbers", "verdict", "found")
     tables = [from_rows("The paper’s claims, and the numbers found", heads, rows)]
     said = "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does."
@@ -329,13 +313,14 @@ def compare_claims(results: Mapping[str, Results], folder: Path) -> list[Path]:
     cells(frame).to_csv(folder / "comparison.csv", index=False)
     lines = [f"# Claims compared: {', '.join(results)}", ""]
     if frame.empty:
-        lines.append("No results here name a figure of the paper (`claims: fig6` or `fig7`).")
+        lines.append("No results here name a figure of the paper (`claims: fig6` or `claims: fig7`).")
     else:
-        numbers = pd.Series(map(_text, frame["number"], frame["unit"]), frame.index)
-        numbers = numbers.mask(frame["passed"].eq(False).to_numpy(), "**" + numbers + "**")
-        lines += [*_lines(_wide(frame, "claim", "where", frame["verdict"])), ""]
+        bold = [
+            f"**{text}**" if met is False else text for text, met in zip(_texts(frame), frame["passed"], strict=True)
+        ]
+        lines += [*_compared(frame, "claim", "claim", list(frame["verdict"])), ""]
         lines += ["Numbers found; those that miss their threshold are bold.", ""]
-        lines += _lines(_wide(frame, "finding", "where", numbers).rename_axis("number found"))
+        lines += _compared(frame, "finding", "number found", bold)
     return [write_markdown(folder / "comparison.md", lines), folder / "comparison.csv"]
 
 
@@ -344,12 +329,14 @@ def verdicts(results: Results) -> dict[str, str]:
     return {} if results.axes else {row["claim"]: row["verdict"] for row in judged(results).to_dict("records")}
 
 
-def _wide(frame: pd.DataFrame, down: str, across: str, values: pd.Series) -> pd.DataFrame:
-    """Values by two columns, in the order of the frame; NOTHING where there is none."""
-    return frame.assign(shown=values.to_numpy()).pivot_table("shown", down, across, "first", sort=False).fillna(NOTHING)
+def _texts(frame: pd.DataFrame) -> list[str]:
+    """The numbers as people read them."""
+    numbers = zip(frame["number"], frame["unit"], strict=True)
+    return [f"{digits(number, 3)} {unit}".removesuffix(" -") for number, unit in numbers]
 
 
-def _lines(frame: pd.DataFrame) -> list[str]:
-    """A table in Markdown."""
-    rows = [[frame.index.name, *frame.columns], ["---"] * (1 + frame.shape[1]), *frame.reset_index().to_numpy()]
+def _compared(frame: pd.DataFrame, down: str, head: str, values: list[str]) -> list[str]:
+    """A table in Markdown: values by a column and by where they stand, in the order of the frame."""
+    wide = frame.assign(shown=values).pivot_table("shown", down, "where", "first", sort=False).fillna(NOTHING)
+    rows = [[head, *wide.columns], ["---"] * (1 + wide.shape[1]), *wide.reset_index().to_numpy()]
     return ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in rows]

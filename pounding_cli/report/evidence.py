@@ -71,8 +71,7 @@ class Evidence:
 
     def told(self, keys: Container[str]) -> str:
         """The point as far as it is one of some keys, such as the columns of a table."""
-        named = [key for key in self.point if key in keys]
-        return ", ".join(f"{key} = {self.results.value_label(key, self.point[key])}" for key in named)
+        return told(self.results, {key: value for key, value in self.point.items() if key in keys})
 
     def of_study(self, place: str) -> dict[str, Any]:
         """What the study says of the building at a place of the group."""
@@ -149,6 +148,11 @@ class Evidence:
     def marked(self, case: str) -> str:
         """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""
         return f"{case} {MARK}" if case in {named for named, _ in self.void} else case
+
+
+def told(results: Results, row: Mapping[Any, Any]) -> str:
+    """The swept keys of a row in words and the units of the study: "cases.gap.gap = 5 cm"; empty where it has none."""
+    return ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row)
 
 
 def points_of(results: Results, keys: Sequence[str]) -> list[tuple[Any, ...]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ import xarray as xr
 from pounding_cli.numbers import counted
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence
-from pounding_cli.report.style import case_handles, finish, looks, new_figure, panels, shared_legend, styled
+from pounding_cli.report.style import case_handles, finish, grid, looks, new_figure, shared_legend, styled
 from pounding_cli.report.table import column_of
 
 if TYPE_CHECKING:
@@ -150,18 +150,21 @@ def loop_pictures(evidence: Evidence) -> list[Picture]:
 @styled
 def draw_loops(evidence: Evidence, isolated: list[str], kept: pd.DataFrame) -> Figure:
     """A panel for each building on isolators, a line for each kept scene."""
-    figure, axes = panels(1, len(isolated), 4.2, 3.4)
+    figure, axes = grid(len(isolated), 4.2, 3.4)
     look = looks(list(kept["case"]))
     for place in kept[["case", "analysis", "record"]].to_dict("records"):
         history = evidence.results.history(*place.values(), **evidence.point)
-        how = {"color": look[place["case"]].color, "ls": "--" if place["analysis"] == "inelastic" else "-"}
-        for ax, name in zip(axes.flat, isolated, strict=True):
+        how: dict[str, Any] = {
+            "color": look[place["case"]].color,
+            "ls": "--" if place["analysis"] == "inelastic" else "-",
+        }
+        for ax, name in zip(axes, isolated, strict=True):
             number = list(history.buildings).index(name)
             sway, force = history.sway[:, number], history.base_force[:, number]
             ax.plot(100 * sway, force / 1e6, lw=0.9, label=", ".join(place.values()), **how)
             ax.set_title(name, loc="left")
             ax.set(xlabel="displacement of the base [cm]", ylabel="force of the isolators [MN]")
-    shared_legend(figure, axes.flat)
+    shared_legend(figure, axes)
     finish(figure, evidence.title, "Without the dashpots beside the isolators.")
     return figure
 

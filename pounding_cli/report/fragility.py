@@ -13,10 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.style import Look, finish, looks, panels, shared_legend, styled
+from pounding_cli.report.style import Look, finish, grid, looks, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_records, interval, place_of
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.curves import FEWEST_TOLD, Outcome
@@ -26,8 +26,6 @@ from pounding_cli.workflows.hazard import INTENSITY_KEYS, YEARS
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
-TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
-"""The tables of scenes that the report has."""
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""
 MUCH_BEYOND = 0.1
@@ -67,11 +65,7 @@ def fragility_report(results: Results) -> Report:
         if len(parts := shown.here(results.answer(CONTRIBUTIONS).frame)):  # no limit may have a curve
             draw = partial(draw_contributions, parts, unit, shown)
             pictures.append(Picture("fragility-rates", "What contributes to the annual rates", text, draw))
-    return Report(
-        **frame_of(results, shown, results.scene()),
-        answer=Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes),
-        more=partial(background, results, shown, results.scene(), TABLES),
-    )
+    return report_of(results, shown, Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes))
 
 
 def _measure(results: Results) -> str:
@@ -93,10 +87,9 @@ def _medians(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
     rows = []
     for row in frame.to_dict("records"):
         cells = place_of(results, frame, row, ("limit", "building"), ("case", "analysis"))
-        for end, what in _BOTH.items():
-            cells[unit.label(f"median {what}")] = median_text(row, end, unit)
-            cells[f"spread {what}"] = interval(row, "spread", end)
-        rows.append(cells | {"ratio of medians": interval(row, "ratio")})
+        cells |= {unit.label(f"median {what}"): median_text(row, end, unit) for end, what in _BOTH.items()}
+        cells["ratio of medians"] = interval(row, "ratio")
+        rows.append(cells | {f"spread {what}": interval(row, "spread", end) for end, what in _BOTH.items()})
     return from_records("Intensity at which half of the motions pass", rows)
 
 
@@ -174,24 +167,18 @@ def draw_curves(
     spec: Mapping[str, Any], across: str, unit: Unit, rows: pd.DataFrame, motions: pd.DataFrame, points: pd.DataFrame,
     shown: Evidence,
 ) -> Figure:  # fmt: skip
-    """Probability against intensity: a line of panels for each limit, a panel for each building or pair.
+    """Probability against intensity: a panel for each limit and building or pair.
 
     rows, motions, points : of the tables at the point shown; rows of one analysis
     """
-    limits = {limit: here["building"].unique() for limit, here in rows.groupby("limit", sort=False)}
-    cases = rows["case"].unique().tolist()
+    groups, cases = rows.groupby(["limit", "building"], sort=False), rows["case"].unique().tolist()
     look = {case: each for case, each in looks(cases).items() if case in cases[:MOST_CASES]}
-    figure, axes = panels(len(limits), max(map(len, limits.values())), 3.6, 2.8, sharey=True)
-    for line, (limit, buildings) in zip(axes, limits.items(), strict=True):
-        for ax in line[len(buildings) :]:
-            ax.set_visible(False)
-        for ax, building in zip(line, buildings, strict=False):
-            here = rows[(rows["limit"] == limit) & (rows["building"] == building) & rows["case"].isin(look)]
-            _panel(ax, spec["method"], unit, here, motions, points, look)
-            ax.set(ylim=(0, 1), xlabel=across)
-            ax.set_title(subject(building, str(limit)), loc="left")
-        line[0].set_ylabel("probability of passing the limit")
-    shared_legend(figure, axes.flat)
+    figure, axes = grid(len(groups), 3.6, 2.8, "probability of passing the limit", sharey=True)
+    for ax, ((limit, building), here) in zip(axes, groups, strict=True):
+        _panel(ax, spec["method"], unit, here[here["case"].isin(look)], motions, points, look)
+        ax.set(ylim=(0, 1), xlabel=across)
+        ax.set_title(subject(str(building), str(limit)), loc="left")
+    shared_legend(figure, axes)
     said = [f"At {shown.told(rows)}."] if shown.told(rows) else []
     said += {
         "ida": ["Markers: the share of motions that have passed by that intensity, by Kaplan and Meier where some are "
@@ -261,10 +248,8 @@ def draw_contributions(rows: pd.DataFrame, unit: Unit, shown: Evidence) -> Figur
     """The annual rate per ln of the intensity, alone and with pounding: a panel for each limit and building."""
     rows = rows[rows["analysis"] == rows["analysis"].iloc[-1]]
     groups, look = rows.groupby(["limit", "building"], sort=False), looks(rows["case"].unique().tolist())
-    figure, axes = panels(-(-len(groups) // 2), min(len(groups), 2), 3.6, 2.8)
-    for ax in axes.flat[len(groups) :]:
-        ax.set_visible(False)
-    for ax, ((limit, building), mine) in zip(axes.flat, groups, strict=False):
+    figure, axes = grid(len(groups), 3.6, 2.8)
+    for ax, ((limit, building), mine) in zip(axes, groups, strict=True):
         for case, own in mine.groupby("case", sort=False):
             at, width = np.sqrt(own["from"] * own["to"]) / unit.factor, np.log(own["to"] / own["from"])
             if case == mine["case"].iloc[0] and own[f"rate{ALONE}"].notna().any():
@@ -274,7 +259,7 @@ def draw_contributions(rows: pd.DataFrame, unit: Unit, shown: Evidence) -> Figur
         ax.set_title(subject(str(building), str(limit)), loc="left")
         ax.set(xscale="log", xlabel=unit.label("intensity"), ylabel="annual rate per ln of the intensity")
         ax.set_ylim(bottom=0)
-    shared_legend(figure, axes.flat)
+    shared_legend(figure, axes)
     finish(figure, shown.title)
     return figure
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from pounding_cli.model.links import BASE
 from pounding_cli.model.separation import ASCE7, EN1998
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.style import finish, panels, shared_legend, styled
@@ -28,8 +28,6 @@ from pounding_cli.workflows.hazard import YEARS
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
 
-TABLES = ("storey", "floor", "link", "scene", "summary", "records", "buildings")
-"""The tables of scenes that the report has."""
 PLACE = ["floor", "right_floor", "columns"]
 """Which floors of two neighbours face each other."""
 
@@ -48,11 +46,10 @@ _CODE = ("#666666", (0, (3, 1)), "X")
 def gap_report(results: Results) -> Report:
     """What the required separations say."""
     answer, cases, line = (results.answer(name) for name in (REQUIRED, CASES, LINE))
-    shown, keys, unit = (
-        nominal(results),
-        [key for key in results.axes if key in answer.frame],
-        answer.columns["mean"].unit,
-    )
+    shown, keys = nominal(results), [key for key in results.axes if key in answer.frame]
+    if answer.frame.empty:
+        return report_of(results, shown, Section("", [_nothing(results)]))
+    unit = answer.columns["mean"].unit
     pairs, lines = _widest(answer.frame, [*keys, "left", "right"]), _widest(line.frame, [*keys, "building", "side"])
     pairs = pairs.assign(between=pairs["left"] + " | " + pairs["right"], floors=[_floors(row) for row in _rows(pairs)])
     heading, far = "Required gap at the floors that require the widest", "at the floors that move most"
@@ -68,16 +65,18 @@ def gap_report(results: Results) -> Report:
         first = frame.iloc[0]
         few = counted(int(first["intensities"]), "intensity", "intensities")
         notes.insert(0, f"The gap for a rate rests on {few} of {counted(int(first['motions']), 'motion')}.")
-    said = list(_sentences(shown.here(pairs), unit))
-    pictures, frame = [], shown.here(answer.frame)
+    said, pictures, frame = list(_sentences(shown.here(pairs), unit)), list[Picture](), shown.here(answer.frame)
     if len(frame):
         draw = partial(draw_profiles, frame, unit, shown)
         pictures = [Picture("required-gap", "Required gap over the height", " ".join(said), draw)]
-    return Report(
-        **frame_of(results, shown, results.scene()),
-        answer=Section("", said, tables, pictures, notes),
-        more=partial(background, results, shown, results.scene(), TABLES),
-    )
+    return report_of(results, shown, Section("", said, tables, pictures, notes))
+
+
+def _nothing(results: Results) -> str:
+    """Why there is no answer."""
+    ended = results.scene()["status"].value_counts()
+    how = ", ".join(f"{count} {status}" for status, count in ended.items())
+    return f"No gap is known, and none of a case is compared: no run came to its end ({how})."
 
 
 def _rows(frame: pd.DataFrame) -> list[dict[Any, Any]]:

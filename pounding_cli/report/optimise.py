@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.style import finish, name_axis, panels, shared_legend, styled
+from pounding_cli.report.style import finish, grid, name_axis, shared_legend, styled
 from pounding_cli.report.table import NOTHING, column_of, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.optimise import DESIGN, OPTIMUM, POINTS, UNSETTLED
@@ -39,8 +39,7 @@ Row = Mapping[Any, Any]
 
 def optimise_report(results: Results) -> Report:
     """What the search for an optimum says."""
-    whole, results = results, results.first_sample()
-    shown, scene = nominal(results), whole.scene()
+    shown = nominal(results.first_sample())
     keys, tried, units = _in_units(results)
     first, design = keys.iloc[0].to_dict(), results.answer(DESIGN).frame.to_dict("records")
     said, tables, pictures = _sentences(first, design, units["value"]), list[Table](), list[Picture]()
@@ -49,11 +48,7 @@ def optimise_report(results: Results) -> Report:
         draw = partial(draw_optimum, keys, tried, units, shown, " ".join(said))
         text = f"{said[0]} Along each key through the optimum, and every point that was tried."
         pictures = [Picture("optimise", "The optimum and its surroundings", text, draw)]
-    return Report(
-        **frame_of(results, shown, scene, is_sampled=True),
-        answer=Section("", said, tables, pictures, list(_notes(keys))),
-        more=lambda: background(whole, shown, scene, ("records",)),
-    )
+    return report_of(results, shown, Section("", said, tables, pictures, list(_notes(keys))), is_sampled=True)
 
 
 def _in_units(results: Results) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Unit]]:
@@ -161,18 +156,14 @@ def draw_optimum(
     along = [tried[is_best.drop(columns=row["key"]).all(axis=1) & tried["value"].notna()] for row in rows]
     values = pd.concat([*(line["value"] for line in along), keys["optimum"], keys["as_written"]]).dropna()
     room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values.iloc[0]) or 1.0
-    columns = 2 if len(rows) == 4 else min(len(rows), 3)
-    figure, axes = panels(-(-len(rows) // columns), columns, 3.3, 2.7)
-    for ax, row, line in zip(axes.flat, rows, along, strict=False):
+    sought = units["value"].label(rows[0]["sought"].partition(" ")[2])
+    figure, axes = grid(len(rows), 3.3, 2.7, sought)
+    for ax, row, line in zip(axes, rows, along, strict=True):
         _along(ax, row, tried, line)
         ax.set_ylim(values.min() - room, values.max() + room)
         name_axis(ax, "x", [row["key"]], [units[row["key"]]], 7.5, 32)
         ax.tick_params(labelsize=7.5)
-    for ax in axes.flat[len(rows) :]:
-        ax.set_visible(False)
-    for ax in axes[:, 0]:
-        ax.set_ylabel(units["value"].label(str(keys["sought"].iloc[0]).partition(" ")[2]), fontsize=7.5)
-    shared_legend(figure, axes.flat)
+    shared_legend(figure, axes)
     finish(figure, shown.title, f"{said} {motion_sentence(shown.records)}")
     return figure
 

@@ -11,11 +11,12 @@ import pandas as pd
 
 from pounding_cli.laws import drawn
 from pounding_cli.numbers import counted
-from pounding_cli.report.background import background, frame_of, limits, trust
+from pounding_cli.report.background import limits, report_of, trust
 from pounding_cli.report.claims import claim_sections
-from pounding_cli.report.document import Picture, Report, Section
+from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
 from pounding_cli.report.figures import RESPONSES, loop_pictures, profiles
+from pounding_cli.report.style import key_words
 from pounding_cli.report.sweep import Asked, sweep_pictures
 from pounding_cli.report.table import NOTHING, column_of, digits, from_records
 from pounding_cli.report.widgets import explored, players
@@ -24,9 +25,6 @@ from pounding_cli.results.tables import Table
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
-
-TABLES = ("summary", "storey", "floor", "link", "struck", "scene", "flagged", "records", "buildings")
-"""The tables of scenes that a report has."""
 
 
 def run_report(results: Results, asked: Asked | None = None) -> Report:
@@ -38,14 +36,12 @@ def run_report(results: Results, asked: Asked | None = None) -> Report:
     """
     shown, scene = nominal(results), results.scene()
     tables = [largest(results, scene), means(shown)]
-    return Report(
-        **frame_of(results, shown, scene),
-        answer=Section("", sentences(shown), tables, profiles(shown)[:1], notes(results, shown, scene)),
-        more=partial(_more, results, shown, scene, sweep_pictures(results, shown, asked)),
-    )
+    answer = Section("", sentences(shown), tables, profiles(shown)[:1], notes(results, shown, scene))
+    return report_of(results, shown, answer, partial(_more, results, shown, asked))
 
 
-def _more(results: Results, shown: Evidence, scene: pd.DataFrame, swept: list[Picture]) -> list[Section]:
+def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Section]:
+    swept = sweep_pictures(results, shown, asked)
     kept, scenes, said = len(results.histories()), players(results), list[str]()
     if not kept:
         keep = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.names('record')[0]}]}}}}"
@@ -59,7 +55,6 @@ def _more(results: Results, shown: Evidence, scene: pd.DataFrame, swept: list[Pi
         Section("Moving buildings", said, widget="player", data={"scenes": scenes}),
         *claim_sections(results, shown.label),
         Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(shown)]),
-        *background(results, shown, scene, TABLES),
     ]
 
 
@@ -134,7 +129,7 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
     several = len(results.data["record"]) > 1
     for row in frame.loc[largest].to_dict("records"):
         where = [row["building"], f"{level} {row[level]}", *([row["record"]] if several else [])]
-        point = ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes)
+        point = ", ".join(f"{key_words(key)} = {results.value_label(key, row[key])}" for key in results.axes)
         mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
         number = f"{digits(row[name] / how.unit.factor, 3)} {how.unit.name}".rstrip() + mark
         found[row["case"], row["analysis"]] = "\n".join(filter(None, (number, ", ".join(where), point)))

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pounding_cli.numbers import Unit, counted
-from pounding_cli.report.background import background, frame_of
+from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, nominal
 from pounding_cli.report.style import finish, key_words, new_figure, shared_legend, styled
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 MOST = 6
 """Outputs in the figure; of more, the first are drawn."""
 
+ROUNDING = 1e-9
+"""An index below this is zero: the numbers differ by rounding [-]."""
+
 _LOW, _HIGH, _FIRST, _TOTAL = "#0072B2", "#E69F00", "#56B4E9", "#000000"
 _SHOWN = {
     "first": "first order", "total": "total", "at_low": "output at its low end", "at_high": "output at its high end",
@@ -39,8 +42,7 @@ Row = Mapping[Any, Any]
 
 def sensitivity_report(results: Results) -> Report:
     """What a sensitivity study says; figures and sentences at one point of the other swept keys."""
-    whole, results = results, results.first_sample()
-    frame, shown, scene = results.answer(INDICES).frame, nominal(results), whole.scene()
+    frame, shown = results.answer(INDICES).frame, nominal(results.first_sample())
     of_cases = frame[frame["case"] != ""]  # claims rest on all cases: their probabilities say what decides
     said, tables, pictures, stated = list[str](), list[Table](), list[Picture](), set[str]()
     if PROBABILITIES in results.answers:
@@ -57,11 +59,7 @@ def sensitivity_report(results: Results) -> Report:
         text = " ".join(sentence(*each) for each in drawn)
         draw = partial(draw_indices, drawn, shown)
         pictures = [Picture("sensitivity", "What decides the outputs", text, draw)]
-    return Report(
-        **frame_of(results, shown, scene, is_sampled=True),
-        answer=Section("", said, tables, pictures, list(_notes(results, frame))),
-        more=lambda: background(whole, shown, scene, ("records",)),
-    )
+    return report_of(results, shown, Section("", said, tables, pictures, list(_notes(results, frame))), is_sampled=True)
 
 
 def _where(results: Results, row: Row) -> str:
@@ -74,6 +72,8 @@ def parts(results: Results, frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataF
     """Every output in words with where it stands, and its indices, those that decide most first."""
     keys = [key for key in results.axes if key in frame]
     by = "total" if "total" in frame else "mu_star"
+    indices = frame.columns[frame.columns.str.match("(first|total)(_|$)")]
+    frame = frame.assign(**frame[indices].mask(frame[indices].abs() < ROUNDING, 0.0))
     for _, rows in frame.groupby([*keys, "case", "analysis", "output"], sort=False):
         first = rows.iloc[0].to_dict()
         title = f"{Unit(first['unit']).label(first['output'])}, {_where(results, first)}"

@@ -24,6 +24,7 @@ FORMATS = ("png", "svg", "pdf")
 
 RC: Any = {
     "font.size": 9,
+    "axes.facecolor": "none",  # pages show figures without the white behind them
     "axes.titlesize": 9.5,
     "axes.labelsize": 9.5,
     "axes.spines.top": False,
@@ -112,6 +113,19 @@ def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **s
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 
 
+def grid(
+    count: int, width: float = 3.9, height: float = 3.2, ylabel: str = "", **shared: Any
+) -> tuple[Figure, list[Axes]]:
+    """The same of `count` panels one after the other, two or three in a line, the first of which has the label."""
+    columns = min(count, 2 if count in (2, 4) else 3)
+    figure, axes = panels(-(-count // columns), columns, width, height, **shared)
+    for ax in axes.flat[count:]:
+        ax.set_visible(False)
+    for ax in axes[:, 0]:
+        ax.set_ylabel(ylabel)
+    return figure, list(axes.flat[:count])
+
+
 def case_handles(cases: Mapping[str, str]) -> list[Any]:
     """Line and marker of every case for a legend; `cases`: what each is called."""
     from matplotlib.lines import Line2D
@@ -122,7 +136,7 @@ def case_handles(cases: Mapping[str, str]) -> list[Any]:
     ]
 
 
-def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right upper", columns: int = 1) -> None:
+def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right center", columns: int = 1) -> None:
     """One legend of all panels, each label once."""
     handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
     figure.legend(handles.values(), handles.keys(), loc=where, fontsize=8, ncols=columns)
@@ -171,11 +185,12 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = F
 
 
 def data_address(figure: Figure) -> str:
-    """A figure as SVG in a `data:` address, for a page."""
-    return f"data:image/svg+xml;base64,{base64.b64encode(drawn_as(figure, 'svg')).decode('ascii')}"
+    """A figure as SVG without background in a `data:` address, for a page."""
+    drawn = base64.b64encode(drawn_as(figure, "svg", facecolor="none")).decode("ascii")
+    return f"data:image/svg+xml;base64,{drawn}"
 
 
-def drawn_as(figure: Figure, suffix: str) -> bytes:
+def drawn_as(figure: Figure, suffix: str, **named: Any) -> bytes:
     """A figure in a format: without a date in it, so that one that did not change is the same file; laid out once."""
     from matplotlib import rc_context
     from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -186,7 +201,7 @@ def drawn_as(figure: Figure, suffix: str) -> bytes:
             figure.draw_without_rendering()
             figure.set_layout_engine("none")
         dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-        figure.savefig(held, format=suffix, metadata=dated)
+        figure.savefig(held, format=suffix, metadata=dated, **named)
     return held.getvalue()
 
 

@@ -37,7 +37,7 @@ LARGE_RANGE = 20.0
 """Largest over smallest value above which an axis, or the colours of a map, are logarithmic."""
 MOST_TICKS = 12
 """Points of an axis up to which each has its own tick, and its own cell of a map."""
-COLOURS = "viridis"  # equal steps of a number are equal steps to the eye, also printed in grey
+COLOURS = "viridis_r"  # darker is larger; equal steps of a number are equal steps to the eye, also in grey
 
 
 class SweptAxis(NamedTuple):
@@ -320,15 +320,19 @@ def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels:
 
 def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
     """The map of one case; `few` : whether its cells have room for their numbers."""
+    from matplotlib.patches import Rectangle
+
     mean, void = over["mean"].values, over["void"].values
     y, x = (np.arange(1, size + 1) for size in mean.shape)
     ax.grid(False)
     ax.set_facecolor("0.87")
     ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=colours.norm, cmap=COLOURS, shading="nearest", rasterized=True)
-    ax.pcolor(x, y, np.ma.masked_equal(void, False), shading="nearest", hatch="//", alpha=0)
-    for row, column in np.argwhere(np.isfinite(mean)) if few else ():
-        colour = colours.to_rgba(mean[row, column])
+    for row, column in np.argwhere(np.isfinite(mean) & (few | void)):
+        colour, at = colours.to_rgba(mean[row, column]), (x[column], y[row])
         ink = "white" if np.dot(colour[:3], (0.299, 0.587, 0.114)) < 0.5 else "black"
-        box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
-        text = digits(float(mean[row, column]), 3)
-        ax.text(x[column], y[row], text, ha="center", va="center", fontsize=7, color=ink, bbox=box)
+        if void[row, column]:
+            corner = (at[0] - 0.5, at[1] - 0.5)
+            ax.add_patch(Rectangle(corner, 1, 1, fill=False, hatch="//", edgecolor=ink, linewidth=0))
+        if few:
+            box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
+            ax.text(*at, digits(mean[row, column], 3), ha="center", va="center", fontsize=7, color=ink, bbox=box)
