@@ -163,36 +163,36 @@ def integrate(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[
     Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step:
     alpha_m = (rho - 1) / (rho + 1), gamma = 1/2 - alpha_m, beta = (1 - alpha_m)^2 / 4; rho = 1 is Newmark's
     average acceleration. Second order; freedoms without mass are in static equilibrium at every step.
-    The contact force enters as p F, so a step is that without contact plus F times one fixed vector, and
+    The striker is the last freedom, a mass without stiffness. With g.u = x - p.u the closing, the contact force
+    enters as -g F, so a step is that without contact plus F times one fixed vector, and
 
         F >= 0, gap >= 0, F gap = 0   (unilateral)        or        gap = 0   (glued)
 
     is one scalar equation: no state to switch, no second factorisation. The struck freedoms carry no mass,
     so the force begins at zero and nothing is lost when the contact closes.
     """
-    striker, h, am = study.striker, study.time.end / steps, (study.time.rho - 1) / (study.time.rho + 1)
+    h, am = study.time.end / steps, (study.time.rho - 1) / (study.time.rho + 1)
     gamma, beta = 0.5 - am, 0.25 * (1 - am) ** 2
     inertia = (1 - am) / (beta * h**2)
-    stiffness, mass, push = system.K, system.M, system.p
+    stiffness, mass = sp.block_diag([system.K, [[0.0]]], format="csc"), np.append(system.M, study.striker.mass)
+    closing, force = np.append(-system.p, 1.0), 0.0
     factor = factorise(stiffness + sp.diags_array(inertia * mass))
-    answer = factor.solve(push)
-    compliance = float(push @ answer) + 1 / (inertia * striker.mass)
+    answer = factor.solve(closing)
     u, v, a = (np.zeros(mass.size) for _ in range(3))
-    x, xv, xa, force = 0.0, striker.speed, 0.0, 0.0
+    v[-1] = study.striker.speed
     for n in range(steps + 1):
         if n > 0:
-            guess, x_guess = u + h * v + (0.5 - beta) * h**2 * a, x + h * xv + (0.5 - beta) * h**2 * xa
-            u, x = factor.solve(mass * (inertia * guess - am * a)), x_guess - am / inertia * xa
-            force = (x - float(push @ u)) / compliance
+            guess = u + h * v + (0.5 - beta) * h**2 * a
+            u = factor.solve(mass * (inertia * guess - am * a))
+            force = float(closing @ u / (closing @ answer))
             if study.contact.bond == "unilateral":
                 force = max(force, 0.0)
-            u += force * answer
-            x -= force / (inertia * striker.mass)
-            before, x_before, a, xa = a, xa, (u - guess) / (beta * h**2), (x - x_guess) / (beta * h**2)
+            u -= force * answer
+            before, a = a, (u - guess) / (beta * h**2)
             v = v + h * ((1 - gamma) * before + gamma * a)
-            xv = xv + h * ((1 - gamma) * x_before + gamma * xa)
-        energies = 0.5 * striker.mass * xv**2, 0.5 * float(mass @ v**2), 0.5 * float(u @ (stiffness @ u))
-        yield (n * h, force, x, xv, float(push @ u), *energies), u
+        kinetic = 0.5 * mass * v**2
+        energies = kinetic[-1], kinetic[:-1].sum(), 0.5 * float(u @ (stiffness @ u))
+        yield (n * h, force, u[-1], v[-1], float(system.p @ u[:-1]), *energies), u[:-1]
 
 
 # The equations of motion

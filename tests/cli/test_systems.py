@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
+from pounding_cli import connector
 from pounding_cli.cli.main import cli
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -70,6 +71,46 @@ def wall(tmp_path_factory):
     return folder / "small.h5"
 
 
+@pytest.mark.parametrize(
+    ("command", "study", "reason"),
+    [
+        ("wall", "striker: {mass: 1e-9 kg}", "an impact this short"),
+        ("wall", "sweep: {striker.mass: [1e-9 kg, 2e-9 kg]}", "an impact this short"),
+        ("wall", "sweep: {striker.speed: [1 m/s, 1e200 m/s]}", "the response is not finite"),
+        ("connector", "sweep: {connector.stiffness: [0.2 k1, 1e300 N/m]}", "the response is not finite"),
+    ],
+)
+def test_points_that_fail_are_told_and_have_no_numbers(folder, pound, command, study, reason):
+    """One of two, both, or the only one; the table says why. Fails if such a number is shown as a result."""
+    mesh = "mesh: {size: 1 m}\ntime: {end: 20 ms}\n" if command == "wall" else ""
+    Path("s.yaml").write_text(f"title: t\n{mesh}{study}\n")
+    code, out, err = pound(command, "s.yaml", "-o", "s.h5")
+    table = pd.read_csv(f"s/tables/{command}.csv")
+    failed = table["status"] != "done"
+    assert (code, "Traceback" in err, "Warning" in err) == (1, False, False)
+    assert err.count("failed: ") == err.count(reason) == failed.sum() > 0
+    assert f"{failed.sum()} failed" in out
+    assert table["status"][failed].str.contains(reason).all()
+    numbers = table.loc[failed].drop(columns=["status", "seconds", *table.filter(like=".").columns])
+    assert numbers.isna().all(axis=None)
+    with xr.open_dataset("s.h5", engine="h5netcdf") as data:
+        assert (data["status"].to_numpy().ravel() == table["status"]).all()
+
+
+def test_a_fault_in_one_point_leaves_the_others(folder, pound, monkeypatch):
+    usual = connector.solve
+
+    def solve(study):
+        return usual(study) if study.damping < 0.08 else [][0]
+
+    monkeypatch.setattr(connector, "solve", solve)
+    Path("a.yaml").write_text(PAIR)
+    code, out, err = pound("connector", "a.yaml", "-o", "a.h5")
+    assert (code, "Points: 1 solved, 1 failed" in out) == (1, True)
+    assert "failed: damping = 10 %: error: IndexError: " in err
+    assert "please report it" in err
+
+
 def test_a_wall_takes_the_momentum_of_its_striker(wall):
     with xr.open_dataset(wall, engine="h5netcdf") as data:
         assert data["peak_force"].dims == ("contact.over", "wall.length")
@@ -91,7 +132,7 @@ def test_a_point_that_fails_leaves_the_others(folder, pound):
     assert "failed: striker.mass = 1e-6 kg: refused: an impact this short" in err
     fine = Path("w.yaml").read_text().replace("size: 1 m", "size: 1 mm, growth: 0")
     Path("fine.yaml").write_text(fine)
-    assert "elements: give a larger `mesh.size`" in pound("wall", "fine.yaml", "-o", "fine.h5")[2]
+    assert "elements\n    give a larger `mesh.size`" in pound("wall", "fine.yaml", "-o", "fine.h5")[2]
     frame = pd.read_csv("w/tables/wall.csv")
     assert np.isnan(frame["peak_force"]).tolist() == [False, True]
     assert frame["status"].str.partition(":")[0].tolist() == ["done", "refused"]
