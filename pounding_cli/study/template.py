@@ -49,7 +49,7 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
     """
     path = Path(name) if Path(name).suffix in (".yaml", ".yml") else Path(f"{name}.yaml")
     title = path.stem.replace("-", " ").replace("_", " ").strip()
-    if not title.strip(". "):
+    if not (title.strip(". ") and os.path.basename(name)):
         raise InputError(Problem(f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
     if os.path.exists(path):  # False for a name that is too long: the next check refuses that
         raise InputError(Problem("is there already", "choose another name, or move it away", str(path)))

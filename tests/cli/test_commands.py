@@ -108,6 +108,37 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
     assert f"`pound {right} " in err
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("rnu two.yaml", "Did you mean 'run'?"),
+        ("run tow.yaml", "did you mean two.yaml?"),
+        ("run two.yml", "did you mean two.yaml?"),
+        ("run other.yaml", "give the path of a study file"),  # no file has a name like it
+        ("run r.h5", "r.h5: this is a results file, not a study"),
+        ("wall r.h5", "r.h5: this is a results file, not a study"),
+        ("show two.yaml", "two.yaml: this is a study, not a results file\n    solve it, `pound run two.yaml`"),
+        ("compare r.h5 two.yaml", "two.yaml: this is a study, not a results file"),
+        ("check empty.yaml", "empty.yaml:1:1: the file is empty\n    begin with a commented study: pound init"),
+        ("check folder", "folder: this is not a regular file"),
+        ("report r.h5 -o two.yaml", "the output folder two.yaml cannot be written: it is a file"),
+        ("records show one.txt --column 2", "leave 'column' out"),
+        ("records show taft -o taft.xyz", "end the name with one of .png, .svg, .pdf"),
+        ("init folder/", "'folder/' names no file"),
+    ],
+)
+def test_a_slip_is_answered_with_what_to_write(results, folder, pound, words, said):
+    """Nothing is printed or written beside it."""
+    Path("empty.yaml").write_text("")
+    Path("one.txt").write_text("# dt: 0.01 s\n0.1\n0.2\n")
+    Path("folder").mkdir()
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    code, out, err = pound(*words.split())
+    assert (code, out) == (2, "")
+    assert said in err
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
 def test_warnings_are_told_and_kept(folder, pound):
     (folder / "two.yaml").write_text(TWO.replace("gap: 5 mm", "gap: 2"))
     for command in ("check", "run"):
