@@ -36,7 +36,7 @@ def open_file(path: Path) -> Results:
     """The results in a file.  Raises `InputError`, also where a study is given in their place."""
     from pounding_cli.api.studies import open_results
 
-    if path.suffix in (".yaml", ".yml"):
+    if path.suffix in (".yaml", ".yml") and path.is_file():
         hint = f"solve it, `pound run {path}`, and name the results file"
         raise InputError(Problem("this is a study, not a results file", hint, str(path)))
     return open_results(path)

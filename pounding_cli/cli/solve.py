@@ -265,10 +265,10 @@ def accuracy(
     from pounding_cli.solver.work_precision import chosen, measure
 
     names = chosen(methods)
-    folder = output or Path("results") / f"{study.stem}-accuracy"
-    check_folder(folder)
     loaded = load_study(study)
     subjects = _subjects(loaded, cases, records)
+    folder = output or Path("results") / f"{study.stem}-accuracy"
+    check_folder(folder)
     tell = (lambda text: None) if quiet else (lambda text: click.echo(f"  {text}", err=True))
     repeat = shlex.join(["pound", *sys.argv[1:]])
     report = accuracy_report(measure(subjects, names, budget, tell), loaded.title, repeat)

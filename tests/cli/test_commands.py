@@ -118,6 +118,7 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
         ("run r.h5", "r.h5: this is a results file, not a study"),
         ("wall r.h5", "r.h5: this is a results file, not a study"),
         ("show two.yaml", "two.yaml: this is a study, not a results file\n    solve it, `pound run two.yaml`"),
+        ("show other.yaml", "other.yaml: there is no such results file"),
         ("compare r.h5 two.yaml", "two.yaml: this is a study, not a results file"),
         ("check empty.yaml", "empty.yaml:1:1: the file is empty\n    begin with a commented study: pound init"),
         ("check folder", "folder: this is not a regular file"),

@@ -77,6 +77,7 @@ def wall(tmp_path_factory):
         ("wall", "striker: {mass: 1e-9 kg}", "an impact this short"),
         ("wall", "sweep: {striker.mass: [1e-9 kg, 2e-9 kg]}", "an impact this short"),
         ("wall", "sweep: {striker.speed: [1 m/s, 1e200 m/s]}", "the response is not finite"),
+        ("wall", "sweep: {striker.mass: [200 t, 1e300 t]}", "the response is not finite"),
         ("connector", "sweep: {connector.stiffness: [0.2 k1, 1e300 N/m]}", "the response is not finite"),
     ],
 )
