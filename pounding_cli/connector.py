@@ -5,19 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
-from matplotlib.figure import Figure
-from scipy.optimize import brentq, minimize_scalar
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.points import Point, value
-from pounding_cli.report.document import Picture
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from pounding_cli.report.document import Picture
 
 FINEST = 4001
 """Grid on which peaks and bands are searched at least."""
@@ -157,6 +159,9 @@ def solve(study: Study) -> xr.Dataset:
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
     Raises InputError where numbers are too large or too small to compute with.
     """
+    import xarray as xr  # here, as all that `pound check` does not need
+    from scipy.optimize import brentq, minimize_scalar
+
     both, low, high = pair(study), study.frequencies.low, study.frequencies.high
     alone, other = (math.sqrt(k / m) for k, m in zip(both.k, both.m, strict=True))
     ratio = np.linspace(low, high, study.frequencies.points)
@@ -209,6 +214,8 @@ def cites(study: Study) -> dict[str, str]:
 
 def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
+    from pounding_cli.report.document import Picture
+
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points))]
 

@@ -46,9 +46,11 @@ def test_every_command_has_help_with_an_example(name):
 
 
 def test_help_loads_nothing_heavy():
+    """Nor does a check of what needs no solver."""
     code = (
         "import sys\nfrom click.testing import CliRunner\nfrom pounding_cli.cli.main import cli\n"
-        "for words in (['--help'], ['run', '--help'], ['report', '--help']):\n"
+        "for words in (['--help'], ['run', '--help'], ['report', '--help'], ['check', 'configs/fig5.yaml'],\n"
+        "    ['check', 'configs/fig8.yaml']):\n"
         "    assert CliRunner().invoke(cli, words).exit_code == 0\n"
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
