@@ -147,6 +147,16 @@ def dataset(sweep: Sweep) -> xr.Dataset:
     return whole.assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
 
 
+def is_written_by(name: str, file: Path) -> bool:
+    """Whether a file is what the command `name` wrote."""
+    from pounding_cli.results.file import facts
+
+    try:
+        return facts(file, version=None).get("kind") == name
+    except InputError:
+        return False
+
+
 def report(sweep: Sweep) -> Report:
     """The numbers of every point, figures and references."""
     import pandas as pd

@@ -200,13 +200,13 @@ def _points(name: str, about: str, example: str) -> click.Command:
     @click.pass_context
     def command(ctx: click.Context, study: Path, output: Path | None, quiet: bool) -> None:
         from pounding_cli.outputs import check_folder, check_output
-        from pounding_cli.points import DONE, dataset, load, report, solved
+        from pounding_cli.points import DONE, dataset, is_written_by, load, report, solved
         from pounding_cli.results.file import write
 
         sweep = load(study, name)
         file = output or Path("results", f"{study.stem}.h5")
         file = file if file.suffix else file.with_suffix(".h5")
-        check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
+        check_output(file, [study], lambda place, _: is_written_by(name, place))
         check_folder(file.with_suffix(""))
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
             sweep = replace(sweep, points=tuple(solved(sweep, point) for point in waiting))

@@ -62,6 +62,21 @@ def test_the_table_and_the_page_stand_beside_the_file(folder, pound):
     assert (code, "holds results of `pound connector`" in err) == (2, True)
 
 
+def test_only_a_file_of_the_same_command_is_replaced(folder, pound):
+    """Fails if any HDF5 file is: results of `pound run` would be lost."""
+    Path("a.yaml").write_text(PAIR)
+    Path("w.yaml").write_text("title: w\nmesh: {size: 1 m}\ntime: {end: 2 ms}\n")
+    for _ in range(2):
+        assert pound("connector", "a.yaml", "-o", "a.h5")[0] == 0
+    pound("run", "two.yaml", "-o", "run.h5", "-q")
+    xr.Dataset({"x": 1.0}).to_netcdf("mine.h5", engine="h5netcdf")
+    before = {name: Path(name).read_bytes() for name in ("a.h5", "run.h5", "mine.h5")}
+    for name in before:
+        code, out, err = pound("wall", "w.yaml", "-o", name)
+        assert (code, out, "was not written by this command" in err) == (2, "", True), name
+    assert {name: Path(name).read_bytes() for name in before} == before
+
+
 @pytest.fixture(scope="module")
 def wall(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wall")
