@@ -25,7 +25,7 @@ FINEST = 4001
 """Grid on which peaks and bands are searched at least."""
 
 SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
-"""The numbers of a table."""
+"""The numbers of a table that fits a terminal."""
 
 _JOINT = STIFFNESS.but(example="0.2 k1", open_low=False)
 

@@ -216,7 +216,7 @@ def _points(name: str, about: str, example: str) -> click.Command:
         if not quiet:
             found.print()
             click.echo(f"Points: {len(sweep.points) - len(failed)} solved, {len(failed)} failed")
-            click.echo(f"Results: {file}\nPage: {page}")
+            click.echo(f"Results: {file}\nPage, with all numbers: {page}")
         _print_failures((point.label or "the study", point.status, point.advice) for point in failed)
         if failed:
             ctx.exit(1)

@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from pounding_cli.points import Point
     from pounding_cli.report.document import Picture
 
-SHOWN = ("peak_force", "peak_time", "separation", "wall_stress", "averaged_stress", "beam_stress", "column_stress",
-         "wall_shear", "wall_moment")  # fmt: skip
-"""The numbers of a table."""
+SHOWN = ("peak_force", "separation", "wall_stress", "averaged_stress")
+"""The numbers of a table that fits a terminal; the page and the CSV table have all."""
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
 """Of the histories of points; of as many they are drawn."""
