@@ -5,21 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
-from matplotlib.figure import Figure
-from scipy.optimize import brentq, minimize_scalar
 
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.points import Point, value
-from pounding_cli.report.document import Picture
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
 
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from pounding_cli.report.document import Picture
+
 FINEST = 4001
 """Grid on which peaks and bands are searched at least."""
+
+SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
+"""The numbers of a table that fits a terminal."""
 
 _JOINT = STIFFNESS.but(example="0.2 k1", open_low=False)
 
@@ -151,7 +157,11 @@ def solve(study: Study) -> xr.Dataset:
     """Both ratios over frequency, their peaks, and the bands in which both exceed one, found to rounding.
 
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
+    Raises InputError where numbers are too large or too small to compute with.
     """
+    import xarray as xr  # here, as all that `pound check` does not need
+    from scipy.optimize import brentq, minimize_scalar
+
     both, low, high = pair(study), study.frequencies.low, study.frequencies.high
     alone, other = (math.sqrt(k / m) for k, m in zip(both.k, both.m, strict=True))
     ratio = np.linspace(low, high, study.frequencies.points)
@@ -189,11 +199,11 @@ def solve(study: Study) -> xr.Dataset:
         "frequency": value("1", "Omega / omega10", ratio, "frequency"),
         "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
     }
+    if not all(np.isfinite(found[name][1]) for name in SHOWN):
+        hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
+        raise InputError(Problem("the response is not finite", hint))
     told = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
     return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {told}"]})
-
-
-SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
 
 
 def cites(study: Study) -> dict[str, str]:
@@ -204,6 +214,8 @@ def cites(study: Study) -> dict[str, str]:
 
 def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
+    from pounding_cli.report.document import Picture
+
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
     return [Picture("ratios", heading, heading, partial(draw_ratios, title, points))]
 

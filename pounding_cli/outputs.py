@@ -68,5 +68,6 @@ def check_folder(folder: Path, output: Path | None = None, option: str = "-o") -
         with tempfile.TemporaryFile(dir=folder):  # a name of its own: two commands may start at once
             pass
     except (OSError, ValueError) as error:
-        what = f"the output folder {folder} cannot be written ({getattr(error, 'strerror', None) or error})"
+        reason = "it is a file" if isinstance(error, FileExistsError) else getattr(error, "strerror", None) or error
+        what = f"the output folder {folder} cannot be written: {reason}"
         raise InputError(Problem(what, f"choose another place with {option}", str(output or folder))) from None

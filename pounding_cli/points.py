@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import importlib
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 QUESTIONS = ("connector", "wall")
 """The modules."""
 
+DONE = "done"
+"""Status of a point that has its numbers."""
+
 MESH = ("element", "side", "axis")
 """Dimensions of fields on a mesh, which are drawn and not kept in the results file."""
 
@@ -48,25 +52,32 @@ _UNITS = {
 class Point:
     """One point of the sweep: in words, the study there, what each swept key is.
 
-    data : what came of it; its `status` is "done", or says why there is nothing else
+    data : what came of it
+    status, advice : "done", or why there is nothing in `data`, and what to do about it
     """
 
     label: str
     study: Any
     swept: Mapping[str, float | str]
     data: Any = None
+    status: str = ""
+    advice: str = ""
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """A validated study of the command `name`, asked of the module `asked`: its points are not solved yet."""
+    """A validated study of the command `name`, asked of the module `asked`: its text, axes and points."""
 
     name: str
     asked: Any
-    title: str
     text: str
     axes: tuple[Axis, ...]
     points: tuple[Point, ...]
+
+    @property
+    def title(self) -> str:
+        """The title of the study."""
+        return self.points[0].study.title
 
 
 def value(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
@@ -95,55 +106,58 @@ def load(path: Path, name: str) -> Sweep:
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
     problems.check()
-    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points))
+    return Sweep(name, asked, text, axes, tuple(points))
 
 
 def solved(sweep: Sweep, point: Point) -> Point:
-    """A point with its values; an error in it becomes its status."""
+    """A point with its values; whatever goes wrong in it becomes its status, and the others go on."""
     import xarray as xr
 
-    begin = time.thread_time()
+    begin, data, status, advice = time.thread_time(), xr.Dataset(), DONE, ""
     try:
-        data, status = sweep.asked.solve(point.study), "done"
+        with np.errstate(all="ignore"):  # what is not finite in the end is refused
+            data = sweep.asked.solve(point.study)
     except InputError as refused:
-        problem = refused.problems[0]
-        data, status = xr.Dataset(attrs={"notes": [problem.hint]}), f"refused: {problem.message}"
+        (problem, *_) = refused.problems
+        status, advice = f"refused: {problem.message}", problem.hint
+    except Exception as error:  # one point must not take the others with it
+        status = f"error: {type(error).__name__}: {error}"
+        advice = "this is an internal error: please report it with the study file"
     data["status"] = value("", "done, or what went wrong", status)
     data["seconds"] = value("s", "processor time", time.thread_time() - begin)
-    return replace(point, data=data)
+    return replace(point, data=data, status=status, advice=advice)
 
 
-def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
+def dataset(sweep: Sweep) -> xr.Dataset:
     """Every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
-    import pandas as pd
     import xarray as xr
 
-    every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in points]
+    every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in sweep.points]
     numbered = {dim for each in every for dim in each.sizes if dim not in each.coords}
-    every = [each.assign_coords({dim: range(each.sizes[dim]) for dim in numbered & {*each.sizes}}) for each in every]
-    whole = xr.concat(every, "point", join="outer", data_vars="all", combine_attrs="override")
-    whole, names = whole.drop_vars(numbered), [axis.names[0] for axis in sweep.axes]
-    if not names:
-        whole = whole.isel(point=0)
-    else:
-        places = pd.MultiIndex.from_product([range(len(axis)) for axis in sweep.axes], names=names)
-        whole = whole.assign_coords(xr.Coordinates.from_pandas_multiindex(places, "point")).unstack("point")  # noqa: PD010
+    most = {dim: max(each.sizes.get(dim, 0) for each in every) for dim in numbered}
+    every = [each.pad({dim: (0, most[dim] - each.sizes[dim]) for dim in numbered & {*each.sizes}}) for each in every]
+    for axis in reversed(sweep.axes):
+        rows = [every[first : first + len(axis)] for first in range(0, len(every), len(axis))]
+        joined: Any = {"dim": axis.names[0], "join": "outer", "data_vars": "all", "combine_attrs": "override"}
+        every = [xr.concat(row, **joined) for row in rows]
+    (whole,) = every
     for axis in sweep.axes:
         columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
         whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
-    return whole.transpose(*names, ...).assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
+    return whole.assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
 
 
-def write(sweep: Sweep, points: Sequence[Point], file: Path) -> tuple[Report, list[Path]]:
-    """Write the results file, and into a folder of its name tables, figures and page; the report, and all files."""
-    from pounding_cli.results.file import write as write_file
+def is_written_by(name: str, file: Path) -> bool:
+    """Whether a file is what the command `name` wrote."""
+    from pounding_cli.results.file import facts
 
-    write_file(file, dataset(sweep, points))
-    made = report(sweep, points)
-    return made, [file, *made.save(file.with_suffix(""), ("png", "svg"))]
+    try:
+        return facts(file, version=None).get("kind") == name
+    except InputError:
+        return False
 
 
-def report(sweep: Sweep, points: Sequence[Point]) -> Report:
+def report(sweep: Sweep) -> Report:
     """The numbers of every point, figures and references."""
     import pandas as pd
 
@@ -152,22 +166,22 @@ def report(sweep: Sweep, points: Sequence[Point]) -> Report:
     from pounding_cli.report.table import from_rows
     from pounding_cli.results.tables import Column, Table
 
-    asked, done = sweep.asked, [point for point in points if point.data["status"] == "done"]
-    scalars = [[(str(n), each) for n, each in point.data.data_vars.items() if not each.dims] for point in points]
+    asked, done = sweep.asked, [point for point in sweep.points if point.status == DONE]
     frame = pd.DataFrame([
-        {**point.swept, **{name: each.item() for name, each in of_point}}
-        for point, of_point in zip(points, scalars, strict=True)
+        {**point.swept, **{name: each.item() for name, each in point.data.items() if not each.dims}}
+        for point in sweep.points
     ])  # fmt: skip
     swept = {name: unit for axis in sweep.axes for name, unit in zip(axis.names, axis.units, strict=True)}
     columns = {name: Column("swept", unit, name) for name, unit in swept.items()}
-    for name, each in max(scalars, key=len):
-        unit = _UNITS.get(each.attrs["units"], Unit(each.attrs["units"], 1.0, each.attrs["units"]))
-        columns[name] = Column(each.attrs["long_name"], unit, name.replace("_", " "))
-    shown = frame[[name for name in (*swept, *asked.SHOWN) if name in frame]]
+    for name, each in max((point.data for point in sweep.points), key=len).items():
+        if not each.dims:
+            si = each.attrs["units"]
+            columns[name] = Column(each.attrs["long_name"], _UNITS.get(si, Unit(si, 1.0, si)), name.replace("_", " "))
+    shown = frame[[*swept, *(asked.SHOWN if done else ["status"])]]
     pictures = asked.pictures(sweep.title, done) if done else []
-    cited = [[REFERENCES[key].text, what] for key, what in asked.cites(points[0].study).items()]
+    cited = [[REFERENCES[key].text, what] for key, what in asked.cites(sweep.points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
-    failed = len(points) - len(done)
+    failed = len(sweep.points) - len(done)
     said = [f"{counted(failed, 'point')} failed."] if failed else []
     return Report(
         sweep.title,

@@ -39,8 +39,8 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
             wrong = f"the file has {facts.st_size / 1e6:.3g} MB"
     except FileNotFoundError:
         wrong = "no such file"
-        beside = [each.name for each in islice(path.parent.glob(f"*{path.suffix}"), 1000)]
-        if near := difflib.get_close_matches(path.name, beside, 1):
+        beside = [each.name for each in islice(path.parent.glob("*"), 1000)]
+        if near := difflib.get_close_matches(path.name, beside, 1, cutoff=0.8):
             hint = f"did you mean {shortened(path.parent / near[0])}?"
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
         wrong = f"cannot be read: {getattr(error, 'strerror', None) or error}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -170,4 +170,4 @@ def refused(study: str | Mapping[str, Any]) -> list[tuple[int, int, str]]:
 def system(command: str, study: Path) -> xr.Dataset:
     """What `pound wall` or `pound connector` finds, without its figures."""
     sweep = points.load(study, command)
-    return points.dataset(sweep, [points.solved(sweep, point) for point in sweep.points])
+    return points.dataset(replace(sweep, points=tuple(points.solved(sweep, point) for point in sweep.points)))

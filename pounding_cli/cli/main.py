@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import errno
 import importlib
 import io
@@ -48,7 +49,8 @@ class LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
-            return None
+            near = difflib.get_close_matches(cmd_name, COMMANDS, 1)
+            return ctx.fail(f"No such command '{cmd_name}'. Did you mean '{near[0]}'?") if near else None
         command = getattr(importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}"), cmd_name)
         command.short_help = COMMANDS[cmd_name][1]
         return command

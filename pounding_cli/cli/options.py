@@ -5,9 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import reduce
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from pounding_cli.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from pounding_cli.api.results import Results
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -25,6 +30,16 @@ def together(*options: Decorator) -> Decorator:
 def output_option(default: str, text: str = "Results file.") -> Decorator:
     """`-o FILE.h5`."""
     return click.option("-o", "--output", type=FILE, metavar="FILE.h5", help=f"{text} Default: {default}.")
+
+
+def open_file(path: Path) -> Results:
+    """The results in a file.  Raises `InputError`, also where a study is given in their place."""
+    from pounding_cli.api.studies import open_results
+
+    if path.suffix in (".yaml", ".yml") and path.is_file():
+        hint = f"solve it, `pound run {path}`, and name the results file"
+        raise InputError(Problem("this is a study, not a results file", hint, str(path)))
+    return open_results(path)
 
 
 def seconds(text: str) -> float:

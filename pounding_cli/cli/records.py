@@ -77,6 +77,9 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
     """
     if motion in motions.names() or (not os.path.exists(motion) and not Path(motion).suffix):
         known = motions.entry(motion)
+        if given := [name for name, value in options.items() if value is not None]:
+            what = f"--{given[0]} says how a file is read, and {motion} is a motion of the catalogue"
+            raise InputError(Problem(what, "leave it out, or name a file"))
         found, title, place, read_as = motions.find(motion), known.title, str(motions.locate(motion)[0]), None
         window = window or known.duration
     else:
@@ -87,12 +90,12 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
         if found.pga == 0.0:
             raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window"))
     if output is not None:
-        check_output(output, [Path(place)])
-    _print_measures(found, title, place, read_as)
-    if output is not None:
         from pounding_cli.report.motions import draw
 
+        check_output(output, [Path(place)])
         draw(found, title, output)
+    _print_measures(found, title, place, read_as)
+    if output is not None:
         click.echo(f"\ndrawn: {output}")
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from pounding_cli.cli.options import FILE, quiet_option, together
+from pounding_cli.cli.options import FILE, open_file, quiet_option, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted, listed
 from pounding_cli.results.tables import ANSWERS
@@ -116,10 +116,9 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.api.studies import open_results
     from pounding_cli.texts import cells
 
-    results = open_results(file)
+    results = open_file(file)
     table = table or (results.answers[0] if results.answers else "summary")
     frame = _filtered(results, results.table(table), _wanted(**rows), table)
     sentences = [name for name in ("effects", "dropped", "flags", "advice") if name in frame.columns]
@@ -187,7 +186,6 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
-    from pounding_cli.api.studies import open_results
     from pounding_cli.report import report as of
     from pounding_cli.report.claims import compare_claims, verdicts
     from pounding_cli.report.style import FORMATS, for_paper
@@ -197,7 +195,7 @@ def report(
         raise InputError(Problem("--figures-for-paper and --no-figures contradict each other", hint))
     usual = tuple(name for name in FORMATS if name != "png") if paper else FORMATS
     chosen = () if no_figures else formats or usual
-    opened = [(folder, open_results(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
+    opened = [(folder, open_file(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
     asked = [_asked(results, quantities, _wanted(**rows)) for _, results in opened]
     for (folder, results), over_sweep in zip(opened, asked, strict=True):
         with for_paper() if paper else nullcontext():
@@ -259,16 +257,15 @@ def export(
       pound export results/fig6.h5 storey -o storey.parquet
       pound export results/fig6.h5 --pelicun --case gap --building soft --analysis inelastic
     """
-    from pounding_cli.api.studies import open_results
     from pounding_cli.results.export import export as written
 
     wanted = _wanted(**rows)
     if pelicun:
-        _export_demands(open_results(file), output, wanted)
+        _export_demands(open_file(file), output, wanted)
         return
     if wanted:
         raise InputError(Problem(f"{'='.join(wanted[0])}: tables are exported whole", "leave it out, or --pelicun"))
-    for path in written(open_results(file), output, form, tables):
+    for path in written(open_file(file), output, form, tables):
         click.echo(f"wrote {path}")
 
 
@@ -300,10 +297,9 @@ def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
     Example:
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
-    from pounding_cli.api.studies import open_results
     from pounding_cli.results.compare import compare as compared
 
-    found = compared(open_results(first), open_results(second))
+    found = compared(open_file(first), open_file(second))
     click.echo("\n".join(_told(found, everything)))
     if not (found.same_numbers if numbers else found.same):
         ctx.exit(1)

@@ -8,9 +8,10 @@ import shlex
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -21,8 +22,10 @@ from pounding_cli.workflows import TITLES
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import Outcome
+    from pounding_cli.batch.progress import JsonLines
     from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import Study
+    from pounding_cli.workflows.optimise import Optimise
 
 solving_options = together(
     quiet_option,
@@ -67,16 +70,8 @@ def _question(name: str, *options: Callable[..., Any]) -> click.Command:
     @study_argument
     @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
     @together(*options, solving_options, click.pass_context)
-    def command(ctx: click.Context, study: Path, write: Path | None = None, **options: Any) -> None:
-        if write is not None:
-            _check_best(study, write, options["replace"])
-        outcome = solve_study(name, study, **options)
-        if write is not None and not _write_best(study, outcome.path, write):
-            click.echo(f"{write} is not written: there is no optimum", err=True)
-            ctx.exit(1)
-        if write is not None and not (options["quiet"] or options["log_json"]):
-            click.echo(f"Best study: {write}; simulate it with: pound run {write}")
-        if outcome.failures:
+    def command(ctx: click.Context, **options: Any) -> None:
+        if not solve_study(name, **options):
             ctx.exit(1)
 
     return command
@@ -92,51 +87,19 @@ optimise = _question(
 )  # fmt: skip
 
 
-def _check_best(study: Path, write: Path, replace: bool) -> None:
-    """Make sure, before anything is solved, that the best study can be written.  Raises `InputError`."""
-    from pounding_cli.outputs import check_output
-    from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise import Optimise
+def solve_study(
+    name: str, study: Path, output: Path | None, quiet: bool, log_json: bool, write: Path | None = None, **how: Any
+) -> bool:
+    """Load a study, ask the question of that name, write the results file and print what came out.
 
-    if write.suffix not in (".yaml", ".yml"):
-        raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
-    loaded = load_study(study)
-    check_output(write, [study], lambda *_: True, "--write")
-    if os.path.exists(write) and not replace:
-        raise InputError(Problem("is there already", "choose another name, or add --replace to replace it", str(write)))
-    asked = Optimise(loaded)
-    asked.text(asked.middle)  # refused where the text does not take other values
-    if write.parent.resolve() != loaded.path.parent.resolve():
-        hint = "write it beside the study: motions are sought there"
-        raise InputError(Problem("the study would not run from another folder", hint, str(write)))
-
-
-def _write_best(study: Path, path: Path, write: Path) -> bool:
-    """Write the study with the best values that a results file has; whether there are such.  Raises `InputError`."""
-    from pounding_cli.api.studies import open_results
-    from pounding_cli.study import load_study
-    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM, Optimise
-
-    results = open_results(path)
-    table, loaded = results.answer(OPTIMUM).frame, load_study(study)
-    if loaded.text != results.study_text:
-        hint = "run the command again"
-        raise InputError(Problem("has changed while it was optimised: the best study is not written", hint, str(study)))
-    if table["outcome"].iloc[0] == NOTHING:
-        return False
-    text = Optimise(loaded).text(tuple(table["place"].tolist()))
-    write.write_text(text, encoding="utf-8", newline="")
-    return True
-
-
-def solve_study(workflow: str, study: Path, output: Path | None, quiet: bool, log_json: bool, **how: Any) -> Outcome:
-    """Load a study, solve what its workflow asks for, write the results file and print what came out.
-
+    write : where the study with the best values goes
     how : keyword arguments of `api.running.run_study`
+
+    Returns whether every scene was solved and everything was written.
     """
     # Linear algebra in one thread: scenes are solved side by side, and their matrices are small.
-    for name in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
-        os.environ.setdefault(f"{name}_NUM_THREADS", "1")
+    for library in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     from pounding_cli.api.running import question, run_study
@@ -152,30 +115,79 @@ def solve_study(workflow: str, study: Path, output: Path | None, quiet: bool, lo
             log.tell("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
-    output = output or default_output(study, workflow)
-    outcome = run_study(question(workflow)(loaded), output, progress=log or chosen(quiet), **how)
-    if not (log or quiet):
-        report(open_results(outcome.path)).print()
+    asked = question(name)(loaded)
+    if write is not None:
+        _check_best(cast("Optimise", asked), write, how["replace"])
+    outcome = run_study(asked, output or default_output(study, name), progress=log or chosen(quiet), **how)
+    if log:
+        _log_outcome(log, outcome)
+    else:
+        if not quiet:
+            report(open_results(outcome.path)).print()
+        _print_outcome(outcome, quiet)
+    is_written = write is None or _write_best(cast("Optimise", asked), outcome.path, write)
+    if not is_written:
+        click.echo(f"{write} is not written: there is no optimum", err=True)
+    elif write is not None and not (quiet or log):
+        click.echo(f"Best study: {write}; simulate it with: pound run {write}")
+    return is_written and not outcome.failures
+
+
+def _print_outcome(outcome: Outcome, quiet: bool) -> None:
+    """Counts and times, unless `quiet`, and every scene that failed."""
+    if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
         click.echo(
             f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
             f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}\n"
             f"Results: {outcome.path}"
         )
+    _print_failures(outcome.failures)
+
+
+def _print_failures(failures: Iterable[tuple[str, str, str]]) -> None:
+    """Of every failure its place, what happened, and what to do about it."""
+    for place, status, advice in failures:
+        click.echo(f"failed: {place}: {status}" + (f"\n    {advice}" if advice else ""), err=True)
+
+
+def _log_outcome(log: JsonLines, outcome: Outcome) -> None:
+    """The same as JSON lines."""
     for failure in outcome.failures:
-        if log:
-            log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
-        else:
-            click.echo(
-                "\n    ".join(filter(None, (f"failed: {failure.place}: {failure.status}", failure.advice))), err=True
-            )
-    if log:
-        log.tell(
-            "end", done=outcome.done, failed=outcome.failed, reused=outcome.reused, results=str(outcome.path),
-            engine=outcome.engine, workers=outcome.workers, solver_seconds=round(outcome.solver_seconds, 3),
-            wall_seconds=round(outcome.wall_seconds, 3),
-        )  # fmt: skip
-    return outcome
+        log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
+    log.tell(
+        "end", done=outcome.done, failed=outcome.failed, reused=outcome.reused, results=str(outcome.path),
+        engine=outcome.engine, workers=outcome.workers, solver_seconds=round(outcome.solver_seconds, 3),
+        wall_seconds=round(outcome.wall_seconds, 3),
+    )  # fmt: skip
+
+
+def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
+    """Make sure, before anything is solved, that the best study can be written.  Raises `InputError`."""
+    from pounding_cli.outputs import check_output
+
+    study = asked.study.path
+    if write.suffix not in (".yaml", ".yml"):
+        raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
+    check_output(write, [study], lambda *_: True, "--write")
+    if write.exists() and not replace:
+        raise InputError(Problem("is there already", "choose another name, or add --replace to replace it", str(write)))
+    asked.text(asked.middle)  # refused where the text does not take other values
+    if write.parent.resolve() != study.parent.resolve():
+        hint = "write it beside the study: motions are sought there"
+        raise InputError(Problem("the study would not run from another folder", hint, str(write)))
+
+
+def _write_best(asked: Optimise, results: Path, write: Path) -> bool:
+    """Write the study with the best values that a results file has; whether there are such."""
+    from pounding_cli.api.studies import open_results
+    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
+
+    table = open_results(results).answer(OPTIMUM).frame
+    if table["outcome"].iloc[0] == NOTHING:
+        return False
+    write.write_text(asked.text(tuple(table["place"].tolist())), encoding="utf-8", newline="")
+    return True
 
 
 def _points(name: str, about: str, example: str) -> click.Command:
@@ -188,24 +200,24 @@ def _points(name: str, about: str, example: str) -> click.Command:
     @click.pass_context
     def command(ctx: click.Context, study: Path, output: Path | None, quiet: bool) -> None:
         from pounding_cli.outputs import check_folder, check_output
-        from pounding_cli.points import load, solved, write
+        from pounding_cli.points import DONE, dataset, is_written_by, load, report, solved
+        from pounding_cli.results.file import write
 
         sweep = load(study, name)
         file = output or Path("results", f"{study.stem}.h5")
         file = file if file.suffix else file.with_suffix(".h5")
-        check_output(file, mine=lambda _, head: head.startswith(b"\x89HDF"))
+        check_output(file, [study], lambda place, _: is_written_by(name, place))
         check_folder(file.with_suffix(""))
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
-            points = [solved(sweep, point) for point in waiting]
-        report, files = write(sweep, points, file)
-        failed = [point for point in points if point.data["status"] != "done"]
+            sweep = replace(sweep, points=tuple(solved(sweep, point) for point in waiting))
+        write(file, dataset(sweep))
+        found, failed = report(sweep), [point for point in sweep.points if point.status != DONE]
+        (*_, page) = found.save(file.with_suffix(""), ("png", "svg"))
         if not quiet:
-            report.print()
-            click.echo(f"Points: {len(points) - len(failed)} solved, {len(failed)} failed")
-            click.echo(f"Results: {files[0]}\nPage: {files[-1]}")
-        for point in failed:
-            status, (hint, *_) = point.data["status"].item(), point.data.attrs["notes"]
-            click.echo(f"failed: {point.label or 'the study'}: {status}: {hint}", err=True)
+            found.print()
+            click.echo(f"Points: {len(sweep.points) - len(failed)} solved, {len(failed)} failed")
+            click.echo(f"Results: {file}\nPage, with all numbers: {page}")
+        _print_failures((point.label or "the study", point.status, point.advice) for point in failed)
         if failed:
             ctx.exit(1)
 
@@ -253,10 +265,10 @@ def accuracy(
     from pounding_cli.solver.work_precision import chosen, measure
 
     names = chosen(methods)
-    folder = output or Path("results") / f"{study.stem}-accuracy"
-    check_folder(folder)
     loaded = load_study(study)
     subjects = _subjects(loaded, cases, records)
+    folder = output or Path("results") / f"{study.stem}-accuracy"
+    check_folder(folder)
     tell = (lambda text: None) if quiet else (lambda text: click.echo(f"  {text}", err=True))
     repeat = shlex.join(["pound", *sys.argv[1:]])
     report = accuracy_report(measure(subjects, names, budget, tell), loaded.title, repeat)

@@ -44,7 +44,7 @@ def init(name: str, template: str) -> None:  # fmt: skip
     from pounding_cli.study.template import TEMPLATES, start_study
 
     written = start_study(name, template)
-    study, how = written[0], TEMPLATES[template].command
+    study, how = written[0], TEMPLATES[template]
     results = Path("results") / f"{study.stem}.h5"
     steps = {
         f"pound check {study}": "checks it; repeat after every change",

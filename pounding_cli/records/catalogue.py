@@ -91,12 +91,11 @@ def catalogue() -> Mapping[str, Entry]:
     import yaml
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    raw = yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"]
-    for name, told in raw.items():
+    found = {}
+    for name, told in yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"].items():
         printed, _ = told.pop("table1"), told.pop("stand_in")
-        told |= {"name": name, "duration": float(printed["duration_s"]), "scale": printed["scale"]}
-        told.setdefault("files", ())
-    return {name: Entry(**told) for name, told in raw.items()}
+        found[name] = Entry(name, duration=float(printed["duration_s"]), scale=printed["scale"], **told)
+    return found
 
 
 def names() -> tuple[str, ...]:

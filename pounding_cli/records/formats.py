@@ -286,7 +286,8 @@ def _table(text: Text, start: int, kind: str) -> Samples:
     place = 2 if kind == "two-column" else text.column
     if place is None or not 1 <= place <= columns:
         what = "format 'table' needs a column" if place is None else f"there is no column {place} among {columns}"
-        raise text.refuse(what, f"write 1 to {columns}: column: 2 beside the file, or --column 2", start + 1)
+        wanted = f"write 1 to {columns}: column: 2 beside the file, or --column 2"
+        raise text.refuse(what, wanted if columns > 1 else "leave 'column' out", start + 1)
     odd = next((index for index, row in rows.items() if len(row) != columns), None)
     if odd is not None:
         message = f"{counted(len(rows[odd]), 'value')} on this line, where every other has {columns}"

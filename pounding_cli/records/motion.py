@@ -176,20 +176,10 @@ def spectrum(motion: Motion, periods: Sequence[float] | np.ndarray, damping: flo
 
 
 def _peak_displacement(motion: Motion, period: float, damping: float) -> float:
+    from scipy.interpolate import CubicHermiteSpline
+
     parts = max(1, int(np.ceil(_STEPS_A_PERIOD * motion.dt / period)))
     u, v = oscillator(motion, period, damping, parts)
-    peak = float(np.abs(u).max())
-    turn = np.flatnonzero((v[:-1] * v[1:] < 0) & (np.maximum(abs(u[:-1]), abs(u[1:])) > 0.9 * peak))
-    if turn.size == 0:
-        return peak
-    h = motion.dt / parts
-    u0, v0, v1 = u[turn], h * v[turn], h * v[turn + 1]
-    rise = u[turn + 1] - u0
-    # Hermite cubic u0 + v0 x + b x^2 + c x^3: its slope has one root in [0, 1], by the stable formula.
-    b, c = 3.0 * rise - 2.0 * v0 - v1, v0 + v1 - 2.0 * rise
-    q = -(b + np.copysign(np.sqrt(np.maximum(b * b - 3.0 * c * v0, 0.0)), b))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        roots = np.stack((v0 / q, q / (3.0 * c)))
-    inside = (roots >= 0) & (roots <= 1)
-    x = np.where(inside[0], roots[0], np.where(inside[1], roots[1], 0.0))
-    return max(peak, float(np.abs(u0 + x * (v0 + x * (b + x * c))).max()))
+    path = CubicHermiteSpline(motion.dt / parts * np.arange(u.size), u, v)
+    turns = path.derivative().roots(extrapolate=False)
+    return float(np.nanmax(np.abs(np.append(u, path(turns)))))  # NaN where it rests

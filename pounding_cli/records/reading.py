@@ -65,7 +65,7 @@ def read_file(
     Raises
     ------
     InputError : with file and line, for a file that is missing, empty or not text, a value that is no number, uneven
-        or falling times, a count, peak or digest other than the header's, a missing or contradicting time step or
+        or falling times, a count or peak other than the header's, a missing or contradicting time step or
         unit, velocities, displacements, counts without a scale, and a peak above 5 g (a wrong unit)
     """
     text = load(Path(path))

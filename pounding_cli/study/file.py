@@ -144,9 +144,12 @@ def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
 
 def read_study(path: Path) -> tuple[str, Map]:
     """The text of a file and its tree.  Raises `InputError` at its place for what is no YAML mapping."""
-    shown = shortened(path)
+    shown, raw = shortened(path), read_bytes(path, MOST_BYTES, "study file")
+    if raw.startswith(b"\x89HDF"):
+        hint = "name the study that it was made from; `pound show` prints results"
+        raise InputError(Problem("this is a results file, not a study", hint, shown))
     try:
-        text = read_bytes(path, MOST_BYTES, "study file").decode("utf-8-sig")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise InputError(Problem("the file is not UTF-8 text", "save it as UTF-8", shown, line, 1)) from None
@@ -164,7 +167,7 @@ def parse(text: str, file: str) -> Map:
         hint = "remove control characters; save the file as UTF-8 text"
         raise InputError(Problem(f"this is not YAML: {error}", hint, file, 1, 1)) from None
     if root is None:
-        reader.refuse((1, 1), "the file is empty", "see configs/quickstart.yaml for the smallest useful study")
+        reader.refuse((1, 1), "the file is empty", "begin with a commented study: pound init my-study")
     elif not isinstance(root, Map):
         reader.refuse(mark, "a study is a mapping of keys to values", "begin with `title: ...`")
     reader.problems.check()

@@ -6,7 +6,6 @@ import json
 import os
 from importlib import resources
 from pathlib import Path
-from typing import NamedTuple
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
@@ -15,20 +14,8 @@ SCHEMA_FILE = "pound.schema.json"
 """Name of the JSON Schema that a study's first line points its editor to."""
 
 
-class Template(NamedTuple):
-    """A study to start from: the `pound` command that runs it, what it is about."""
-
-    command: str
-    text: str
-
-
-TEMPLATES = {
-    "pair": Template("run", "two buildings, touching and with a gap, every key explained"),
-    "measures": Template("run", "the paper's measures: gap, infill, connectors, under its five motions"),
-    "connector": Template("connector", "two connected oscillators in closed form"),
-    "wall": Template("wall", "a floor striking a bumper wall"),
-}
-"""By name, the stem of its file in `templates/`."""
+TEMPLATES = {"pair": "run", "measures": "run", "connector": "connector", "wall": "wall"}
+"""The studies to start from by name, the stem of the file in `templates/`, and the `pound` command that takes each."""
 
 
 def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
@@ -49,14 +36,14 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
     """
     path = Path(name) if Path(name).suffix in (".yaml", ".yml") else Path(f"{name}.yaml")
     title = path.stem.replace("-", " ").replace("_", " ").strip()
-    if not title.strip(". "):
+    if not (title.strip(". ") and os.path.basename(name)):
         raise InputError(Problem(f"'{name}' names no file", "write a name, e.g. `pound init my-study`"))
     if os.path.exists(path):  # False for a name that is too long: the next check refuses that
         raise InputError(Problem("is there already", "choose another name, or move it away", str(path)))
     source = resources.files(__package__) / "templates" / f"{template}.yaml"
     quoted = json.dumps(title[0].upper() + title[1:], ensure_ascii=False)
     texts = {path: source.read_text(encoding="utf-8").replace("TITLE", quoted, 1)}
-    if TEMPLATES[template].command == "run":
+    if TEMPLATES[template] == "run":
         texts[path.with_name(SCHEMA_FILE)] = schema_text()
     for each in texts:
         check_output(each, mine=lambda place, head: head.startswith(texts[place].encode()[:60]))

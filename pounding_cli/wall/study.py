@@ -141,7 +141,8 @@ class Study(Model):
         """Where in the study, what cannot be, what to write."""
         top, height = self.frame.height, self.height
         if not 0 <= height <= top:
-            message = f"the striker hits at {self.striker.height}, beside the wall (0 to {top:g} m)"
+            where = f"{height:g} m" if isinstance(self.striker.height, float) else self.striker.height
+            message = f"the striker hits at {where}, beside the wall (0 to {top:g} m)"
             yield ("striker",), message, "give a height on the wall's face"
             return
         if self.contact.over == "node" and height == 0:

@@ -46,9 +46,11 @@ def test_every_command_has_help_with_an_example(name):
 
 
 def test_help_loads_nothing_heavy():
+    """Nor does a check of what needs no solver."""
     code = (
         "import sys\nfrom click.testing import CliRunner\nfrom pounding_cli.cli.main import cli\n"
-        "for words in (['--help'], ['run', '--help'], ['report', '--help']):\n"
+        "for words in (['--help'], ['run', '--help'], ['report', '--help'], ['check', 'configs/fig5.yaml'],\n"
+        "    ['check', 'configs/fig8.yaml']):\n"
         "    assert CliRunner().invoke(cli, words).exit_code == 0\n"
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
@@ -106,6 +108,38 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
     code, out, err = pound(given, ROOT / "configs" / f"{path}.yaml")
     assert (code, out) == (2, "")
     assert f"`pound {right} " in err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("rnu two.yaml", "Did you mean 'run'?"),
+        ("run tow.yaml", "did you mean two.yaml?"),
+        ("run two.yml", "did you mean two.yaml?"),
+        ("run other.yaml", "give the path of a study file"),  # no file has a name like it
+        ("run r.h5", "r.h5: this is a results file, not a study"),
+        ("wall r.h5", "r.h5: this is a results file, not a study"),
+        ("show two.yaml", "two.yaml: this is a study, not a results file\n    solve it, `pound run two.yaml`"),
+        ("show other.yaml", "other.yaml: there is no such results file"),
+        ("compare r.h5 two.yaml", "two.yaml: this is a study, not a results file"),
+        ("check empty.yaml", "empty.yaml:1:1: the file is empty\n    begin with a commented study: pound init"),
+        ("check folder", "folder: this is not a regular file"),
+        ("report r.h5 -o two.yaml", "the output folder two.yaml cannot be written: it is a file"),
+        ("records show one.txt --column 2", "leave 'column' out"),
+        ("records show taft -o taft.xyz", "end the name with one of .png, .svg, .pdf"),
+        ("init folder/", "'folder/' names no file"),
+    ],
+)
+def test_a_slip_is_answered_with_what_to_write(results, folder, pound, words, said):
+    """Nothing is printed or written beside it."""
+    Path("empty.yaml").write_text("")
+    Path("one.txt").write_text("# dt: 0.01 s\n0.1\n0.2\n")
+    Path("folder").mkdir()
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    code, out, err = pound(*words.split())
+    assert (code, out) == (2, "")
+    assert said in err
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
 def test_warnings_are_told_and_kept(folder, pound):

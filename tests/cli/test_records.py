@@ -85,7 +85,8 @@ def test_stand_ins_have_the_measures_of_their_motions(records):
     [
         ("show tafft", "'taft'"), ("show none.AT2", "none.AT2"), ("show taft --window -1", "above 0 s"),
         ("show bad.txt", "bad.txt:2:6: "), 
-        ("show sine.txt --dt 0.01 --channel 2", "channel"), ("show late.txt --window 2", "at rest"),
+        ("show sine.txt --dt 0.01 --channel 2", "channel"),
+        ("show taft --unit cm/s2", "--unit says how a file is read"), ("show late.txt --window 2", "at rest"),
     ],
 )  # fmt: skip
 def test_refusals(records, words, message):

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
+from pounding_cli import connector
 from pounding_cli.cli.main import cli
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -61,6 +62,21 @@ def test_the_table_and_the_page_stand_beside_the_file(folder, pound):
     assert (code, "holds results of `pound connector`" in err) == (2, True)
 
 
+def test_only_a_file_of_the_same_command_is_replaced(folder, pound):
+    """Fails if any HDF5 file is: results of `pound run` would be lost."""
+    Path("a.yaml").write_text(PAIR)
+    Path("w.yaml").write_text("title: w\nmesh: {size: 1 m}\ntime: {end: 2 ms}\n")
+    for _ in range(2):
+        assert pound("connector", "a.yaml", "-o", "a.h5")[0] == 0
+    pound("run", "two.yaml", "-o", "run.h5", "-q")
+    xr.Dataset({"x": 1.0}).to_netcdf("mine.h5", engine="h5netcdf")
+    before = {name: Path(name).read_bytes() for name in ("a.h5", "run.h5", "mine.h5")}
+    for name in before:
+        code, out, err = pound("wall", "w.yaml", "-o", name)
+        assert (code, out, "was not written by this command" in err) == (2, "", True), name
+    assert {name: Path(name).read_bytes() for name in before} == before
+
+
 @pytest.fixture(scope="module")
 def wall(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wall")
@@ -68,6 +84,47 @@ def wall(tmp_path_factory):
     done = CliRunner().invoke(cli, ["wall", str(folder / "small.yaml"), "-o", str(folder / "small.h5")])
     assert done.exit_code == 0, done.output
     return folder / "small.h5"
+
+
+@pytest.mark.parametrize(
+    ("command", "study", "reason"),
+    [
+        ("wall", "striker: {mass: 1e-9 kg}", "an impact this short"),
+        ("wall", "sweep: {striker.mass: [1e-9 kg, 2e-9 kg]}", "an impact this short"),
+        ("wall", "sweep: {striker.speed: [1 m/s, 1e200 m/s]}", "the response is not finite"),
+        ("wall", "sweep: {striker.mass: [200 t, 1e300 t]}", "the response is not finite"),
+        ("connector", "sweep: {connector.stiffness: [0.2 k1, 1e300 N/m]}", "the response is not finite"),
+    ],
+)
+def test_points_that_fail_are_told_and_have_no_numbers(folder, pound, command, study, reason):
+    """One of two, both, or the only one; the table says why. Fails if such a number is shown as a result."""
+    mesh = "mesh: {size: 1 m}\ntime: {end: 20 ms}\n" if command == "wall" else ""
+    Path("s.yaml").write_text(f"title: t\n{mesh}{study}\n")
+    code, out, err = pound(command, "s.yaml", "-o", "s.h5")
+    table = pd.read_csv(f"s/tables/{command}.csv")
+    failed = table["status"] != "done"
+    assert (code, "Traceback" in err, "Warning" in err) == (1, False, False)
+    assert err.count("failed: ") == err.count(reason) == failed.sum() > 0
+    assert f"{failed.sum()} failed" in out
+    assert table["status"][failed].str.contains(reason).all()
+    numbers = table.loc[failed].drop(columns=["status", "seconds", *table.filter(like=".").columns])
+    assert numbers.isna().all(axis=None)
+    with xr.open_dataset("s.h5", engine="h5netcdf") as data:
+        assert (data["status"].to_numpy().ravel() == table["status"]).all()
+
+
+def test_a_fault_in_one_point_leaves_the_others(folder, pound, monkeypatch):
+    usual = connector.solve
+
+    def solve(study):
+        return usual(study) if study.damping < 0.08 else [][0]
+
+    monkeypatch.setattr(connector, "solve", solve)
+    Path("a.yaml").write_text(PAIR)
+    code, out, err = pound("connector", "a.yaml", "-o", "a.h5")
+    assert (code, "Points: 1 solved, 1 failed" in out) == (1, True)
+    assert "failed: damping = 10 %: error: IndexError: " in err
+    assert "please report it" in err
 
 
 def test_a_wall_takes_the_momentum_of_its_striker(wall):
@@ -91,7 +148,7 @@ def test_a_point_that_fails_leaves_the_others(folder, pound):
     assert "failed: striker.mass = 1e-6 kg: refused: an impact this short" in err
     fine = Path("w.yaml").read_text().replace("size: 1 m", "size: 1 mm, growth: 0")
     Path("fine.yaml").write_text(fine)
-    assert "elements: give a larger `mesh.size`" in pound("wall", "fine.yaml", "-o", "fine.h5")[2]
+    assert "elements\n    give a larger `mesh.size`" in pound("wall", "fine.yaml", "-o", "fine.h5")[2]
     frame = pd.read_csv("w/tables/wall.csv")
     assert np.isnan(frame["peak_force"]).tolist() == [False, True]
     assert frame["status"].str.partition(":")[0].tolist() == ["done", "refused"]

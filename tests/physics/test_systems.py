@@ -11,7 +11,11 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from skfem import Basis
+from skfem.element import ElementQuad1, ElementQuad2, ElementVector
 
+from pounding_cli.wall.impact import build
+from pounding_cli.wall.study import Study
 from tests.adapter import system
 
 
@@ -94,6 +98,35 @@ def test_meshes_of_the_wall(tmp_path: Path) -> None:
     assert abs(forces[2] / forces[1] - 1) < 0.05
     assert abs(stresses[2] / stresses[1] - 1) < 0.08
     assert stresses[2] / 1e6 == pytest.approx(33, rel=0.1)
+
+
+@pytest.mark.parametrize("element", ["linear", "quadratic"])
+def test_stresses_of_the_wall(tmp_path: Path, element: str) -> None:
+    """Of any displacements: each component of an element's stress is its mean over the element, by quadrature, and that
+    of a cell the mean over its area, here of whole elements. Fails if components of two places are mixed."""
+    mesh = {"size": 0.25, "growth": 0, "element": element}
+    study = Study.model_validate({"title": "one", "mesh": mesh, "striker": {"height": 10.5}, "contact": {"patch": 0.5}})
+    read = build(study)
+    kind = ElementVector(ElementQuad1() if element == "linear" else ElementQuad2())
+    basis = Basis(read.mesh, kind, intorder=6)
+    fixed = basis.get_dofs(lambda at: at[1] < 1e-9).all()
+    free = np.setdiff1d(np.arange(basis.N), fixed)
+    u = np.random.default_rng(1).normal(size=read.M.size)
+    moved = np.zeros(basis.N)
+    moved[free] = u[: free.size]
+    (xx, xy), (yx, yy) = basis.interpolate(moved).grad
+    factor = YOUNG / (1 - POISSON**2)
+    strains = xx + POISSON * yy, yy + POISSON * xx, (1 - POISSON) / 2 * (xy + yx)
+    area = basis.dx.sum(axis=1)
+    mean = np.array([factor * (each * basis.dx).sum(axis=1) / area for each in strains]).T
+    np.testing.assert_allclose((read.read["elements"] @ u).reshape(-1, 3), mean, atol=1e-9 * np.abs(mean).max())
+    x, y = read.mesh.p[:, read.mesh.t].mean(axis=1)
+    stress = (read.read["cells"] @ u).reshape(-1, 3)
+    for height in (10.5, 11.0):
+        (cell,) = np.flatnonzero(np.abs(read.cell_height - height) < 1e-9)
+        inside = (x < 0.5) & (np.abs(y - height) < 0.25)
+        assert inside.sum() == 4
+        assert stress[cell] == pytest.approx(mean[inside].mean(axis=0), rel=1e-9)
 
 
 PAIR = {
