@@ -120,7 +120,7 @@ def grid(
     columns = min(count, 2 if count in (2, 4) else 3)
     figure, axes = panels(-(-count // columns), columns, width, height, **shared)
     for ax in axes.flat[count:]:
-        ax.set_visible(False)
+        ax.remove()
     for ax in axes[:, 0]:
         ax.set_ylabel(ylabel)
     return figure, list(axes.flat[:count])

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 import pounding_cli
+from tests.adapter import report
 
 from .conftest import TWO
 
@@ -29,9 +30,14 @@ def words(page: Path) -> str:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory) -> Path:
-    """A folder with two.h5, and swept.h5 over restitutions."""
+    """A folder with two.h5, swept.h5 over restitutions, and maps.h5 over these and gaps too narrow for a connector."""
     folder = tmp_path_factory.mktemp("report")
-    for name, more in (("two", ""), ("swept", "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n")):
+    studies = {
+        "two": "",
+        "swept": "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n",
+        "maps": "sweep: {cases.connected.gap: [1 mm, 2 mm, 3 mm], impact.restitution: [0.4, 0.6]}\n",
+    }
+    for name, more in studies.items():
         (folder / f"{name}.yaml").write_text(FOUR + more)
         pounding_cli.run(folder / f"{name}.yaml", folder / f"{name}.h5", engine="serial")
     return folder
@@ -81,6 +87,24 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     assert pound("report", made / "swept.h5", "-q", "--no-figures", "-o", "page")[0] == 0
     where = set(pd.read_csv("page/tables/claims.csv")["where"])
     assert where == {"impact.restitution = 0.4", "impact.restitution = 0.5", "impact.restitution = 0.65"}
+
+
+def test_cells_without_meaning_are_hatched(made):
+    """Fails if a hatched cell cannot be seen, or one that has a meaning is hatched."""
+    results = pounding_cli.open_results(made / "maps.h5")
+    picture = next(each for section in report(results).sections for each in section.pictures if each.has_scale)
+    hatched = {
+        ax.get_title(loc="left"): sum(bool(patch.get_hatch() and patch.get_edgecolor()[3]) for patch in ax.patches)
+        for ax in picture.draw().axes
+    }
+    assert hatched["connected, elastic"] == 6
+    assert hatched["touching, elastic"] == hatched["gap, elastic"] == 0
+
+
+def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
+    """They take long: fails if they are made for a terminal too."""
+    monkeypatch.setattr("pounding_cli.report.run.sweep_pictures", None)
+    report(pounding_cli.open_results(made / "swept.h5")).print()
 
 
 @pytest.mark.parametrize(("most", "quantities"), [(500, "3 of 15"), (10, None)])
