@@ -33,6 +33,7 @@ RC: Any = {
     "axes.axisbelow": True,
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
+    "legend.facecolor": "white",
     "legend.frameon": False,
     "hatch.linewidth": 0.6,
     "savefig.dpi": 180,
