@@ -6,6 +6,7 @@ import html
 import re
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -93,12 +94,14 @@ def test_cells_without_meaning_are_hatched(made):
     """Fails if a hatched cell cannot be seen, or one that has a meaning is hatched."""
     results = pounding_cli.open_results(made / "maps.h5")
     picture = next(each for section in report(results).sections for each in section.pictures if each.has_scale)
-    hatched = {
-        ax.get_title(loc="left"): sum(bool(patch.get_hatch() and patch.get_edgecolor()[3]) for patch in ax.patches)
-        for ax in picture.draw().axes
-    }
-    assert hatched["connected, elastic"] == 6
-    assert hatched["touching, elastic"] == hatched["gap, elastic"] == 0
+    panels = {ax.get_title(loc="left"): ax for ax in picture.draw().axes}
+    (hatched,) = panels["connected, elastic"].patches
+    assert hatched.get_hatch()
+    assert hatched.get_edgecolor()[3] == 1
+    corners = hatched.get_path().vertices
+    assert np.ptp(corners, axis=0).tolist() == [3, 2]  # all six cells
+    assert not panels["touching, elastic"].patches
+    assert not panels["gap, elastic"].patches
 
 
 def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
