@@ -79,7 +79,7 @@ def background(results: Results, shown: Evidence, tables: Sequence[str]) -> list
         "All rows with all digits, in SI units: `tables/` beside this page, `pound show FILE.h5 TABLE --format csv`."
     )
     return [
-        *limits(results),
+        *_limits(results),
         _motions(results, shown),
         _simulated(results, shown),
         Section("Tables", [where], found, folded=True),
@@ -87,18 +87,22 @@ def background(results: Results, shown: Evidence, tables: Sequence[str]) -> list
     ]
 
 
-def limits(results: Results) -> list[Section]:
-    """What limits the numbers: warnings about the study, heights that it does not write, an impact stiffness of one
-    value; none without any."""
-    said = [
+def advice(results: Results) -> list[str]:
+    """What a reader should know of the study: heights that it does not write, an impact stiffness of one value."""
+    said, struck = [], results.link("kind", "impacts")
+    if results.assumed_heights:
+        said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
+    if STIFFNESS not in results.axes and ((struck["kind"] == "pounding") & (struck["impacts"] > 0)).any():
+        said.append(ADVICE)
+    return said
+
+
+def _limits(results: Results) -> list[Section]:
+    warned = [
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
-    if results.assumed_heights:
-        said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
-    struck = results.link("kind", "impacts")
-    if STIFFNESS not in results.axes and ((struck["kind"] == "pounding") & (struck["impacts"] > 0)).any():
-        said.append(ADVICE)
+    said = [*warned, *advice(results)]
     return [Section("What limits these numbers", said)] if said else []
 
 

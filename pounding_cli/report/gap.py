@@ -17,7 +17,7 @@ from pounding_cli.numbers import Unit, counted
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
-from pounding_cli.report.style import finish, panels, shared_legend, styled
+from pounding_cli.report.style import finish, grid, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_records, interval, place_of
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.study.file import parse
@@ -193,9 +193,8 @@ def _notes(results: Results, frame: pd.DataFrame, unit: Unit, cases: pd.DataFram
 def draw_profiles(frame: pd.DataFrame, unit: Unit, shown: Evidence) -> Figure:
     """Widths across, height upwards: a panel for each pair of neighbours and analysis."""
     contact, groups = _contacts(frame)[0], frame.groupby(["left", "right", "analysis"], sort=False)
-    analyses = frame["analysis"].nunique()
-    figure, axes = panels(len(groups) // analyses, analyses, 3.9, 3.6, sharey="row", sharex=True)
-    for ax, ((left, right, analysis), here) in zip(axes.flat, groups, strict=True):
+    figure, axes = grid(len(groups), 3.6, 3.4, "height of the floors [m]", sharey=True, sharex=True)
+    for ax, ((left, right, analysis), here) in zip(axes, groups, strict=True):
         for _, motion in _closings(shown, here).groupby("record", sort=False):
             ax.plot(motion["max_closing"] / unit.factor, motion["height"], color="0.75", lw=0.7, zorder=2)
         for rule, rows in here.sort_values("height").groupby("rule", sort=False):
@@ -211,14 +210,10 @@ def draw_profiles(frame: pd.DataFrame, unit: Unit, shown: Evidence) -> Figure:
                 label = f"exact, contact {contact.removeprefix('contact_')} %"
                 ax.plot(wanted, rows["height"], color="#56B4E9", lw=1.8, zorder=3.5, label=label)
         ax.set_title(f"{left} | {right}, {analysis}", loc="left")
-        ax.set_ylim(0, None)
-    for ax in axes[:, 0]:
-        ax.set_ylabel("height of the floors [m]")
-    for ax in axes[-1]:
-        ax.set_xlabel(unit.label("gap"))
+        ax.set(xlabel=unit.label("gap"), ylim=(0, None))
     reach = frame[["largest", contact]].max().max() / unit.factor
-    axes[0, 0].set_xlim(0, 1.25 * reach if reach > 0 else None)  # a wide interval of confidence leaves the panel
-    shared_legend(figure, axes.flat)
+    axes[0].set_xlim(0, 1.25 * reach if reach > 0 else None)  # a wide interval of confidence leaves the panel
+    shared_legend(figure, axes)
     where = f"At {shown.label}. " if shown.label else ""
     said = f"{where}Grey: every motion, exact. Lines: mean over the motions. Band: {CONFIDENCE:.0%} confidence."
     finish(figure, shown.title, f"{said} {motion_sentence(shown.records)}")

@@ -58,10 +58,9 @@ def as_json(data: Any) -> str:
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
-def _allowed(*sources: str) -> str:
-    """Sources of a content security policy: these texts by their hashes, and no others."""
-    digests = (base64.b64encode(hashlib.sha256(source.encode()).digest()).decode() for source in sources)
-    return " ".join(f"'sha256-{digest}'" for digest in digests)
+def _allowed(source: str) -> str:
+    """The source of a content security policy: this text by its hash, and no other."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(source.encode()).digest()).decode()}'"
 
 
 def _asset(name: str) -> str:

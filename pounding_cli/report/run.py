@@ -11,7 +11,7 @@ import pandas as pd
 
 from pounding_cli.laws import drawn
 from pounding_cli.numbers import counted
-from pounding_cli.report.background import limits, report_of, trust
+from pounding_cli.report.background import advice, report_of, trust
 from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
@@ -49,9 +49,10 @@ def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Sectio
     elif len(scenes) < kept:
         said = [f"{len(scenes)} of {kept} kept scenes have room here: keep fewer, or longer steps, `every: 20 ms`."]
     chart = explored(results, shown)
+    drawn: dict[str, Any] = {"widget": "explorer", "data": chart} if chart["quantities"] else {}
     return [
         *([Section("Over the sweep", pictures=swept)] if swept else []),
-        *([Section("Look around", widget="explorer", data=chart)] if chart["quantities"] or not chart["cut"] else []),
+        Section("Look around", [chart["cut"]], **drawn),
         Section("Moving buildings", said, widget="player", data={"scenes": scenes}),
         *claim_sections(results, shown.label),
         Section("Figures", pictures=[*profiles(shown)[1:], *loop_pictures(shown)]),
@@ -86,8 +87,7 @@ def notes(results: Results, shown: Evidence, scene: pd.DataFrame) -> list[str]:
         said.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
     for group in flag_groups_of(scene, results.units):
         said.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
-    limited = [sentence for section in limits(results) for sentence in section.sentences]
-    return [*said, *limited[len(results.warnings) :]]  # warnings are printed before a run
+    return [*said, *advice(results)]  # warnings are printed before a run
 
 
 def largest(results: Results, scene: pd.DataFrame) -> Table:

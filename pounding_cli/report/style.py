@@ -33,6 +33,7 @@ RC: Any = {
     "axes.axisbelow": True,
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
+    "legend.facecolor": "white",
     "legend.frameon": False,
     "hatch.linewidth": 0.6,
     "savefig.dpi": 180,
@@ -120,7 +121,7 @@ def grid(
     columns = min(count, 2 if count in (2, 4) else 3)
     figure, axes = panels(-(-count // columns), columns, width, height, **shared)
     for ax in axes.flat[count:]:
-        ax.set_visible(False)
+        ax.remove()
     for ax in axes[:, 0]:
         ax.set_ylabel(ylabel)
     return figure, list(axes.flat[:count])

@@ -40,6 +40,10 @@ MOST_TICKS = 12
 COLOURS = "viridis_r"  # darker is larger; equal steps of a number are equal steps to the eye, also in grey
 
 
+CELL = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5)])
+"""Corners of a cell of a map around its middle."""
+
+
 class SweptAxis(NamedTuple):
     """One axis of a sweep.
 
@@ -320,19 +324,22 @@ def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels:
 
 def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
     """The map of one case; `few` : whether its cells have room for their numbers."""
-    from matplotlib.patches import Rectangle
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
 
     mean, void = over["mean"].values, over["void"].values
     y, x = (np.arange(1, size + 1) for size in mean.shape)
     ax.grid(False)
     ax.set_facecolor("0.87")
     ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=colours.norm, cmap=COLOURS, shading="nearest", rasterized=True)
-    for row, column in np.argwhere(np.isfinite(mean) & (few | void)):
-        colour, at = colours.to_rgba(mean[row, column]), (x[column], y[row])
-        ink = "white" if np.dot(colour[:3], (0.299, 0.587, 0.114)) < 0.5 else "black"
-        if void[row, column]:
-            corner = (at[0] - 0.5, at[1] - 0.5)
-            ax.add_patch(Rectangle(corner, 1, 1, fill=False, hatch="//", edgecolor=ink, linewidth=0))
-        if few:
+    lightness = colours.to_rgba(mean)[..., :3] @ (0.299, 0.587, 0.114)
+    for ink, here in (("white", lightness < 0.5), ("black", lightness >= 0.5)):
+        cells = [Path(CELL + at, closed=True) for at in 1 + np.argwhere(void & here)[:, ::-1]]
+        if cells:  # one outline of all, since every hatch takes time
+            outline = Path.make_compound_path(*cells)
+            ax.add_patch(PathPatch(outline, fill=False, hatch="//", edgecolor=ink, linewidth=0))
+        for row, column in np.argwhere(np.isfinite(mean) & here) if few else ():
+            colour = colours.to_rgba(mean[row, column])
             box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
-            ax.text(*at, digits(mean[row, column], 3), ha="center", va="center", fontsize=7, color=ink, bbox=box)
+            text = digits(float(mean[row, column]), 3)
+            ax.text(x[column], y[row], text, ha="center", va="center", fontsize=7, color=ink, bbox=box)

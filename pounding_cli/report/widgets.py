@@ -29,7 +29,7 @@ MOST_BYTES = 12_000_000
 
 
 def explored(results: Results, shown: Evidence) -> dict[str, Any]:
-    """Axes and quantities.
+    """Axes and quantities; none of these where none has room or a number.
 
     `mean`, `low`, `high` of a quantity: over case, motion, analysis, building or pair, level and the points of the
     sweep, the last fastest; None where there is nothing; low and high have one motion, the mean. Its `levels` are
@@ -50,6 +50,9 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
         names = [name for name, end in zip(arrays, sizes.tolist(), strict=True) if end <= MOST_VALUES]
         cut += [f"{len(names)} of {len(arrays)} quantities"] * (len(names) < len(arrays))
         arrays = {name: arrays[name] for name in names}
+    said = "" if arrays else "Nothing to draw: no run of this study ended."
+    if cut:
+        said = f"This sweep is large: the page has {', '.join(cut)}; tables/ has all."
     void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
     return {
         "axes": [
@@ -62,7 +65,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
         "quantities": [_quantity(name, values, whole, dims, results) for name, values in arrays.items()],
         "cases": data["case"].values.tolist(), "analyses": shown.analyses,
         "motions": [MEAN, *(motions if whole and len(motions) > 1 else [])], "void": void.values.ravel().tolist(),
-        "cut": cut, "heights": whole, "building": shown.main,
+        "cut": said, "heights": whole, "building": shown.main,
         "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
     }  # fmt: skip
 

@@ -10,7 +10,7 @@ import pytest
 from scipy import stats
 
 import pounding_cli
-from tests.adapter import interval, search
+from tests.adapter import interval, report, search
 
 STUDY = """\
 title: Two small buildings
@@ -83,6 +83,23 @@ def test_sensitivity_indices(folder, pound):
     assert (written / "sensitivity.png").stat().st_size > 10_000
     assert {path.name for path in (written / "tables").iterdir()} >= {"sensitivity.csv", "sensitivity_samples.csv"}
     assert "Saltelli" in pound("cite", "results/uncertain-sensitivity.h5")[1]
+
+
+def test_an_index_of_rounding_is_zero(folder, pound, monkeypatch):
+    """Fails if what differs by rounding is told as 3.00×10⁻¹⁷ (−1.00×10⁻¹⁶ to 2.00×10⁻¹⁶)."""
+    Path("uncertain.yaml").write_text(UNCERTAIN)
+    pound("sensitivity", "uncertain.yaml", "-q")
+    results = pounding_cli.open_results("results/uncertain-sensitivity.h5")
+    answer = results.answer
+    kept = answer("sensitivity")
+    kept.frame.loc[kept.frame["key"] == "impact.restitution", ["first", "first_low", "first_high"]] = (
+        3e-17,
+        -1e-16,
+        2e-16,
+    )
+    monkeypatch.setattr(results, "answer", lambda name: kept if name == "sensitivity" else answer(name))
+    shown = report(results).answer.tables[0].frame
+    assert set(shown.loc[shown[1] == "impact.restitution", 2]) == {"0 (0 to 0)"}
 
 
 def test_probabilities_of_statements(folder, pound):

@@ -6,10 +6,12 @@ import html
 import re
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
 import pounding_cli
+from tests.adapter import report
 
 from .conftest import TWO
 
@@ -29,9 +31,14 @@ def words(page: Path) -> str:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory) -> Path:
-    """A folder with two.h5, and swept.h5 over restitutions."""
+    """A folder with two.h5, swept.h5 over restitutions, and maps.h5 over these and gaps too narrow for a connector."""
     folder = tmp_path_factory.mktemp("report")
-    for name, more in (("two", ""), ("swept", "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n")):
+    studies = {
+        "two": "",
+        "swept": "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n",
+        "maps": "sweep: {cases.connected.gap: [1 mm, 2 mm, 3 mm], impact.restitution: [0.4, 0.6]}\n",
+    }
+    for name, more in studies.items():
         (folder / f"{name}.yaml").write_text(FOUR + more)
         pounding_cli.run(folder / f"{name}.yaml", folder / f"{name}.h5", engine="serial")
     return folder
@@ -83,6 +90,26 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     assert where == {"impact.restitution = 0.4", "impact.restitution = 0.5", "impact.restitution = 0.65"}
 
 
+def test_cells_without_meaning_are_hatched(made):
+    """Fails if a hatched cell cannot be seen, or one that has a meaning is hatched."""
+    results = pounding_cli.open_results(made / "maps.h5")
+    picture = next(each for section in report(results).sections for each in section.pictures if each.has_scale)
+    panels = {ax.get_title(loc="left"): ax for ax in picture.draw().axes}
+    (hatched,) = panels["connected, elastic"].patches
+    assert hatched.get_hatch()
+    assert hatched.get_edgecolor()[3] == 1
+    corners = hatched.get_path().vertices
+    assert np.ptp(corners, axis=0).tolist() == [3, 2]  # all six cells
+    assert not panels["touching, elastic"].patches
+    assert not panels["gap, elastic"].patches
+
+
+def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
+    """They take long: fails if they are made for a terminal too."""
+    monkeypatch.setattr("pounding_cli.report.run.sweep_pictures", None)
+    report(pounding_cli.open_results(made / "swept.h5")).print()
+
+
 @pytest.mark.parametrize(("most", "quantities"), [(500, "3 of 15"), (10, None)])
 def test_a_page_carries_no_more_numbers_than_it_may(made, folder, pound, monkeypatch, most, quantities):
     """Of a large sweep means and the largest over the height, of fewer quantities; none where not one has room."""
@@ -128,7 +155,7 @@ def test_keys_that_move_together_are_fixed_together(folder, pound):
         (["two.h5", "--quantity", "mu_ratio"], "swept"), (["swept.h5", "--quantity", "mue"], "mu_ratio"),
         (["swept.h5", "--case", "gip"], "touching, gap"), (["swept.h5", "--where", "storey=8"], "1, 2, 3"),
         (["swept.h5", "--where", "restitution=0.7"], "0.4, 0.5, 0.65"), (["missing.h5"], "missing.h5"),
-        (["two.yaml"], "HDF5"), (["."], "folder"), (["swept.h5", "--case", "touching", "--case", "gap"], "twice"),
+        (["two.yaml"], "a study, not a results file"), (["."], "folder"), (["swept.h5", "--case", "touching", "--case", "gap"], "twice"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_drawn_is_refused(made, folder, pound, arguments, message):

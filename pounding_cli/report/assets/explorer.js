@@ -2,9 +2,8 @@
 
 const TOP = 12, RIGHT = 16, BOTTOM = 46, HIGH = 400;
 
-function explorer(box, { axes, quantities, cases, analyses, motions, void: voids, heights, cut, building, point }) {
+function explorer(box, { axes, quantities, cases, analyses, motions, void: voids, heights, building, point }) {
   const controls = document.getElementById('explorer-controls'), legend = document.getElementById('explorer-legend');
-  if (!quantities.length) return void box.append(h('p', { class: 'nothing' }, 'Nothing to draw: no run of this study ended.'));
   const points = axes.reduce((all, one) => all * one.values.length, 1), looks = caseLooks(cases), hidden = new Set();
   const longest = axes.reduce((most, one, number) => (one.values.length > (axes[most]?.values.length ?? 1) ? number : most), heights ? -1 : 0);
   const state = { quantity: 0, over: longest, analysis: 0, motion: 0, place: building, level: '', at: [...point] };
@@ -145,7 +144,6 @@ function explorer(box, { axes, quantities, cases, analyses, motions, void: voids
     const dash = s('line', { x1: 1, x2: 37, y1: 7, y2: 7, 'stroke-width': 2, 'stroke-dasharray': looks[kase].dash, style: `stroke:${looks[kase].color}` });
     legend.append(h('label', {}, check, s('svg', { viewBox: '0 0 38 14', 'aria-hidden': 'true' }, dash, marker(looks[kase], 19, 7)), name));
   });
-  if (cut.length) box.after(h('p', { class: 'note' }, `This sweep is large: the page has ${cut.join(', ')}; tables/ has all.`));
   arrange();
   drawnToWidth(box, draw);
 }
