@@ -120,6 +120,8 @@ def solved(sweep: Sweep, point: Point) -> Point:
     except InputError as refused:
         (problem, *_) = refused.problems
         status, advice = f"refused: {problem.message}", problem.hint
+    except (ArithmeticError, MemoryError, RuntimeError) as error:  # an overflow, a singular matrix
+        status, advice = f"refused: {error}", "give values that differ by fewer powers of ten"
     except Exception as error:  # one point must not take the others with it
         status = f"error: {type(error).__name__}: {error}"
         advice = "this is an internal error: please report it with the study file"
