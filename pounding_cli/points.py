@@ -66,18 +66,14 @@ class Point:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A validated study of the command `name`, asked of the module `asked`: its text, axes and points."""
+    """A validated study of the command `name`, asked of the module `asked`: its title, text, axes and points."""
 
     name: str
     asked: Any
+    title: str
     text: str
     axes: tuple[Axis, ...]
     points: tuple[Point, ...]
-
-    @property
-    def title(self) -> str:
-        """The title of the study."""
-        return self.points[0].study.title
 
 
 def value(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
@@ -106,7 +102,7 @@ def load(path: Path, name: str) -> Sweep:
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
     problems.check()
-    return Sweep(name, asked, text, axes, tuple(points))
+    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points))
 
 
 def solved(sweep: Sweep, point: Point) -> Point:
@@ -120,6 +116,8 @@ def solved(sweep: Sweep, point: Point) -> Point:
     except InputError as refused:
         (problem, *_) = refused.problems
         status, advice = f"refused: {problem.message}", problem.hint
+    except (ArithmeticError, MemoryError, RuntimeError) as error:  # an overflow, a singular matrix
+        status, advice = f"refused: {error}", "give values that differ by fewer powers of ten"
     except Exception as error:  # one point must not take the others with it
         status = f"error: {type(error).__name__}: {error}"
         advice = "this is an internal error: please report it with the study file"
@@ -177,6 +175,7 @@ def report(sweep: Sweep) -> Report:
         if not each.dims:
             si = each.attrs["units"]
             columns[name] = Column(each.attrs["long_name"], _UNITS.get(si, Unit(si, 1.0, si)), name.replace("_", " "))
+    frame = frame[[*columns]]
     shown = frame[[*swept, *(asked.SHOWN if done else ["status"])]]
     pictures = asked.pictures(sweep.title, done) if done else []
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(sweep.points[0].study).items()]

@@ -214,6 +214,9 @@ def _asked(results: Results, quantities: tuple[str, ...], wanted: Sequence[tuple
     """What is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
     from pounding_cli.report.sweep import Asked
 
+    if wanted and not results.axes:
+        what = f"{wanted[0][0]}={wanted[0][1]} chooses what figures over a sweep show, and the study sweeps nothing"
+        raise InputError(Problem(what, "leave it out", str(results.path)))
     places, at = dict[str, Any](), dict[str, Any]()
     for given, text in wanted:
         key = _key(given, [*_PLACES, *results.axes], "the sweep")

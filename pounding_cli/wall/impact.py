@@ -230,7 +230,7 @@ def build(study: Study) -> System:
     x, y = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0)), _grid_lines(breaks, study, (low, high))
     if x.size * y.size > MOST_ELEMENTS:
         raise InputError(
-            Problem(f"a mesh of {x.size * y.size} elements", "give a larger `mesh.size`, or `growth: 0.2`")
+            Problem(f"a mesh of more than {MOST_ELEMENTS} elements", "give a larger `mesh.size`, or `growth: 0.2`")
         )
     mesh = MeshQuad.init_tensor(x, y)
     linear = study.mesh.element == "linear"
@@ -266,7 +266,7 @@ def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) 
         distance = np.maximum(np.maximum(centre[0] - fine, fine - centre[1]), 0.0)
         density = 1.0 / (study.mesh.size + study.mesh.growth * distance)
         count = cumulative_trapezoid(density, fine, initial=0.0)
-        pieces = max(1, int(np.ceil(count[-1] - 1e-9)))
+        pieces = max(1, int(np.ceil(min(count[-1], MOST_ELEMENTS) - 1e-9)))  # of more the mesh is refused
         lines.extend(np.interp(np.linspace(0, count[-1], pieces + 1)[1:-1], count, fine))
         lines.append(high)
     return np.array(lines)
@@ -397,9 +397,10 @@ def _cells(study: Study, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
     centre = np.clip(0.5 * sum(study.patch), side / 2, top - side / 2)
     below = np.arange(centre, side / 2 - 1e-9, -side / 4)[::-1]
     height = np.concatenate([below, np.arange(centre, top - side / 2 + 1e-9, side / 4)[1:]])
-    corners = mesh.p[:, mesh.t]
+    near = np.flatnonzero(mesh.p[0, mesh.t].min(axis=0) < side)
+    corners = mesh.p[:, mesh.t[:, near]]
     (x0, y0), (x1, y1) = corners.min(axis=1), corners.max(axis=1)
-    wide = np.clip(np.minimum(x1, side) - x0, 0, None)
     tall = np.minimum(y1, (height + side / 2)[:, None]) - np.maximum(y0, (height - side / 2)[:, None])
-    share = wide * np.clip(tall, 0, None)
-    return height, sp.csr_matrix(share / share.sum(axis=1, keepdims=True))
+    share = (np.minimum(x1, side) - x0) * np.clip(tall, 0, None)
+    pick = sp.eye_array(mesh.t.shape[1], format="csr")[near]
+    return height, sp.csr_matrix(share / share.sum(axis=1, keepdims=True)) @ pick

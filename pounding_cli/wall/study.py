@@ -120,7 +120,7 @@ class Study(Model):
     contact: Contact = Contact()
     mesh: Mesh = Mesh()
     time: Integration = Integration()
-    averaging_length: Length = key(0.5, "side of the cell over which stress is averaged", "0.5 m")
+    averaging_length: Size = key(0.5, "side of the cell over which stress is averaged", "0.5 m")
     sweep: Any = key(None, "keys and the values they take", {"wall.length": ["1 m", "2 m"]})
 
     @property

@@ -155,7 +155,7 @@ def test_keys_that_move_together_are_fixed_together(folder, pound):
         (["two.h5", "--quantity", "mu_ratio"], "swept"), (["swept.h5", "--quantity", "mue"], "mu_ratio"),
         (["swept.h5", "--case", "gip"], "touching, gap"), (["swept.h5", "--where", "storey=8"], "1, 2, 3"),
         (["swept.h5", "--where", "restitution=0.7"], "0.4, 0.5, 0.65"), (["missing.h5"], "missing.h5"),
-        (["two.yaml"], "a study, not a results file"), (["."], "folder"), (["swept.h5", "--case", "touching", "--case", "gap"], "twice"),
+        (["two.yaml"], "is a study"), (["."], "folder"), (["swept.h5", "--case", "touching", "--case", "gap"], "twice"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_drawn_is_refused(made, folder, pound, arguments, message):

@@ -93,6 +93,8 @@ def wall(tmp_path_factory):
         ("wall", "sweep: {striker.mass: [1e-9 kg, 2e-9 kg]}", "an impact this short"),
         ("wall", "sweep: {striker.speed: [1 m/s, 1e200 m/s]}", "the response is not finite"),
         ("wall", "sweep: {striker.mass: [200 t, 1e300 t]}", "the response is not finite"),
+        ("wall", "sweep: {frame.storey_height: [3 m, 1e12 m]}", "a mesh of more than 250000 elements"),
+        ("connector", "sweep: {first.period: [0.5 s, 1e-200 s]}", "refused: "),
         ("connector", "sweep: {connector.stiffness: [0.2 k1, 1e300 N/m]}", "the response is not finite"),
     ],
 )
