@@ -76,6 +76,20 @@ def looks(cases: Sequence[str]) -> dict[str, Look]:
     return {case: _NAMED.get(case) or given[case] for case in cases}
 
 
+def for_page(look: Look) -> dict[str, str]:
+    """A look as the script of a page draws it: a colour of the style sheet, dashes, and the marker one unit
+    wide as a path of SVG, upwards."""
+    from matplotlib.markers import MarkerStyle
+
+    letters = {1: "M", 2: "L", 3: "Q", 4: "C", 79: "Z"}  # of the codes of a path
+    number = [*_NAMED.values(), *_REST].index(look)
+    dash = "" if look.line == "-" else " ".join(f"{1.6 * length:g}" for length in look.line[1])
+    marker = MarkerStyle(look.marker)
+    outline = marker.get_path().transformed(marker.get_transform()).iter_segments()
+    parts = (letters[int(code)] + " ".join(f"{each:.3g}" for each in ends if code != 79) for ends, code in outline)
+    return {"color": f"var(--case-{number})", "dash": dash, "marker": "".join(parts)}
+
+
 _SETTINGS = RC | {"text.parse_math": False}  # a text of a study is no formula
 _Drawing = ParamSpec("_Drawing")
 

@@ -12,7 +12,7 @@ import xarray as xr
 
 from pounding_cli.laws import drawn
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
-from pounding_cli.report.style import key_words
+from pounding_cli.report.style import for_page, key_words, looks
 from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
 from pounding_cli.report.table import column_of
 from pounding_cli.variables import RESPONSES
@@ -53,6 +53,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
     said = "" if arrays else "Nothing to draw: no run of this study ended."
     if cut:
         said = f"This sweep is large: the page has {', '.join(cut)}; tables/ has all."
+    looked = [for_page(look) for look in looks(data["case"].values.tolist()).values()]
     void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
     return {
         "axes": [
@@ -63,7 +64,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
             for axis in axes
         ],
         "quantities": [_quantity(name, values, whole, dims, results) for name, values in arrays.items()],
-        "cases": data["case"].values.tolist(), "analyses": shown.analyses,
+        "cases": data["case"].values.tolist(), "looks": looked, "analyses": shown.analyses,
         "motions": [MEAN, *(motions if whole and len(motions) > 1 else [])], "void": void.values.ravel().tolist(),
         "cut": said, "heights": whole, "building": shown.main,
         "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],

@@ -101,7 +101,7 @@ def test_a_sweep_is_drawn_over_its_keys(visit, reports):
     gap, restitution = (float(re.search(rf"{key}\)?[^:]*: ([\d.]+)", said[0])[1]) for key in axes)
     assert said[0].startswith("gap, ")
     assert float(said[1].split()[-1]) == pytest.approx(means[gap / 1e3, restitution], rel=6e-4)
-    points = "g => g.querySelectorAll('polygon, circle').length"
+    points = "g => g.querySelectorAll('path').length"
     assert page.eval_on_selector("#explorer g[data-series=gap]", points) == 3
     assert page.locator("#explorer g[data-series=connected] .void").count() == 3  # it closes its gap everywhere
     page.locator("#look-around").get_by_label("Over", exact=True).select_option(index=2)

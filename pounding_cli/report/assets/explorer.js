@@ -2,9 +2,9 @@
 
 const TOP = 12, RIGHT = 16, BOTTOM = 46, HIGH = 400;
 
-function explorer(box, { axes, quantities, cases, analyses, motions, void: voids, heights, building, point }) {
+function explorer(box, { axes, quantities, cases, looks, analyses, motions, void: voids, heights, building, point }) {
   const controls = document.getElementById('explorer-controls'), legend = document.getElementById('explorer-legend');
-  const points = axes.reduce((all, one) => all * one.values.length, 1), looks = caseLooks(cases), hidden = new Set();
+  const points = axes.reduce((all, one) => all * one.values.length, 1), hidden = new Set();
   const longest = axes.reduce((most, one, number) => (one.values.length > (axes[most]?.values.length ?? 1) ? number : most), heights ? -1 : 0);
   const state = { quantity: 0, over: longest, analysis: 0, motion: 0, place: building, level: '', at: [...point] };
   const quantity = () => quantities[state.quantity], numbered = (list) => list.map((text, number) => [number, text]);

@@ -1,4 +1,4 @@
-// Elements, numbers as text, and the looks of the cases.
+// Elements, numbers as text, scales of axes, and markers.
 
 const RAISED = { '-': '⁻', 0: '⁰', 1: '¹', 2: '²', 3: '³', 4: '⁴', 5: '⁵', 6: '⁶', 7: '⁷', 8: '⁸', 9: '⁹' };
 
@@ -67,29 +67,5 @@ function scale(values, from, to, named) {
   return { place: (value) => from + share(value) * (to - from), ticks: named ?? round.map((tick) => [tick, String(Number(tick.toPrecision(6))).replace('-', '−')]) };
 }
 
-const NAMED = { touching: 0, gap: 1, infill: 2, connected: 3 };
-const DASHES = ['', '7 3', '', '7 2.5 1.5 2.5', '2 2.5', '', '7 3', '7 2.5 1.5 2.5', '4 2', ''];
-const SHAPES = ['circle', 'square', 'up', 'diamond', 'down', 'plus', 'circle', 'square', 'up', 'diamond'];
-const CORNERS = {
-  square: [[-0.85, -0.85], [0.85, -0.85], [0.85, 0.85], [-0.85, 0.85]],
-  up: [[0, -1.1], [1, 0.8], [-1, 0.8]],
-  down: [[0, 1.1], [1, -0.8], [-1, -0.8]],
-  diamond: [[0, -1.2], [1.1, 0], [0, 1.2], [-1.1, 0]],
-  plus: [[-0.35, -1.1], [0.35, -1.1], [0.35, -0.35], [1.1, -0.35], [1.1, 0.35], [0.35, 0.35], [0.35, 1.1], [-0.35, 1.1], [-0.35, 0.35], [-1.1, 0.35], [-1.1, -0.35], [-0.35, -0.35]],
-};
-
-/** Colour, dash and marker of every case: the paper's four have theirs, others take the rest in turn. */
-function caseLooks(cases) {
-  let other = 0;
-  return cases.map((name) => {
-    const number = name in NAMED ? NAMED[name] : 4 + (other++ % 6);
-    return { color: `var(--case-${number})`, dash: DASHES[number], shape: SHAPES[number] };
-  });
-}
-
-/** A marker of a look around (x, y). */
-function marker(look, x, y, size = 4.3) {
-  const style = `fill:${look.color};stroke:${look.color}`;
-  if (look.shape === 'circle') return s('circle', { cx: x, cy: y, r: size * 0.95, style });
-  return s('polygon', { points: CORNERS[look.shape].map(([dx, dy]) => `${(x + dx * size).toFixed(1)},${(y + dy * size).toFixed(1)}`).join(' '), style });
-}
+/** The marker of a look around (x, y). */
+const marker = (look, x, y, size = 9) => s('path', { d: look.marker, transform: `translate(${x} ${y}) scale(${size} ${-size})`, style: `fill:${look.color};stroke:${look.color}` });
