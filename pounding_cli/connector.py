@@ -98,12 +98,12 @@ class Study(Model):
 
 
 class Pair(NamedTuple):
-    """Masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, stiffness K [N/m] and dashpot c [N s/m] of the
-    connector."""
+    """Masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, shapes (2,), stiffness K [N/m] and dashpot c
+    [N s/m] of the connector."""
 
-    m: tuple[float, float]
-    k: tuple[float, float]
-    zeta: tuple[float, float]
+    m: np.ndarray
+    k: np.ndarray
+    zeta: np.ndarray
     joint: float
     dashpot: float
 
@@ -119,8 +119,8 @@ def pair(study: Study) -> Pair:
     xi = study.connector.damping_ratio or 0.0
     dashpot = 2 * xi * math.sqrt(k * first.mass * second.mass / (first.mass + second.mass))
     dashpot = dashpot if study.connector.dashpot is None else study.connector.dashpot
-    zeta1, zeta2 = (study.damping if one.damping is None else one.damping for one in (first, second))
-    return Pair((first.mass, second.mass), (k1, k2), (zeta1, zeta2), k, dashpot)
+    zeta = [study.damping if one.damping is None else one.damping for one in (first, second)]
+    return Pair(np.array([first.mass, second.mass]), np.array([k1, k2]), np.array(zeta), k, dashpot)
 
 
 def coupled_frequencies(pair: Pair) -> tuple[float, float]:
@@ -145,12 +145,9 @@ def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     and R2 by exchanging the indices, so that m1 R1 + m2 R2 = m1 + m2 whatever K, c, p and Omega are. Their absolute
     values are the paper's Fig. 5. omega : circular frequencies of the ground motion [rad/s], shape (n,), > 0
     """
-    m, z = pair.m, pair.joint + 1j * omega * pair.dashpot
-    d = [
-        k - m * omega**2 + 2j * zeta * math.sqrt(k * m) * omega for m, k, zeta in zip(m, pair.k, pair.zeta, strict=True)
-    ]
-    determinant = d[0] * d[1] + z * (d[0] + d[1])
-    return np.array([d[i] * (d[1 - i] + z * sum(m) / m[i]) / determinant for i in (0, 1)])
+    m, k, zeta, z = pair.m[:, None], pair.k[:, None], pair.zeta[:, None], pair.joint + 1j * omega * pair.dashpot
+    d = k - m * omega**2 + 2j * zeta * np.sqrt(k * m) * omega
+    return d * (d[::-1] + z * m.sum() / m) / (d[0] * d[1] + z * d.sum(axis=0))
 
 
 def solve(study: Study) -> xr.Dataset:
@@ -163,19 +160,19 @@ def solve(study: Study) -> xr.Dataset:
     from scipy.optimize import brentq, minimize_scalar
 
     both, low, high = pair(study), study.frequencies.low, study.frequencies.high
-    alone, other = (math.sqrt(k / m) for k, m in zip(both.k, both.m, strict=True))
+    alone, other = np.sqrt(both.k / both.m)
     ratio = np.linspace(low, high, study.frequencies.points)
     grid = np.linspace(low, high, max(ratio.size, FINEST))
 
     def sizes(x: Any) -> np.ndarray:
-        return np.abs(response_ratios(both, np.asarray(x) * alone))
+        return np.abs(response_ratios(both, np.atleast_1d(x) * alone))
 
     found = {}
     for which, each in enumerate(response_ratios(both, ratio * alone)):
         best, number = int(np.argmax(sizes(grid)[which])), which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-        top = minimize_scalar(lambda x, which=which: -sizes(x)[which], bounds=ends, options={"xatol": 1e-10})
-        peak, at = max((float(sizes(x)[which]), float(x)) for x in (top.x, grid[best]))
+        top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
+        peak, at = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
         found[f"peak{number}"] = value("1", f"largest ratio of system {number}", peak)
         found[f"at{number}"] = value("1", f"Omega / omega10 at the peak of system {number}", at)
         what = f"displacement of system {number}, connected over alone"

@@ -50,7 +50,9 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             near = difflib.get_close_matches(cmd_name, COMMANDS, 1)
-            return ctx.fail(f"No such command '{cmd_name}'. Did you mean '{near[0]}'?") if near else None
+            if near and not ctx.resilient_parsing:  # not while a shell completes a line
+                ctx.fail(f"No such command '{cmd_name}'. Did you mean '{near[0]}'?")
+            return None
         command = getattr(importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}"), cmd_name)
         command.short_help = COMMANDS[cmd_name][1]
         return command

@@ -59,12 +59,13 @@ def test_help_loads_nothing_heavy():
 
 
 def test_shell_completion_names_the_commands():
-    asked = {"_POUND_COMPLETE": "bash_complete", "COMP_WORDS": "pound r", "COMP_CWORD": "1"}
+    """And says nothing of one that is misspelt."""
     code = "import sys; from pounding_cli.cli.main import main; sys.argv = ['pound']; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | asked
-    )
-    assert {line.split(",")[1] for line in done.stdout.splitlines()} == {"run", "report", "records"}
+    for words, at, found in (("pound r", "1", {"run", "report", "records"}), ("pound rnu two", "2", set())):
+        asked = {"_POUND_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": at}
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ | asked)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert {line.split(",")[1] for line in done.stdout.split()} == found
 
 
 # check
