@@ -17,7 +17,7 @@ from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.style import Look, finish, grid, looks, shared_legend, styled
-from pounding_cli.report.table import NOTHING, digits, from_records, interval, place_of
+from pounding_cli.report.table import NOTHING, digits, from_answer, interval
 from pounding_cli.results.tables import Table
 from pounding_cli.workflows.curves import FEWEST_TOLD, Outcome
 from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, CURVES, LINKED, MOTIONS, POINTS, RATES
@@ -34,6 +34,8 @@ MUCH_BEYOND = 0.1
 _ALONE = Look("#777777", (0, (2, 1)), "x")
 """As no case looks: one may be black, as `touching` is."""
 _BOTH = {ALONE: "alone", LINKED: "with pounding"}
+_PLACE = ("limit", "building"), ("case", "analysis")
+"""Columns that say where a row stands; the second two where they differ."""
 _MEASURES = {
     "pga": "peak ground acceleration", "pgv": "peak ground velocity", "sa": "pseudo-acceleration",
     "factor": "scale factor",
@@ -83,27 +85,28 @@ def _measure(results: Results) -> str:
 
 
 def _medians(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
-    """Medians, spreads and their ratios with their intervals in brackets, a row a curve and point of the sweep."""
-    rows = []
-    for row in frame.to_dict("records"):
-        cells = place_of(results, frame, row, ("limit", "building"), ("case", "analysis"))
-        cells |= {unit.label(f"median {what}"): median_text(row, end, unit) for end, what in _BOTH.items()}
-        cells["ratio of medians"] = interval(row, "ratio")
-        rows.append(cells | {f"spread {what}": interval(row, "spread", end) for end, what in _BOTH.items()})
-    return from_records("Intensity at which half of the motions pass", rows)
+    """Medians, their ratios and spreads with their intervals in brackets, a row a curve and point of the sweep."""
+
+    def told(row: Row) -> dict[str, str]:
+        medians = {unit.label(f"median {what}"): median_text(row, end, unit) for end, what in _BOTH.items()}
+        spreads = {f"spread {what}": interval(row, "spread", end) for end, what in _BOTH.items()}
+        return medians | {"ratio of medians": interval(row, "ratio")} | spreads
+
+    return from_answer(results, "Intensity at which half of the motions pass", frame, *_PLACE, told)
 
 
 def _rates(results: Results, frame: pd.DataFrame) -> Table:
     """Annual rates of the limits with their intervals, a row as in `_medians`."""
-    rows = []
-    for row in frame.to_dict("records"):
-        cells = place_of(results, frame, row, ("limit", "building"), ("case", "analysis"))
+
+    def told(row: Row) -> dict[str, str]:
+        cells = {}
         for end, what in _BOTH.items():
             cells[f"rate {what} [1/year]"] = interval(row, "rate", end)
             share = row[f"probability{end}"]
             cells[f"in {YEARS:g} years {what}"] = NOTHING if np.isnan(share) else f"{digits(100 * share, 3)} %"
-        rows.append(cells | {"ratio of rates": interval(row, "rate_ratio")})
-    return from_records("Annual rates of the limits", rows)
+        return cells | {"ratio of rates": interval(row, "rate_ratio")}
+
+    return from_answer(results, "Annual rates of the limits", frame, *_PLACE, told)
 
 
 def _sentence(row: Row, unit: Unit) -> str:

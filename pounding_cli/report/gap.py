@@ -18,7 +18,7 @@ from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
 from pounding_cli.report.style import finish, grid, shared_legend, styled
-from pounding_cli.report.table import NOTHING, digits, from_records, interval, place_of
+from pounding_cli.report.table import NOTHING, digits, from_answer, interval
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.study.file import parse
 from pounding_cli.workflows.curves import FEWEST_TOLD
@@ -138,13 +138,12 @@ def _for_rate(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
     """The gap for an annual rate of contact, of every pair."""
     first = frame.iloc[0]
     often = f"{digits(first['rate'], 3)} times a year, {digits(100 * first['probability'], 3)} % in {YEARS:g} years"
-    rows = [
-        {"between": f"{row['left']} | {row['right']}"}
-        | place_of(results, frame, row, (), ("analysis",))
-        | {unit.label("gap"): interval(row, "gap", factor=unit.factor)}
-        for row in _rows(frame)
-    ]
-    return from_records(f"Gap that closes {often}", rows)
+    frame = frame.assign(between=frame["left"] + " | " + frame["right"])
+
+    def told(row: Mapping[Any, Any]) -> dict[str, str]:
+        return {unit.label("gap"): interval(row, "gap", factor=unit.factor)}
+
+    return from_answer(results, f"Gap that closes {often}", frame, ("between",), ("analysis",), told)
 
 
 # In words

@@ -27,6 +27,10 @@ SCRIPTS = ("parts.js", "explorer.js", "stage.js", "player.js", "main.js")
 def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
     """Write the page; `drawn` : the figures by name, none where none are wanted."""
     kept = dict(drawn) | ({"group": report.sketch()} if report.sketch else {})
+    sizes = {name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()}
+    # A figure that fits stands beside the title: the first screen has the answer, the group, a figure and the table.
+    first = [picture for picture in report.answer.pictures[:1] if picture.name in kept]
+    beside = [picture for picture in first if sizes[picture.name][0] <= 760 and sizes[picture.name][1] <= 560]
     style = _asset("style.css")
     scripts = "(() => {\n'use strict';\n" + "\n".join(map(_asset, SCRIPTS)) + "\n})();"
     sections = [
@@ -35,7 +39,7 @@ def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
     ]  # fmt: skip
     text = _template("page.html.j2").render(
         report=report, sections=sections, images={name: data_address(figure) for name, figure in kept.items()},
-        sizes={name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()},
+        sizes=sizes, beside=beside,
         most=PAGE_ROWS, version=__version__,
         data=as_json({each.widget: each.data for each in report.sections if each.data}),
         style=style, scripts=scripts,

@@ -32,7 +32,7 @@ ROUNDING = 1e-9
 
 _LOW, _HIGH, _FIRST, _TOTAL = "#0072B2", "#E69F00", "#56B4E9", "#000000"
 _SHOWN = {
-    "first": "first order", "total": "total", "at_low": "output at its low end", "at_high": "output at its high end",
+    "first": "first order", "total": "total", "at_low": "at its low end", "at_high": "at its high end",
     "mu_star": "mean effect", "mu": "mean, signed", "sigma": "deviation",
 }  # fmt: skip
 """Columns of the indices that a person reads."""

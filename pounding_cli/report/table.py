@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -117,14 +117,19 @@ def from_records(caption: str, rows: Sequence[Mapping[Any, Any]]) -> Table:
     return from_rows(caption, list(rows[0]) if rows else [], [list(row.values()) for row in rows])
 
 
-def place_of(
-    results: Results, frame: pd.DataFrame, row: Mapping[Any, Any], names: Sequence[str], some: Sequence[str]
-) -> dict[str, str]:
-    """Where a row of an answer stands, by heading: some columns, swept keys in the units of the study, and of `some`
-    those that are not the same in all rows of the frame."""
-    place = {name: str(row[name]) for name in names}
-    place |= {results.units[key].label(key): results.value_label(key, row[key]) for key in results.axes if key in frame}
-    return place | {name: str(row[name]) for name in some if len(frame[name].unique()) > 1}
+def from_answer(
+    results: Results, caption: str, frame: pd.DataFrame, names: Sequence[str], some: Sequence[str],
+    told: Callable[[Mapping[Any, Any]], dict[str, str]],
+) -> Table:  # fmt: skip
+    """The same of the rows of an answer: some columns, swept keys in the units of the study, of `some` those that are
+    not the same in all rows, and by heading what is `told` of a row."""
+    rows, keys = list[Mapping[str, str]](), [key for key in results.axes if key in frame]
+    several = [name for name in some if len(frame[name].unique()) > 1]
+    for row in frame.to_dict("records"):
+        place = {name: str(row[name]) for name in names}
+        place |= {results.units[key].label(key): results.value_label(key, row[key]) for key in keys}
+        rows.append(place | {name: str(row[name]) for name in several} | told(row))
+    return from_records(caption, rows)
 
 
 def right_aligned(found: pd.DataFrame) -> list[bool]:
