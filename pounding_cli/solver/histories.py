@@ -66,7 +66,7 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> xr.Da
     """
     if not (np.isfinite(every) and every > 0):
         raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
-    run = prepare(scene, accuracy, times=output_times(scene, every))
+    run = prepare([scene], accuracy, times=output_times(scene, every))
     run.integrate()
     outcome, advice = ENDS[int(run.data.run["status"][0])]
     if outcome not in OUTCOMES:
@@ -90,7 +90,7 @@ def _evaluated(run: Prepared) -> xr.Dataset:
     """What is wanted, from what a run kept."""
     import xarray as xr  # here: solvers of single scenes need none
 
-    scene, layout, watch = run.scene, run.layout, run.data.watch
+    scene, layout, watch = run.scenes[0], run.layout, run.data.watch
     kept = slice(0, int(run.data.run["output"][0]))  # a collapse ends it before the last time
     if int(run.data.run["status"][0]) == records.COLLAPSED:
         kept = slice(0, int(np.searchsorted(watch.times, float(run.data.run["time"][0]) * (1 - 1e-12))))
@@ -124,7 +124,7 @@ def _evaluated(run: Prepared) -> xr.Dataset:
         "rocking": of_foundation(layout.feet),
         "base_force": of_foundation(layout.bases, force),
         "link_force": of_links[..., 1],
-        "closing": of_links[..., 0] + run.data.elements["offset"][layout.of_links],
+        "closing": of_links[..., 0] + run.data.elements["offset"][0, layout.of_links],
         "energy_input": put_in,
         "energy_kinetic": kinetic,
         "energy_stored": stored,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -17,10 +18,27 @@ OUTCOMES = (DONE, COLLAPSED)
 NEVER_CLOSES = "the gap never closes"
 """In a sentence of `Response.dropped`: of neighbours that never meet."""
 
+STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
+BASES = ("sway", "rocking", "isolator_displacement")
+LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
+COLUMNS = ("shear_below", "shear_above", "demand")
+
+
+@functools.lru_cache(maxsize=1024)
+def peaks_type(buildings: int, storeys: int, links: int) -> np.dtype:
+    """The record of the peaks of a scene: numbers of every building and storey, of every base, and of every link."""
+    shapes = {STOREYS: (buildings, storeys), BASES: (buildings,), LINKS: (links,), COLUMNS: (links,)}
+    return np.dtype([(name, "f8", shape) for names, shape in shapes.items() for name in names])
+
+
+def no_peaks(storeys: Sequence[int], links: int) -> np.void:
+    """The peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
+    return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links))[0]
+
 
 @dataclass(frozen=True, eq=False)
 class BuildingResponse:
-    """Largest values over time of one building; shape (n,), from the ground up.
+    """Largest values over time of one building (`Response.buildings`); shape (n,), from the ground up.
 
     shear : largest |restoring force| of each storey, without damping force [N]
     drift : largest |drift| of each storey [m]
@@ -39,14 +57,14 @@ class BuildingResponse:
     displacement_max: np.ndarray
     displacement_min: np.ndarray
     residual_drift: np.ndarray
-    sway: float = 0.0
-    rocking: float = 0.0
-    isolator_displacement: float = float("nan")
+    sway: float
+    rocking: float
+    isolator_displacement: float
 
 
 @dataclass(frozen=True, eq=False)
 class LinkResponse:
-    """Per link of the scene, in its order; shape (m,).
+    """Per link of the scene, in its order (`Response.links`); shape (m,).
 
     impacts : number of times the link closed [-]
     peak_force : largest |force| [N]
@@ -64,7 +82,8 @@ class LinkResponse:
 
 @dataclass(frozen=True, eq=False)
 class ColumnResponse:
-    """Of columns that slabs strike, one entry for each link that asks for them (`Link.columns`); shape (c,).
+    """Of columns that slabs strike (`Response.columns`), one entry for each link that asks for them (`Link.columns`);
+    shape (c,).
 
     link : number of the link in the scene, from 0
     shear_below, shear_above : largest |shear| in the columns below and above the blow, without damping force [N]
@@ -72,16 +91,19 @@ class ColumnResponse:
         the storey cannot yield
     """
 
-    link: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
-    shear_below: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    shear_above: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    demand: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    link: np.ndarray
+    shear_below: np.ndarray
+    shear_above: np.ndarray
+    demand: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
     """The response of a scene, what its solution cost, and what the user should know about it.
 
+    peaks : a record of `peaks_type`, NaN where a building has no such storey, a link no struck columns, or the run no
+        numbers; `buildings`, `links` and `columns` are views of it
+    storeys : of every building
     status : "done"; COLLAPSED, when a storey's drift passed what its building stands (then the numbers are those up to
         that time); or another named outcome such as "event bound reached" (then the numbers are NaN)
     advice : what to do about a status other than "done"
@@ -98,12 +120,11 @@ class Response:
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
     time_step : of a method that takes one [s]; nan for the others
     collapse_time : when a storey collapsed [s], nan where none did
-    columns : shears in columns that slabs strike
     collapse_building, collapse_storey : place of its building from 0, and storey from 1; -1 and 0 where none did
     """
 
-    buildings: tuple[BuildingResponse, ...]
-    links: LinkResponse
+    peaks: np.void
+    storeys: tuple[int, ...]
     status: str
     advice: str
     method: str
@@ -123,7 +144,26 @@ class Response:
     collapse_time: float = float("nan")
     collapse_building: int = -1
     collapse_storey: int = 0
-    columns: ColumnResponse = field(default_factory=ColumnResponse)
+
+    @property
+    def buildings(self) -> tuple[BuildingResponse, ...]:
+        """The peaks of every building, left to right."""
+        return tuple(
+            BuildingResponse(*(self.peaks[name][b, :n] for name in STOREYS), *(float(self.peaks[k][b]) for k in BASES))
+            for b, n in enumerate(self.storeys)
+        )
+
+    @property
+    def links(self) -> LinkResponse:
+        """The peaks of every link."""
+        impacts, *others = (self.peaks[name] for name in LINKS)
+        return LinkResponse(impacts.astype(np.int64) if self.has_result else impacts, *others)
+
+    @property
+    def columns(self) -> ColumnResponse:
+        """The shears in columns that slabs strike."""
+        struck = np.flatnonzero(~np.isnan(self.peaks["shear_below"]))
+        return ColumnResponse(struck, *(self.peaks[name][struck] for name in COLUMNS))
 
     @property
     def has_result(self) -> bool:
@@ -136,13 +176,3 @@ class Response:
         if self.links.impacts.size and self.has_result:
             impacts = f"; {counted(int(self.links.impacts.sum()), 'impact')}"
         return f"Response({self.status}; {self.method}; largest storey shears {shears} N{impacts})"
-
-
-def nothing(storeys: Sequence[int], links: int) -> tuple[tuple[BuildingResponse, ...], LinkResponse]:
-    """The numbers of a run that failed, of buildings with so many storeys: none of them is ever shown."""
-    buildings = []
-    for n in storeys:
-        none = np.full(n, np.nan)
-        buildings.append(BuildingResponse(none, none, none, none, none, none, none))
-    none = np.full(links, np.nan)
-    return tuple(buildings), LinkResponse(none, none, none, none, none)
