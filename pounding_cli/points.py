@@ -137,8 +137,9 @@ def dataset(sweep: Sweep, points: Sequence[Point]) -> xr.Dataset:
 def write(sweep: Sweep, points: Sequence[Point], file: Path) -> tuple[Report, list[Path]]:
     """Write the results file, and into a folder of its name tables, figures and page; the report, and all files."""
     from pounding_cli.results.file import write as write_file
+    from pounding_cli.results.group import Group
 
-    write_file(file, dataset(sweep, points))
+    write_file(file, Group.of(dataset(sweep, points)))
     made = report(sweep, points)
     return made, [file, *made.save(file.with_suffix(""), ("png", "svg"))]
 

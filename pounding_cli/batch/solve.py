@@ -14,12 +14,12 @@ import numpy as np
 from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import Pool, end
 from pounding_cli.batch.progress import Progress
+from pounding_cli.results.dataset import contents
+from pounding_cli.results.group import Group
 from pounding_cli.results.solved import Row, Solved, encode, solution_key
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pounding_cli.batch.attempt import Task
     from pounding_cli.study.plan import Plan
 
@@ -100,11 +100,9 @@ class Solver:
             self._solve(plan, wanted[missing], solved)
         return solved
 
-    def dataset(self, plan: Plan, numbers: np.ndarray | None = None) -> xr.Dataset:
+    def contents(self, plan: Plan, numbers: np.ndarray | None = None) -> Group:
         """All that a results file says of a plan: see `responses` and `results.dataset`."""
-        from pounding_cli.results.dataset import dataset
-
-        return dataset(plan, self.responses(plan, numbers))
+        return contents(plan, self.responses(plan, numbers))
 
     def _find(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
         """Take some scenes from the cache."""

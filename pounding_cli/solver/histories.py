@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from pounding_cli.solver.assemble import segments
 from pounding_cli.solver.outcome import ENDS, stored_in_storeys
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import Prepared, prepare
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 EVERY = 0.002
 """Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
@@ -50,7 +47,11 @@ def output_times(scene: Scene, every: float) -> np.ndarray:
     return every * np.arange(int(np.floor(whole / every + 1e-9)) + 1)
 
 
-def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> xr.Dataset:
+History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
+"""Dimensions, values and attributes of FIELDS and of their coordinates, by name."""
+
+
+def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
     """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does: FIELDS over
     the names of buildings and links (`left|right floor j`); NaN pads buildings with fewer storeys.
 
@@ -86,10 +87,8 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
 
 
-def _evaluated(run: Prepared) -> xr.Dataset:
+def _evaluated(run: Prepared) -> History:
     """What is wanted, from what a run kept."""
-    import xarray as xr  # here: solvers of single scenes need none
-
     scene, layout, watch = run.scenes[0], run.layout, run.data.watch
     kept = slice(0, int(run.data.run["output"][0]))  # a collapse ends it before the last time
     if int(run.data.run["status"][0]) == records.COLLAPSED:
@@ -134,14 +133,11 @@ def _evaluated(run: Prepared) -> xr.Dataset:
     }
     names = [building.name for building in scene.buildings]
     numbers = np.arange(1, values["drift"].shape[2] + 1)
-    coordinates = {
-        "time": ("time", times, {"units": "s", "long_name": "time since the motion began"}),
-        "building": np.array(names, object),
-        "storey": numbers,
-        "floor": numbers,
-        "link": np.array([link_label(names, place) for place in link_places(scene.links)], object),
-    }
-    described = {
+    found: History = {
         name: (dims, values[name], {"units": unit, "long_name": text}) for name, (dims, unit, text) in FIELDS.items()
     }
-    return xr.Dataset(described, coordinates)
+    links = np.array([link_label(names, place) for place in link_places(scene.links)], object)
+    found["time"] = ("time",), times, {"units": "s", "long_name": "time since the motion began"}
+    for name, each in (("building", np.array(names, object)), ("storey", numbers), ("floor", numbers), ("link", links)):
+        found[name] = (name,), each, {}
+    return found
