@@ -106,79 +106,64 @@ class Task:
     def _run_or_known(self, scenes: Sequence[Scene]) -> list[Response]:
         """The responses of scenes, from those of the neighbours with nothing between them where no gap closes: these
         are run first."""
-        apart = {number: _Apart.of(scene) for number, scene in enumerate(scenes) if _may_stay_open(scene)}
-        memory, spent = _memory(self), dict[object, float]()
-        known = {each.key: memory[each.key] for each in apart.values() if each.key in memory}
-        new = {each.key: each.scene for each in apart.values() if each.key not in known}
-        for key, response in zip(new, self._run(tuple(new.values())), strict=True):
-            known[key], spent[key] = replace(response, seconds=0.0), response.seconds
+        apart = {number: _apart(scene) for number, scene in enumerate(scenes) if _may_stay_open(scene)}
+        memory, spent = _memory(self), dict[str, float]()
+        known = {each.digest: memory[each.digest] for each in apart.values() if each.digest in memory}
+        new = {each.digest: each for each in apart.values() if each.digest not in known}
+        for digest, response in zip(new, self._run(tuple(new.values())), strict=True):
+            known[digest], spent[digest] = replace(response, seconds=0.0), response.seconds
         if len(memory) + len(new) > MEMORY:
             memory.clear()
         memory.update(known)
-        found = {
-            number: each.answer(scenes[number], known[each.key])
-            for number, each in apart.items()
-            if self._stays_apart(scenes[number], known[each.key], each.numbers)
-        }
+        found = dict[int, Response]()
+        for number, other in apart.items():
+            answer = _answer(scenes[number], other, known[other.digest])
+            if answer.status == DONE and self._stays_apart(scenes[number], answer):
+                found[number] = answer
         rest = [number for number in range(len(scenes)) if number not in found]
         for number, response in zip(rest, self._run([scenes[number] for number in rest]), strict=True):
             found[number] = response
             if number in apart and response.status == DONE and not response.peaks["impacts"].any():
-                at_rest = known[apart[number].key]
-                found[number] = apart[number].answer(scenes[number], at_rest) if at_rest.status == DONE else response
-        for number, each in apart.items():  # of scenes that share a run, the first is told its time
-            seconds = found[number].seconds + spent.pop(each.key, 0.0)
+                answer = _answer(scenes[number], apart[number], known[apart[number].digest])
+                found[number] = answer if answer.status == DONE else response
+        for number, other in apart.items():  # of scenes that share a run, the first is told its time
+            seconds = found[number].seconds + spent.pop(other.digest, 0.0)
             found[number] = replace(found[number], seconds=seconds)
         return [found[number] for number in range(len(scenes))]
 
-    def _stays_apart(self, scene: Scene, known: Response, numbers: list[int]) -> bool:
+    def _stays_apart(self, scene: Scene, answer: Response) -> bool:
         """Whether no link of a scene acts at the closings with nothing between, and at the most they may be wrong."""
-        if known.status != DONE:
-            return False
-        moved = [known.peaks[name].ravel() for name in ("displacement_max", "displacement_min")]
+        moved = [answer.peaks[name].ravel() for name in ("displacement_max", "displacement_min")]
         furthest = np.nanmax(np.abs(np.concatenate(moved)), initial=0.0)  # a wall that moves with the ground has none
-        closings = known.peaks["max_closing"][numbers]
-        return bool(np.all(_left_open(scene, closings) > ERRORS * self.accuracy * furthest))
-
-
-@dataclass(frozen=True, eq=False)
-class _Apart:
-    """The neighbours of a scene with nothing between them.
-
-    key : what other scenes have in common that share it
-    numbers : of every link of the scene that of the place of its ends here
-    """
-
-    scene: Scene
-    key: object
-    numbers: list[int]
-
-    @classmethod
-    def of(cls, scene: Scene) -> _Apart:
-        """Those of a scene."""
-        apart = [Link.apart(*(getattr(link, name) for name in _ENDS)) for link in scene.links]
-        links = tuple(dict.fromkeys(apart))
-        key = tuple(each.digest for each in scene.buildings), links, scene.motion.digest, scene.analysis, scene.tail
-        return cls(replace(scene, links=links), key, [links.index(link) for link in apart])
-
-    def answer(self, scene: Scene, known: Response) -> Response:
-        """The response of the scene, if none of its gaps closes, from that of these neighbours."""
-        effects, peaks = effects_of(scene), no_peaks(known.storeys, len(scene.links))
-        for name in (*STOREYS, *BASES):
-            peaks[name] = known.peaks[name]
-        for name in LINKS:
-            peaks[name] = 0.0
-        peaks["max_closing"] = known.peaks["max_closing"][self.numbers]
-        return replace(known, peaks=peaks, effects=effects.kept, dropped=effects.dropped)
-
-
-_ENDS = ("left", "left_floor", "right_floor", "left_at", "right_at")
+        return bool(np.all(_left_open(scene, answer.peaks["max_closing"]) > ERRORS * self.accuracy * furthest))
 
 
 @lru_cache(maxsize=1)
-def _memory(task: Task) -> dict[object, Response]:
-    """Of neighbours with nothing between them, one in every process, for the task at hand; threads share it."""
+def _memory(task: Task) -> dict[str, Response]:
+    """Of neighbours with nothing between them by digest, one in every process, for the task at hand; threads share
+    it."""
     return {}
+
+
+def _ends(link: Link) -> Link:
+    """Nothing between the ends of a link."""
+    return Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
+
+
+def _apart(scene: Scene) -> Scene:
+    """The neighbours of a scene with nothing between them."""
+    return replace(scene, links=tuple(dict.fromkeys(map(_ends, scene.links))))
+
+
+def _answer(scene: Scene, apart: Scene, known: Response) -> Response:
+    """The response of a scene, if none of its gaps closes, from that of its neighbours with nothing between them."""
+    effects, peaks = effects_of(scene), no_peaks(known.storeys, len(scene.links))
+    for name in (*STOREYS, *BASES):
+        peaks[name] = known.peaks[name]
+    for name in LINKS:
+        peaks[name] = 0.0
+    peaks["max_closing"] = known.peaks["max_closing"][[apart.links.index(_ends(link)) for link in scene.links]]
+    return replace(known, peaks=peaks, effects=effects.kept, dropped=effects.dropped)
 
 
 def _may_stay_open(scene: Scene) -> bool:

@@ -325,16 +325,9 @@ def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def segments_of(scenes: Sequence[Scene]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`segments` of scenes, those of one motion once, and of every scene where its own begin and end, shape (scenes,
-    2)."""
-    each, spans = [segments(scene) for scene in scenes], dict[int, tuple[int, int]]()
-    grounds, slopes, end = list[np.ndarray](), list[np.ndarray](), 0
-    for ground, slope in each:
-        if id(ground) not in spans:
-            spans[id(ground)], end = (end, end + ground.size), end + ground.size
-            grounds.append(ground)
-            slopes.append(slope)
-    return np.concatenate(grounds), np.concatenate(slopes), np.array([spans[id(ground)] for ground, _ in each])
+    """The segments of scenes one after the other, and of every scene where its own end, shape (scenes,)."""
+    grounds, slopes = zip(*map(segments, scenes), strict=True)
+    return np.concatenate(grounds), np.concatenate(slopes), np.cumsum([ground.size for ground in grounds])
 
 
 def records_of(

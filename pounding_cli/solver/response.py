@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -34,67 +35,6 @@ def peaks_type(buildings: int, storeys: int, links: int) -> np.dtype:
 def no_peaks(storeys: Sequence[int], links: int) -> np.void:
     """The peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
     return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links))[0]
-
-
-@dataclass(frozen=True, eq=False)
-class BuildingResponse:
-    """Largest values over time of one building (`Response.buildings`); shape (n,), from the ground up.
-
-    shear : largest |restoring force| of each storey, without damping force [N]
-    drift : largest |drift| of each storey [m]
-    ductility : drift / yield drift [-], the same yield drift in elastic runs
-    acceleration : largest |total acceleration| of each floor [m/s2]
-    displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
-    residual_drift : drift at the end [m]
-    sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
-    isolator_displacement : the sway of a base on isolators [m]; NaN of others
-    """
-
-    shear: np.ndarray
-    drift: np.ndarray
-    ductility: np.ndarray
-    acceleration: np.ndarray
-    displacement_max: np.ndarray
-    displacement_min: np.ndarray
-    residual_drift: np.ndarray
-    sway: float
-    rocking: float
-    isolator_displacement: float
-
-
-@dataclass(frozen=True, eq=False)
-class LinkResponse:
-    """Per link of the scene, in its order (`Response.links`); shape (m,).
-
-    impacts : number of times the link closed [-]
-    peak_force : largest |force| [N]
-    max_closing : largest closing u_l - u_r [m], gap not subtracted
-    impulse : integral of the force over time [N s]; pulling counts negative
-    contact_time : time with a force [s]
-    """
-
-    impacts: np.ndarray
-    peak_force: np.ndarray
-    max_closing: np.ndarray
-    impulse: np.ndarray
-    contact_time: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class ColumnResponse:
-    """Of columns that slabs strike (`Response.columns`), one entry for each link that asks for them (`Link.columns`);
-    shape (c,).
-
-    link : number of the link in the scene, from 0
-    shear_below, shear_above : largest |shear| in the columns below and above the blow, without damping force [N]
-    demand : the larger of both over the columns' share of the storey's yield shear, in elastic runs too [-]; NaN where
-        the storey cannot yield
-    """
-
-    link: np.ndarray
-    shear_below: np.ndarray
-    shear_above: np.ndarray
-    demand: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,24 +86,52 @@ class Response:
     collapse_storey: int = 0
 
     @property
-    def buildings(self) -> tuple[BuildingResponse, ...]:
-        """The peaks of every building, left to right."""
+    def buildings(self) -> tuple[SimpleNamespace, ...]:
+        """Largest values over time of every building, left to right; of storeys and floors shape (n,), from the ground
+        up.
+
+        shear : largest |restoring force| of each storey, without damping force [N]
+        drift : largest |drift| of each storey [m]
+        ductility : drift / yield drift [-], the same yield drift in elastic runs
+        acceleration : largest |total acceleration| of each floor [m/s2]
+        displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
+        residual_drift : drift at the end [m]
+        sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
+        isolator_displacement : the sway of a base on isolators [m]; NaN of others
+        """
         return tuple(
-            BuildingResponse(*(self.peaks[name][b, :n] for name in STOREYS), *(float(self.peaks[k][b]) for k in BASES))
-            for b, n in enumerate(self.storeys)
+            SimpleNamespace(
+                **{name: self.peaks[name][place, :n] for name in STOREYS},
+                **{name: float(self.peaks[name][place]) for name in BASES},
+            )
+            for place, n in enumerate(self.storeys)
         )
 
     @property
-    def links(self) -> LinkResponse:
-        """The peaks of every link."""
-        impacts, *others = (self.peaks[name] for name in LINKS)
-        return LinkResponse(impacts.astype(np.int64) if self.has_result else impacts, *others)
+    def links(self) -> SimpleNamespace:
+        """Of the links of the scene, in their order; shape (m,).
+
+        impacts : number of times the link closed [-]
+        peak_force : largest |force| [N]
+        max_closing : largest closing u_l - u_r [m], gap not subtracted
+        impulse : integral of the force over time [N s]; pulling counts negative
+        contact_time : time with a force [s]
+        """
+        found = SimpleNamespace(**{name: self.peaks[name] for name in LINKS})
+        found.impacts = found.impacts.astype(np.int64) if self.has_result else found.impacts
+        return found
 
     @property
-    def columns(self) -> ColumnResponse:
-        """The shears in columns that slabs strike."""
+    def columns(self) -> SimpleNamespace:
+        """Of columns that slabs strike, one entry for each link that asks for them (`Link.columns`); shape (c,).
+
+        link : number of the link in the scene, from 0
+        shear_below, shear_above : largest |shear| in the columns below and above the blow, without damping force [N]
+        demand : the larger of both over the columns' share of the storey's yield shear, in elastic runs too [-]; NaN
+            where the storey cannot yield
+        """
         struck = np.flatnonzero(~np.isnan(self.peaks["shear_below"]))
-        return ColumnResponse(struck, *(self.peaks[name][struck] for name in COLUMNS))
+        return SimpleNamespace(link=struck, **{name: self.peaks[name][struck] for name in COLUMNS})
 
     @property
     def has_result(self) -> bool:

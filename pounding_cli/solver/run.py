@@ -196,18 +196,18 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
 
 
 @njit(**KERNEL)
-def integrate_all(dofs, elements, terms, run, series, columns, room, watch, ground, slopes, spans):
-    """Run scenes of one layout one after the other, a row each; `spans` says where the segments of a scene begin and
-    end.
+def integrate_all(dofs, elements, terms, run, series, columns, room, watch, ground, slopes, ends):
+    """Run scenes of one layout, a row each; the segments of a scene end at `ends`, where those of the next begin.
 
     Without `room` for steps by DOP853 (None) a kernel is compiled that has series alone.
     """
+    first = 0
     for s in range(run.size):
-        first, last = spans[s, 0], spans[s, 1]
         own = None
         if room is not None:
             own = Room(room.states[s], room.formulas[s])
         integrate(
             dofs[s], elements[s], terms, run[s : s + 1], series[s], columns[s], own, watch,
-            ground[first:last], slopes[first:last],
+            ground[first : ends[s]], slopes[first : ends[s]],
         )  # fmt: skip
+        first = ends[s]

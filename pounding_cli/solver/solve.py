@@ -17,17 +17,8 @@ from pounding_cli.methods import METHODS, Method
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver import outcome, records
-from pounding_cli.solver.assemble import (
-    MOST_EVENTS,
-    MOST_STEPS,
-    Layout,
-    layout_of,
-    records_of,
-    segments,
-    segments_of,
-    term_matrix,
-)
+from pounding_cli.solver import assemble, outcome, records
+from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
 from pounding_cli.solver.options import FOLDER
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, Response, no_peaks
@@ -79,8 +70,8 @@ def solve_all(
     alike, found = dict[Layout, list[int]](), dict[int, Response]()
     for number, scene in enumerate(scenes):
         alike.setdefault(layout_of(scene), []).append(number)
-    for layout, numbers in alike.items():
-        run = prepare([scenes[number] for number in numbers], accuracy, method, time_step=time_step, layout=layout)
+    for numbers in alike.values():
+        run = prepare([scenes[number] for number in numbers], accuracy, method, time_step=time_step)
         run.integrate()
         found |= zip(numbers, run.responses(), strict=True)
     return [found[number] for number in range(len(scenes))]
@@ -114,7 +105,7 @@ class Prepared:
             return
         from pounding_cli.solver.run import integrate_all as kernel
 
-        arguments = (*self.data, *segments_of(self.scenes))
+        arguments = (*self.data, *assemble.segments_of(self.scenes))
         ready("the solver" if self.data.room is None else "the solver for smooth laws", kernel, arguments)
         begin = time.perf_counter()
         kernel(*arguments)
@@ -197,7 +188,6 @@ def prepare(
     *,
     time_step: float | None = None,
     times: np.ndarray | None = None,
-    layout: Layout | None = None,
 ) -> Prepared:
     """Scenes of one layout, laid out for their runs; `times` [s]: what is kept of one scene over time. Other parameters
     and errors as of `solve`."""
@@ -206,7 +196,7 @@ def prepare(
         if reason := refusal_of(chosen, scene):
             hint = "write `method: taylor`, which runs every scene"
             raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
-    layout = layout or layout_of(scenes[0])
+    layout = layout_of(scenes[0])
     data = records_of(scenes, layout, accuracy, chosen, initial, times, bounds)
     before = 0.0 if initial is None else _held_at_start(layout, data, scenes[0].links)
     return Prepared(scenes, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
