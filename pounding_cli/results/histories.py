@@ -182,13 +182,15 @@ def as_group(found: Mapping[str, Any], over: Mapping[str, np.ndarray] | None = N
     coordinates = {name: data.pop(name) for name in COORDINATES}
     for dim, wanted in (over or {}).items():
         own = coordinates[dim].values.tolist()
-        place = np.array([own.index(name) if name in own else -1 for name in wanted.tolist()], int)
+        known = np.flatnonzero([name in own for name in wanted.tolist()])
+        place = [own.index(name) for name in wanted[known].tolist()]
         coordinates[dim] = Array((dim,), wanted)
         for name, each in data.items():
             if dim in each.dims:
-                axis = each.dims.index(dim)
-                values = np.concatenate((each.values, np.full_like(each.values.take([0], axis), np.nan)), axis)
-                data[name] = each._replace(values=values.take(place, axis))
+                ahead = (slice(None),) * each.dims.index(dim)
+                shape = (*each.values.shape[: len(ahead)], len(wanted), *each.values.shape[len(ahead) + 1 :])
+                data[name] = each._replace(values=np.full(shape, np.nan))
+                data[name].values[(*ahead, known)] = each.values[(*ahead, place)]
     return Group(data, coordinates, {})
 
 
