@@ -181,16 +181,15 @@ def as_group(found: Mapping[str, Any], over: Mapping[str, np.ndarray] | None = N
     data = {name: Array(*each) for name, each in found.items()}
     coordinates = {name: data.pop(name) for name in COORDINATES}
     for dim, wanted in (over or {}).items():
-        own = coordinates[dim].values.tolist()
-        known = np.flatnonzero([name in own for name in wanted.tolist()])
-        place = [own.index(name) for name in wanted[known].tolist()]
+        own, names = coordinates[dim].values.tolist(), wanted.tolist()
+        known = [place for place, name in enumerate(names) if name in own]
         coordinates[dim] = Array((dim,), wanted)
         for name, each in data.items():
             if dim in each.dims:
-                ahead = (slice(None),) * each.dims.index(dim)
-                shape = (*each.values.shape[: len(ahead)], len(wanted), *each.values.shape[len(ahead) + 1 :])
-                data[name] = each._replace(values=np.full(shape, np.nan))
-                data[name].values[(*ahead, known)] = each.values[(*ahead, place)]
+                mine = np.moveaxis(each.values, each.dims.index(dim), 0)
+                whole = np.full((len(names), *mine.shape[1:]), np.nan)
+                whole[known] = mine[[own.index(names[place]) for place in known]]
+                data[name] = each._replace(values=np.moveaxis(whole, 0, each.dims.index(dim)))
     return Group(data, coordinates, {})
 
 

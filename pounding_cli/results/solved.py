@@ -81,18 +81,14 @@ class Solved:
         for (buildings, storeys, links), at in alike.items():
             records = np.frombuffer(b"".join(rows[number][1] for number in at), row_type(buildings, storeys, links))
             self.there[at] = True
-            order = self._order[at]
-            for name, array in ((name, self._whole[name]) for name in records.dtype.names or ()):
-                if name in (*LINKS, *COLUMNS):
-                    if links:
-                        mine = np.take_along_axis(records[name], np.maximum(order, 0), axis=1)
-                        array[at] = np.where(order < 0, np.nan, mine)
-                elif name in STOREYS:
-                    array[at, :buildings, :storeys] = records[name]
-                elif name in BASES:
-                    array[at, :buildings] = records[name]
-                else:
-                    array[at] = records[name]
+            order, place = self._order[at], (at, slice(buildings), slice(storeys))
+            for name in records.dtype.names or ():
+                whole, mine = self._whole[name], records[name]
+                if name not in (*LINKS, *COLUMNS):
+                    whole[place[: whole.ndim]] = mine
+                elif links:
+                    mine = np.take_along_axis(mine, np.maximum(order, 0), axis=1)
+                    whole[at] = np.where(order < 0, np.nan, mine)
 
     @property
     def done(self) -> np.ndarray:

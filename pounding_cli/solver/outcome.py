@@ -10,13 +10,12 @@ import numpy as np
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.formula import WrittenJoint
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.model.building import Building
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import Layout
 from pounding_cli.solver.records import Data
-from pounding_cli.solver.response import COLLAPSED, DONE, OUTCOMES, peaks_type
+from pounding_cli.solver.response import COLLAPSED, DONE, OUTCOMES, STOREYS, peaks_type
 
 _floors = attrgetter("left", "left_floor", "right_floor")
 
@@ -69,8 +68,8 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene]) -> np.ndarray:
     """The peaks of scenes, records of `peaks_type`, shape (scenes,)."""
     storeys = [building.storeys for building in layout.buildings]
     peaks = np.full(len(scenes), np.nan, peaks_type(len(storeys), max(storeys), len(scenes[0].links)))
-    for b, building in enumerate(layout.buildings):
-        _put_building(peaks, b, layout, data, building)
+    for b in range(len(storeys)):
+        _put_building(peaks, b, layout, data)
     links = data.elements[:, layout.of_links]
     peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
     peaks["max_closing"] = links["peak_v"] + links["offset"]
@@ -85,9 +84,9 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene]) -> np.ndarray:
     return peaks
 
 
-def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data, building: Building) -> None:
+def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data) -> None:
     """Enter the peaks of a building; a wall does not yield, and one that moves as the ground does has none."""
-    reach = np.maximum(data.dofs["u_max"], -data.dofs["u_min"])
+    building, reach = layout.buildings[b], np.maximum(data.dofs["u_max"], -data.dofs["u_min"])
     for name, place in (("sway", layout.bases[b]), ("rocking", layout.feet[b])):
         peaks[name][:, b] = reach[:, place] if place >= 0 else 0.0
     if building.foundation is not None and building.foundation.isolation is not None:
@@ -96,17 +95,12 @@ def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data, buildin
         return
     storeys, floors = data.elements[:, layout.floors[b]], data.dofs[:, layout.floors[b]]
     drift = storeys["peak_v"]
-    found = {
-        "shear": np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift),
-        "drift": drift,
-        "acceleration": floors["a_max"],
-        "displacement_max": floors["u_max"],
-        "displacement_min": floors["u_min"],
-        "residual_drift": storeys["v1"],
-    }
-    if not isinstance(building, Wall):
-        found["ductility"] = drift / building.yield_drift
-    for name, values in found.items():
+    found = (
+        np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift), drift,
+        np.nan if isinstance(building, Wall) else drift / building.yield_drift,
+        floors["a_max"], floors["u_max"], floors["u_min"], storeys["v1"],
+    )  # fmt: skip
+    for name, values in zip(STOREYS, found, strict=True):
         peaks[name][:, b, : building.storeys] = values
 
 

@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import ceil, inf, isfinite, nan
+from math import ceil, isfinite, nan
 from typing import Any
 
 import numba
@@ -83,7 +83,7 @@ class Prepared:
 
     before : energy held at the start [J]
     seconds : time inside the kernel [s], shape (scenes,)
-    limits : longest stable time steps [s], where a method has one, shape (scenes,)
+    limit : longest stable time step [s], where a method has one, of a scene that it kept from running
     """
 
     scenes: Sequence[Scene]
@@ -94,11 +94,11 @@ class Prepared:
     time_step: float
     before: float
     seconds: np.ndarray = field(init=False)
-    limits: np.ndarray = field(init=False)
+    limit: dict[int, float] = field(default_factory=dict, init=False)
 
     def integrate(self) -> None:
         """Run them, with a kernel that is compiled or loaded first if it has to be."""
-        self.seconds, self.limits = np.zeros(len(self.scenes)), np.full(len(self.scenes), inf)
+        self.seconds = np.zeros(len(self.scenes))
         if self.method.takes_step:
             for number in range(len(self.scenes)):
                 self._march(number)
@@ -120,10 +120,10 @@ class Prepared:
         dt = scene.motion.dt
         parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
         if self.method.name == "central-difference":
-            self.limits[number] = fixed_step.central_difference_limit(self.layout, elements, scene.links)
-        if dt / parts > self.limits[number]:
-            self.data.run["status"][number] = records.UNSTABLE
-            return
+            limit = fixed_step.central_difference_limit(self.layout, elements, scene.links)
+            if dt / parts > limit:
+                self.data.run["status"][number], self.limit[number] = records.UNSTABLE, limit
+                return
         assert room is not None  # of every method of fixed time steps
         arguments = (
             self.data.dofs[number], elements, self.data.terms, self.data.run[number : number + 1],
@@ -146,16 +146,15 @@ class Prepared:
             energies = {} if self.method.takes_step else outcome.balance(layout, data, scenes, self.before)
             residuals = energies.get("residual", np.zeros(len(scenes)))
             ends, peaks = outcome.ends_of(data, self.accuracy, residuals), outcome.peaks_of(layout, data, scenes)
-        balances = zip(*(entries.tolist() for entries in energies.values()), strict=True)
-        told = [dict(zip(energies, balance, strict=True)) for balance in balances] or [{} for _ in scenes]
-        return [self._response(number, *each) for number, each in enumerate(zip(ends, peaks, told, strict=True))]
+        told = ({name: float(each[number]) for name, each in energies.items()} for number in range(len(scenes)))
+        return [self._response(*each) for each in zip(range(len(scenes)), ends, peaks, told, strict=True)]
 
     def _response(self, number: int, end: outcome.Outcome, peaks: np.void, energy: dict[str, float]) -> Response:
         """What came of one of them."""
         scene, layout, r, (status, advice) = self.scenes[number], self.layout, self.data.run[number], end
         dofs, effects, fixed = self.data.dofs[number], effects_of(scene), self.method.takes_step
-        if int(r["status"]) == records.UNSTABLE:
-            advice = advice.replace("a shorter time step", f"a time step below {self.limits[number]:.2g} s")
+        if number in self.limit:
+            advice = advice.replace("a shorter time step", f"a time step below {self.limit[number]:.2g} s")
         storeys = tuple(building.storeys for building in layout.buildings)
         told: dict[str, Any] = {
             "storeys": storeys, "status": status, "advice": advice, "method": self.method.name,
