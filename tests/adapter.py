@@ -117,7 +117,7 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
     built, start = (scene.built, scene.start) if isinstance(scene, Scene) else (scene, None)
     found = solver.solve(built, accuracy, initial=start, **settings)
     if estimate:
-        found = estimates.assess(built, found, accuracy)
+        (found,) = estimates.assess([built], [found], accuracy)
     numbers = {name: np.concatenate([getattr(each, name) for each in found.buildings]) for name in FLOORS}
     numbers |= {name: np.array([getattr(each, name) for each in found.buildings]) for name in ("sway", "rocking")}
     numbers |= {name: getattr(found.links, name) for name in LINKS}

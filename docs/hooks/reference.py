@@ -57,11 +57,7 @@ API = {
         "pounding_cli.laws.law.opened",
         "pounding_cli.laws.law.parameter",
     ),
-    "What a solution holds": (
-        "pounding_cli.solver.response.Response",
-        "pounding_cli.solver.response.BuildingResponse",
-        "pounding_cli.solver.response.LinkResponse",
-    ),
+    "What a solution holds": ("pounding_cli.solver.response.Response",),
     "Exporting and comparing": (
         "pounding_cli.results.export.export",
         "pounding_cli.results.compare.compare",

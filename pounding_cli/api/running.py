@@ -110,7 +110,7 @@ def run_study(
             told.say(f"{counted(solver.solved, 'scene')} solved now and kept in {cache.path}")
             raise
         plan = found.plan
-        histories = kept_histories(plan, found.dataset, told.say)
+        histories = kept_histories(plan, found.contents, told.say)
         said = {
             "content": content,
             "study_file": _place_of(study, output),
@@ -121,7 +121,8 @@ def run_study(
             "engine": solver.engine,
             "workers": solver.workers,
         }
-        write(output, found.dataset.assign_attrs(said), found.tables, histories)
+        contents = found.contents._replace(attrs={**found.contents.attrs, **said})
+        write(output, contents, found.tables, histories)
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
     return Outcome(

@@ -9,7 +9,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.results.solved import Row, encode
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.estimate import assess
-from pounding_cli.solver.response import DONE, NEVER_CLOSES, LinkResponse, Response, nothing
+from pounding_cli.solver.response import BASES, DONE, LINKS, NEVER_CLOSES, STOREYS, Response, no_peaks
 
 HARDER = 0.01
 """Accuracy and time step of a second try over those of the first [-]."""
@@ -49,42 +48,53 @@ class Task:
 
     def rows(self, scenes: Sequence[Scene]) -> list[Row]:
         """The responses of scenes as rows, in their order."""
-        return [encode(self(scene)) for scene in scenes]
+        return [encode(response) for response in self(scenes)]
 
-    def __call__(self, scene: Scene) -> Response:
-        """The response; an exception becomes a failed response that names it."""
-        response = self._caught(scene)
-        if self.harder and response.status != DONE:
+    def __call__(self, scenes: Sequence[Scene]) -> list[Response]:
+        """The responses, in the order of the scenes; an exception becomes a failed response that names it."""
+        responses = self._caught(scenes)
+        failed = [number for number, each in enumerate(responses) if each.status != DONE]
+        if self.harder and failed:
             step = None if self.time_step is None else self.time_step * HARDER
-            second = replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)(scene)
-            if second.status == DONE:
-                note = f"solved once more, {1 / HARDER:g} times as finely: {response.status}"
-                response = replace(second, flags=(*second.flags, note), seconds=response.seconds + second.seconds)
-        return response
+            finer = replace(self, accuracy=self.accuracy * HARDER, time_step=step, harder=False)
+            for number, second in zip(failed, finer([scenes[number] for number in failed]), strict=True):
+                first = responses[number]
+                if second.status == DONE:
+                    flags = *second.flags, f"solved once more, {1 / HARDER:g} times as finely: {first.status}"
+                    responses[number] = replace(second, flags=flags, seconds=first.seconds + second.seconds)
+        return responses
 
     def without(self, scene: Scene, status: str, advice: str) -> Response:
         """The response of a scene that gave none."""
-        peaks = nothing([building.storeys for building in scene.buildings], len(scene.links))
+        storeys = tuple(building.storeys for building in scene.buildings)
         accuracy, step = (self.accuracy, math.nan) if self.time_step is None else (math.nan, self.time_step)
-        return Response(*peaks, status, advice, self.method, accuracy, 0, 0, 0.0, time_step=step)
+        peaks = no_peaks(storeys, len(scene.links))
+        return Response(peaks, storeys, status, advice, self.method, accuracy, 0, 0, 0.0, time_step=step)
 
-    def _caught(self, scene: Scene) -> Response:
+    def _caught(self, scenes: Sequence[Scene]) -> list[Response]:
+        """The responses; where something goes wrong the scenes are solved one by one, so that it stays in its scene."""
         try:
-            if not _may_stay_open(scene):
-                return self._run(scene)
-            response = self._run(scene) if self.time_step is not None else self._run_or_known(scene)
-            return replace(response, dropped=(*response.dropped, *_stays_open(scene, response)))
-        except InputError as refused:  # the method does not run this scene
-            problem = refused.problems[0]
-            return self.without(scene, f"refused: {problem.message}", problem.hint)
-        except Exception as error:  # one scene must not take the others with it
+            responses = self._run_or_known(scenes) if self.time_step is None else self._run(scenes)
+        except Exception as error:
+            if len(scenes) > 1:
+                return [self._caught([scene])[0] for scene in scenes]
+            if isinstance(error, InputError):  # the method does not run this scene
+                problem = error.problems[0]
+                return [self.without(scenes[0], f"refused: {problem.message}", problem.hint)]
             advice = "this is an internal error: please report it with the study file"
-            return self.without(scene, f"error: {type(error).__name__}: {error}", advice)
+            return [self.without(scenes[0], f"error: {type(error).__name__}: {error}", advice)]
+        for number, scene in enumerate(scenes):
+            if _may_stay_open(scene) and (said := _stays_open(scene, responses[number])):
+                responses[number] = replace(responses[number], dropped=(*responses[number].dropped, *said))
+        return responses
 
-    def _run(self, scene: Scene) -> Response:
-        told: dict[str, Any] = {} if self.time_step is None else {"time_step": self.time_step}
-        response = solver.solve(scene, accuracy=self.accuracy, method=self.method, **told)
-        return assess(scene, response, self.accuracy, solver.solve) if self._is_assessed(scene) else response
+    def _run(self, scenes: Sequence[Scene]) -> list[Response]:
+        responses = solver.solve_all(scenes, self.accuracy, self.method, time_step=self.time_step)
+        assessed = [number for number, scene in enumerate(scenes) if self._is_assessed(scene)]
+        some = [scenes[number] for number in assessed], [responses[number] for number in assessed]
+        for number, response in zip(assessed, assess(*some, self.accuracy), strict=True):
+            responses[number] = response
+        return responses
 
     def _is_assessed(self, scene: Scene) -> bool:
         """Whether error and sensitivity of this scene are asked for; a sample is one scene in eight, the same ones in
@@ -93,40 +103,67 @@ class Task:
             return not scene.links
         return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")
 
-    def _run_or_known(self, scene: Scene) -> Response:
-        """The response of a scene, from that of the neighbours with nothing between them where no gap closes, whether
-        this is known before or seen by a run: the same numbers whatever came first."""
-        apart = [Link.apart(*(getattr(link, name) for name in _ENDS)) for link in scene.links]
-        links = tuple(dict.fromkeys(apart))
-        numbers, memory = [links.index(link) for link in apart], _memory(self)
-        key = tuple(each.digest for each in scene.buildings), links, scene.motion.digest, scene.analysis, scene.tail
-        if (known := memory.get(key)) and self._stays_apart(scene, known, numbers):
-            return _of_scene(scene, replace(known, seconds=0.0), numbers)
-        response = self._run(scene)
-        if response.status != DONE or response.links.impacts.any():
-            return response
-        known = known or self._run(replace(scene, links=links))
-        if known.status != DONE:
-            return response
-        if len(memory) >= MEMORY:
+    def _run_or_known(self, scenes: Sequence[Scene]) -> list[Response]:
+        """The responses of scenes, from those of the neighbours with nothing between them where no gap closes: these
+        are run first."""
+        apart = {number: _apart(scene) for number, scene in enumerate(scenes) if _may_stay_open(scene)}
+        memory, spent = _memory(self), dict[str, float]()
+        known = {each.digest: memory[each.digest] for each in apart.values() if each.digest in memory}
+        new = {each.digest: each for each in apart.values() if each.digest not in known}
+        for digest, response in zip(new, self._run(tuple(new.values())), strict=True):
+            known[digest], spent[digest] = replace(response, seconds=0.0), response.seconds
+        if len(memory) + len(new) > MEMORY:
             memory.clear()
-        memory[key] = known
-        return _of_scene(scene, known, numbers)
+        memory.update(known)
+        found = dict[int, Response]()
+        for number, other in apart.items():
+            answer = _answer(scenes[number], other, known[other.digest])
+            if answer.status == DONE and self._stays_apart(scenes[number], answer):
+                found[number] = answer
+        rest = [number for number in range(len(scenes)) if number not in found]
+        for number, response in zip(rest, self._run([scenes[number] for number in rest]), strict=True):
+            found[number] = response
+            if number in apart and response.status == DONE and not response.peaks["impacts"].any():
+                answer = _answer(scenes[number], apart[number], known[apart[number].digest])
+                found[number] = answer if answer.status == DONE else response
+        for number, other in apart.items():  # of scenes that share a run, the first is told its time
+            seconds = found[number].seconds + spent.pop(other.digest, 0.0)
+            found[number] = replace(found[number], seconds=seconds)
+        return [found[number] for number in range(len(scenes))]
 
-    def _stays_apart(self, scene: Scene, known: Response, numbers: list[int]) -> bool:
+    def _stays_apart(self, scene: Scene, answer: Response) -> bool:
         """Whether no link of a scene acts at the closings with nothing between, and at the most they may be wrong."""
-        moved = [each for b in known.buildings for each in (b.displacement_max, b.displacement_min)]
+        moved = [answer.peaks[name].ravel() for name in ("displacement_max", "displacement_min")]
         furthest = np.nanmax(np.abs(np.concatenate(moved)), initial=0.0)  # a wall that moves with the ground has none
-        return bool(np.all(_left_open(scene, known.links.max_closing[numbers]) > ERRORS * self.accuracy * furthest))
-
-
-_ENDS = ("left", "left_floor", "right_floor", "left_at", "right_at")
+        return bool(np.all(_left_open(scene, answer.peaks["max_closing"]) > ERRORS * self.accuracy * furthest))
 
 
 @lru_cache(maxsize=1)
-def _memory(task: Task) -> dict[object, Response]:
-    """Of neighbours with nothing between them, one in every process, for the task at hand; threads share it."""
+def _memory(task: Task) -> dict[str, Response]:
+    """Of neighbours with nothing between them by digest, one in every process, for the task at hand; threads share
+    it."""
     return {}
+
+
+def _ends(link: Link) -> Link:
+    """Nothing between the ends of a link."""
+    return Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
+
+
+def _apart(scene: Scene) -> Scene:
+    """The neighbours of a scene with nothing between them."""
+    return replace(scene, links=tuple(dict.fromkeys(map(_ends, scene.links))))
+
+
+def _answer(scene: Scene, apart: Scene, known: Response) -> Response:
+    """The response of a scene, if none of its gaps closes, from that of its neighbours with nothing between them."""
+    effects, peaks = effects_of(scene), no_peaks(known.storeys, len(scene.links))
+    for name in (*STOREYS, *BASES):
+        peaks[name] = known.peaks[name]
+    for name in LINKS:
+        peaks[name] = 0.0
+    peaks["max_closing"] = known.peaks["max_closing"][[apart.links.index(_ends(link)) for link in scene.links]]
+    return replace(known, peaks=peaks, effects=effects.kept, dropped=effects.dropped)
 
 
 def _may_stay_open(scene: Scene) -> bool:
@@ -141,22 +178,12 @@ def _left_open(scene: Scene, closings: np.ndarray) -> np.ndarray:
 
 def _stays_open(scene: Scene, response: Response) -> list[str]:
     """In words how much of their gap stays open between neighbours, where none of them closed."""
-    if not response.has_result or response.links.impacts.any():
+    if not response.has_result or response.peaks["impacts"].any():
         return []
-    left_open, said = _left_open(scene, response.links.max_closing), []
+    left_open, said = _left_open(scene, response.peaks["max_closing"]), []
     for place in dict.fromkeys(link.left for link in scene.links):
         least = min(width for width, link in zip(left_open.tolist(), scene.links, strict=True) if link.left == place)
         if math.isfinite(least):
             names = f"{scene.buildings[place].name} | {scene.buildings[place + 1].name}"
             said.append(f"links {names}: {NEVER_CLOSES}, {least * 1000:.3g} mm of it stay open")
     return said
-
-
-def _of_scene(scene: Scene, apart: Response, numbers: list[int]) -> Response:
-    """The response of a scene whose gaps never close, from that of the neighbours with nothing between them.
-
-    numbers : of every link that of the place of its ends there
-    """
-    effects, none = effects_of(scene), np.zeros(len(numbers))
-    links = LinkResponse(none.astype(np.int64), none, apart.links.max_closing[numbers], none, none)
-    return replace(apart, links=links, effects=effects.kept, dropped=effects.dropped)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
@@ -14,25 +15,25 @@ import numpy as np
 from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import Pool, end
 from pounding_cli.batch.progress import Progress
+from pounding_cli.results.dataset import contents
+from pounding_cli.results.group import Group
 from pounding_cli.results.solved import Row, Solved, encode, solution_key
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pounding_cli.batch.attempt import Task
     from pounding_cli.study.plan import Plan
 
-GROUP_SECONDS = 0.25
-"""Work [s] that a worker gets at a time, about: what is lost by a kill."""
+GROUP_SECONDS = 0.2
+"""Work [s] that a worker gets at a time, about: what is lost by a kill, and what Ctrl-C waits for."""
 
-MOST_SCENES = 128
+MOST_SCENES = 512
 """Scenes that a worker gets at a time."""
 
 TIMED = 16
 """Scenes that are solved here first, to see how long one takes."""
 
-BESIDE = 0.4e-3
+BESIDE = 0.2e-3
 """Time that a scene takes outside its kernel [s]."""
 
 WORTH_WORKERS = 1.0
@@ -70,6 +71,7 @@ class Solver:
         self.failed: dict[bytes, tuple[str, str]] = {}
         self.engine, self.workers = "none", 1
         self._seen: set[bytes] = set()  # solved now, or found
+        self._each_takes = BESIDE  # [s]
 
     def responses(self, plan: Plan, numbers: np.ndarray | None = None, rough: bool = False) -> Solved:
         """The responses of a plan's scenes, solved where the cache has none.
@@ -100,11 +102,9 @@ class Solver:
             self._solve(plan, wanted[missing], solved)
         return solved
 
-    def dataset(self, plan: Plan, numbers: np.ndarray | None = None) -> xr.Dataset:
+    def contents(self, plan: Plan, numbers: np.ndarray | None = None) -> Group:
         """All that a results file says of a plan: see `responses` and `results.dataset`."""
-        from pounding_cli.results.dataset import dataset
-
-        return dataset(plan, self.responses(plan, numbers))
+        return contents(plan, self.responses(plan, numbers))
 
     def _find(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
         """Take some scenes from the cache."""
@@ -143,22 +143,29 @@ class Solver:
         self.engine = "serial" if self.engine == "none" else self.engine
         if not self.solved:
             first = order[:: max(4, len(order) // TIMED)]
-            yield from map(here, _parts(first, 1))  # the first compiles, or loads what was compiled
+            yield here(first[:1])  # compiles, or loads what was compiled
+            begin = time.perf_counter()
+            yield from map(here, _parts(first[1:], 1))
+            if len(first) > 1:
+                self._each_takes = (time.perf_counter() - begin) / (len(first) - 1)
             order = np.setdiff1d(order, first)
-        each, workers = BESIDE + self.seconds / max(self.solved, 1), self.pool.workers
-        size = int(np.clip(GROUP_SECONDS / each, 1, MOST_SCENES))
+        workers, size = self.pool.workers, int(np.clip(GROUP_SECONDS / self._each_takes, 1, MOST_SCENES))
         by_one = self.pool.name == "serial" or (workers == 1 and self.pool.name == "threads")
-        if by_one or each * len(order) < WORTH_WORKERS:
+        if by_one or self._each_takes * len(order) < WORTH_WORKERS:
             yield from map(here, _parts(order, size))
         elif len(order):
             self.engine, self.workers = self.pool.name, workers
-            size = max(1, min(size, len(order) // (3 * workers)))
-            yield from _by_workers(_parts(order, size), self.pool, task, plan)
+            yield from _by_workers(_parts(order, size, 4 * workers), self.pool, task, plan)
 
 
-def _parts(numbers: np.ndarray, size: int) -> list[np.ndarray]:
-    """`size` numbers in each but the last."""
-    return [numbers[begin : begin + size] for begin in range(0, len(numbers), size)]
+def _parts(numbers: np.ndarray, size: int, share: int = 1) -> list[np.ndarray]:
+    """Parts of `size` numbers; towards the end of what is left one in `share`, so that workers end together."""
+    parts = []
+    while len(numbers):
+        count = max(1, min(size, len(numbers) // share))
+        parts.append(numbers[:count])
+        numbers = numbers[count:]
+    return parts
 
 
 def _by_workers(parts: list[np.ndarray], pool: Pool, task: Task, plan: Plan) -> Iterator[Answer]:

@@ -202,6 +202,7 @@ def _points(name: str, about: str, example: str) -> click.Command:
         from pounding_cli.outputs import check_folder, check_output
         from pounding_cli.points import DONE, dataset, is_written_by, load, report, solved
         from pounding_cli.results.file import write
+        from pounding_cli.results.group import Group
 
         sweep = load(study, name)
         file = output or Path("results", f"{study.stem}.h5")
@@ -210,7 +211,7 @@ def _points(name: str, about: str, example: str) -> click.Command:
         check_folder(file.with_suffix(""))
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
             sweep = replace(sweep, points=tuple(solved(sweep, point) for point in waiting))
-        write(file, dataset(sweep))
+        write(file, Group.of(dataset(sweep)))
         found, failed = report(sweep), [point for point in sweep.points if point.status != DONE]
         (*_, page) = found.save(file.with_suffix(""), ("png", "svg"))
         if not quiet:

@@ -1,4 +1,4 @@
-"""A plan and its responses as one xarray.Dataset: all of a results file but its histories and the tables of answers."""
+"""A plan and its responses as one group: all of a results file but its histories and the tables of answers."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ import platform
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
-from functools import cache, partial
+from functools import cache
 from importlib import metadata
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from pounding_cli import __version__, variables
 from pounding_cli.model.links import columns_struck, ends_on_columns, link_label
@@ -21,6 +20,7 @@ from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted
 from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
+from pounding_cli.results.group import Array, Group
 from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
 from pounding_cli.solver.response import COLLAPSED, DONE
 from pounding_cli.study.plan import Plan
@@ -31,10 +31,8 @@ _SOFTWARE = ("numpy", "scipy", "numba", "h5py", "xarray")
 Arrays = dict[str, np.ndarray]
 """Variables over the swept axes and their own dimensions."""
 
-_variable = partial(xr.Variable, fastpath=True)  # otherwise xarray loads Dask to see that it has no part
 
-
-def dataset(plan: Plan, solved: Solved) -> xr.Dataset:
+def contents(plan: Plan, solved: Solved) -> Group:
     """What a plan came to, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
     scene nobody asked for have no numbers, and no status."""
     axes = tuple(axis.names[0] for axis in plan.axes)
@@ -44,8 +42,9 @@ def dataset(plan: Plan, solved: Solved) -> xr.Dataset:
         plan, solved, kept
     )
     with np.errstate(all="ignore"):
-        over = dict(zip((*axes, *STOREY), arrays["drift"].shape, strict=True))
-        arrays["drift_ratio"] = arrays["drift"] / facts["height"].set_dims(over).values
+        height = facts["height"]
+        missing = [place for place, dim in enumerate((*axes, *STOREY)) if dim not in height.dims]
+        arrays["drift_ratio"] = arrays["drift"] / np.expand_dims(height.values, missing)
         for v in kept:
             if v.ratio:
                 value, base = (arrays[name] for name in v.ratio)
@@ -58,15 +57,15 @@ def dataset(plan: Plan, solved: Solved) -> xr.Dataset:
             measures = _statistics(arrays[name], errors[..., None], arrays["sensitivity"][..., None, None])
             arrays |= {f"{name}_{measure}": array for measure, array in measures.items()}
     _flag(plan, solved, arrays)
-    found = facts | {name: _variable((*axes, *VARIABLES[name].dims), array) for name, array in arrays.items()}
+    found = facts | {name: Array((*axes, *VARIABLES[name].dims), array) for name, array in arrays.items()}
     for name, each in found.items():
-        unit = {"units": VARIABLES[name].unit} if VARIABLES[name].unit else {}
-        each.attrs = {**unit, "long_name": VARIABLES[name].text}
-    for name, quantity in variables.WRITTEN.items():
-        if name in found:
-            found[name].attrs |= unit_attributes(plan.study.unit(quantity))
+        attrs: dict[str, Any] = {"units": VARIABLES[name].unit} if VARIABLES[name].unit else {}
+        attrs["long_name"] = VARIABLES[name].text
+        if name in variables.WRITTEN:
+            attrs |= unit_attributes(plan.study.unit(variables.WRITTEN[name]))
+        found[name] = each._replace(attrs=attrs)
     beside = {v.name: found.pop(v.name) for v in variables.RECORDS}
-    return xr.Dataset(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
+    return Group(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
 
 
 def _has(plan: Plan, v: Variable) -> bool:
@@ -162,7 +161,7 @@ def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
 # Coordinates, buildings and motions
 
 
-def _coordinates(plan: Plan) -> dict[str, xr.Variable]:
+def _coordinates(plan: Plan) -> dict[str, Array]:
     found = {}
     for axis in plan.axes:
         for column, name in enumerate(axis.names):
@@ -171,7 +170,7 @@ def _coordinates(plan: Plan) -> dict[str, xr.Variable]:
             array = np.array(given, float) if is_numeric else np.array(list(map(str, given)), object)
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
             written = axis.units[column] if is_numeric else replace(axis.units[column], si="")
-            found[name] = _variable(axis.names[0], array, {"long_name": text} | unit_attributes(written))
+            found[name] = Array((axis.names[0],), array, {"long_name": text} | unit_attributes(written))
     storeys, places, names = np.arange(1, most_storeys(plan) + 1), plan.links.places, plan.buildings
     values: dict[str, Any] = {
         "case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": names,
@@ -189,28 +188,30 @@ def _coordinates(plan: Plan) -> dict[str, xr.Variable]:
     for name, each in values.items():
         unit, text = variables.COORDINATES[name]
         array = each if isinstance(each, np.ndarray) else np.array(each, object)
-        found[name] = _variable(name.split("_")[0], array, ({"units": unit} if unit else {}) | {"long_name": text})
+        found[name] = Array((name.split("_")[0],), array, ({"units": unit} if unit else {}) | {"long_name": text})
     return found
 
 
-def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, xr.Variable]:
+def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
     """Buildings and motions, over the axes that change them."""
     study, storeys = plan.study, most_storeys(plan)
 
-    def over(
-        section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]
-    ) -> dict[str, xr.Variable]:
+    def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> dict[str, Array]:
         """What `value` says at every combination of the values of the axes that touch a section of the study."""
         touched = [k for k, mine in enumerate(study.touches(section)) if mine]
         sizes = [len(plan.axes[k].values) for k in touched]
         each, found = [value(at) for at in points(plan, section)], {}
         for v in declared:
             array = np.array([one[v.name] for one in each], object if v.kind == "s" else float)
-            found[v.name] = _variable((*(axes[k] for k in touched), *v.dims), array.reshape(*sizes, *array.shape[1:]))
+            found[v.name] = array.reshape(*sizes, *array.shape[1:])
+        changing = list[str]()
         for axis in (axes[k] for k in touched):  # without those that change nothing after all
-            if all(v.isel({axis: [0] * v.sizes[axis]}).equals(v) for v in found.values()):
-                found = {name: v.isel({axis: 0}) for name, v in found.items()}
-        return found
+            place = len(changing)
+            if all(_is_constant(array, place) for array in found.values()):
+                found = {name: array.take(0, place) for name, array in found.items()}
+            else:
+                changing.append(axis)
+        return {v.name: Array((*changing, *v.dims), found[v.name]) for v in declared}
 
     def group(point: Any) -> dict[str, Any]:
         placed = study.group(point)
@@ -236,10 +237,16 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, xr.Variable]:
     return over("buildings", variables.BUILDINGS, group) | over("records", variables.RECORDS, motions)
 
 
+def _is_constant(array: np.ndarray, axis: int) -> bool:
+    """Whether an array is the same all along an axis; nothing is the same as nothing."""
+    first = np.broadcast_to(array.take([0], axis), array.shape)
+    return np.array_equal(first, array, equal_nan=array.dtype.kind == "f")
+
+
 # The study and the program
 
 
-def _study(plan: Plan) -> dict[str, xr.Variable]:
+def _study(plan: Plan) -> dict[str, Array]:
     """The study in texts."""
     study, match = plan.study, plan.study.spectrum_match()
     resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
@@ -250,7 +257,7 @@ def _study(plan: Plan) -> dict[str, xr.Variable]:
     }
     if match is not None:
         texts["study_spectrum"] = json.dumps(asdict(match)), "spectra of the motions against their target; JSON"
-    return {name: _variable((), np.array(text, object), {"long_name": about}) for name, (text, about) in texts.items()}
+    return {name: Array((), np.array(text, object), {"long_name": about}) for name, (text, about) in texts.items()}
 
 
 def _attributes(plan: Plan, solved: Solved) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
 from pounding_cli.results.file import has_seal, put
-from pounding_cli.results.netcdf import content
+from pounding_cli.results.group import Group, content
 from pounding_cli.results.results import Results
 from pounding_cli.texts import cells
 
@@ -63,7 +63,7 @@ def export(
         if tables:
             raise InputError(Problem("netCDF takes the whole file, no single tables", "leave the tables out"))
         check_output(path, [results.path], lambda _, head: head.startswith((b"\x89HDF", b"CDF")) and not has_seal(path))
-        return [put(path, content({"/": results.data.load()}))]
+        return [put(path, content({"/": Group.of(results.data.load())}))]
     frames = {name: results.table(name) for name in chosen}
     known = [(table, name, results.column(table, name)) for table, frame in frames.items() for name in map(str, frame)]
     rows = [(table, name, column.unit.si, column.text) for table, name, column in known]

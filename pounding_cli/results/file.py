@@ -14,6 +14,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
+from pounding_cli.results.group import Array, Group, content
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.texts import plain
 
@@ -39,10 +40,8 @@ _END = len(SEAL) + 32
 _HINT = "give a file that a pound command wrote, or run the study again"
 
 
-def write(path: Path, found: xr.Dataset, tables: Iterable[Table] = (), histories: Iterable[xr.Dataset] = ()) -> None:
+def write(path: Path, found: Group, tables: Iterable[Table] = (), histories: Iterable[Group] = ()) -> None:
     """Write a results file in the place of `path`.  Raises InputError as `put`."""
-    from pounding_cli.results.netcdf import content  # here: a file that is current is not read
-
     groups = {"/": found} | {f"answer/{table.name}": _of_table(table) for table in tables}
     groups |= {f"histories/{number}": each for number, each in enumerate(histories)}
     made = content(groups)  # in memory: where a disk is full, HDF5 ends the process
@@ -151,10 +150,8 @@ def kept(path: Path) -> list[dict[str, Any]]:
 # Tables of answers, and units
 
 
-def _of_table(table: Table) -> xr.Dataset:
-    """A table as a Dataset over `row`; its attribute `columns` has their order."""
-    import xarray as xr
-
+def _of_table(table: Table) -> Group:
+    """A table as a group over `row`; its attribute `columns` has their order."""
     found = {}
     for name in table.frame.columns:
         values, column = table.frame[name].to_numpy(), table.columns[name]
@@ -163,8 +160,8 @@ def _of_table(table: Table) -> xr.Dataset:
         elif values.dtype.kind == "b":
             values = values.astype(np.int8)
         attrs = {"long_name": column.text} | unit_attributes(column.unit)
-        found[name] = xr.Variable("row", values, attrs)
-    return xr.Dataset(found, attrs={"columns": json.dumps(list(table.frame.columns))})
+        found[str(name)] = Array(("row",), values, attrs)
+    return Group(found, {}, {"columns": json.dumps(list(table.frame.columns))})
 
 
 def read_table(path: Path, name: str) -> Table:

@@ -3,13 +3,14 @@ a person looks at it: in a line, as tables, as curves."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
+from pounding_cli.results.group import Array, Group
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.plan import Plan
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+COORDINATES = ("time", "building", "storey", "floor", "link")
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links")
 LARGEST = ("displacement", "drift", "total_acceleration", "shear", "closing", "link_force")
 """Quantities whose largest values are told."""
@@ -171,17 +173,38 @@ def _label(column: Any, frame: pd.DataFrame) -> str:
     return f"{column[0]}, {frame.columns.names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
 
 
-def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -> Iterator[xr.Dataset]:
-    """The histories of the rows that a plan keeps, in the order of the tables, over the coordinates of its Dataset;
-    those of rows whose scene failed are left out.
+def as_group(found: Mapping[str, Any], over: Mapping[str, np.ndarray] | None = None) -> Group:
+    """A history of `solver.histories` as a group; its names may be those of another Dataset.
+
+    over : coordinates in place of its own; NaN where it has none of a name
+    """
+    data = {name: Array(*each) for name, each in found.items()}
+    coordinates = {name: data.pop(name) for name in COORDINATES}
+    for dim, wanted in (over or {}).items():
+        own, names = coordinates[dim].values.tolist(), wanted.tolist()
+        known = [place for place, name in enumerate(names) if name in own]
+        coordinates[dim] = Array((dim,), wanted)
+        for name, each in data.items():
+            if dim in each.dims:
+                mine = np.moveaxis(each.values, each.dims.index(dim), 0)
+                whole = np.full((len(names), *mine.shape[1:]), np.nan)
+                whole[known] = mine[[own.index(names[place]) for place in known]]
+                data[name] = each._replace(values=np.moveaxis(whole, 0, each.dims.index(dim)))
+    return Group(data, coordinates, {})
+
+
+def kept_histories(plan: Plan, found: Group, tell: Callable[[str], None]) -> Iterator[Group]:
+    """The histories of the rows that a plan keeps, in the order of the tables, over the coordinates of its group; those
+    of rows whose scene failed are left out.
 
     tell : told of a run between output times that fails although the scene's own was done
     """
-    over = {name: found[name].values for name in ("building", "storey", "floor", "link") if name in found.coords}
+    over = {name: found.coordinates[name].values for name in COORDINATES[1:] if name in found.coordinates}
     for row in plan.kept:
         place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
-        at = dict(zip((axis.names[0] for axis in plan.axes), row.point, strict=True))
-        if found["status"].sel(place).isel(at).item() != DONE:
+        names = (plan.cases, row.case), (plan.analyses, row.analysis), (plan.records, row.record)
+        at = *row.point, *(known.index(name) for known, name in names)
+        if found.data["status"].values[at] != DONE:
             continue
         for axis, number in zip(plan.axes, row.point, strict=True):
             place |= dict(zip(axis.names, axis.values[number], strict=True))
@@ -193,4 +216,6 @@ def kept_histories(plan: Plan, found: xr.Dataset, tell: Callable[[str], None]) -
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue
         digest = plan.digests[row.scene].tobytes().hex()
-        yield whole.astype(np.float32).reindex(over).assign_attrs(place | {"scene": digest, "every": plan.every})
+        group = as_group(whole, over)
+        data = {name: each._replace(values=each.values.astype(np.float32)) for name, each in group.data.items()}
+        yield group._replace(data=data, attrs=place | {"scene": digest, "every": plan.every})

@@ -1,10 +1,8 @@
-"""xarray Datasets as netCDF-4 by h5py: what `to_netcdf` and `open_dataset` do, in a tenth of the time; written in
-memory, and numbers that are large are read when they are asked for."""
+"""Groups of a results file as xarray Datasets: what `xarray.open_dataset` does in a tenth of the time. Numbers that are
+large are read when they are asked for."""
 
 from __future__ import annotations
 
-import io
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +12,6 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-SMALL = 2048
-"""Bytes up to which a variable is not compressed."""
-
 LARGE = 1 << 18
 """Bytes from which a variable is read when it is asked for; its file stays open until then."""
 
@@ -24,38 +19,8 @@ _OF_HDF5 = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "DIMENSION_LABE
 """Attributes by which HDF5 ties dimensions to variables."""
 
 
-def content(groups: Mapping[str, xr.Dataset]) -> memoryview:
-    """The bytes of a file of Datasets, by the name of their group."""
-    sink = io.BytesIO()
-    with h5py.File(sink, "w", libver=("v110", "latest")) as file:
-        for name, each in groups.items():
-            _put(file.require_group(name), each)
-    return sink.getbuffer()
-
-
-def _put(group: h5py.Group, each: xr.Dataset) -> None:
-    bare = {dim: np.arange(size) for dim, size in each.sizes.items() if dim not in each.variables}
-    variables, scales = each.assign_coords(bare).variables, dict[Any, h5py.Dataset]()
-    for name, v in sorted(variables.items(), key=lambda item: item[1].dims != (item[0],)):  # dimensions first
-        how: dict[str, Any] = {}
-        if v.dtype.kind in "OU":
-            how = {"dtype": h5py.string_dtype()}
-        elif v.ndim and v.nbytes > SMALL:
-            how = {"compression": 1, "shuffle": True, "fletcher32": True}
-        made = group.create_dataset(str(name), data=v.values.astype(object) if "dtype" in how else v.values, **how)
-        if v.dims == (name,):
-            made.make_scale(str(name))
-            scales[name] = made
-        else:
-            for place, dim in enumerate(v.dims):
-                made.dims[place].attach_scale(scales[dim])
-        made.attrs.update(v.attrs)
-    beside = [str(name) for name in each.coords if name not in each.dims]
-    group.attrs.update(each.attrs | ({"coordinates": " ".join(beside)} if beside else {}))
-
-
 def read(path: Path, group: str) -> xr.Dataset:
-    """A group of a file that `content` made."""
+    """A group of a file."""
     file = h5py.File(path)
     attrs = dict(file[group].attrs)
     beside = str(attrs.pop("coordinates", "")).split()

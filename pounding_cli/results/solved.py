@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli import __version__
-from pounding_cli.solver.response import DONE, OUTCOMES, Response
+from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, STOREYS, Response, peaks_type
 from pounding_cli.study.plan import Plan
 
 TEXTS = ("status", "advice", "method", "flags", "effects", "dropped")
@@ -25,45 +25,29 @@ SCALARS = (
     "collapse_building", "collapse_storey",
 )  # fmt: skip
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
-STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
-BASE = ("sway", "rocking", "isolator_displacement")
-LINK = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
-COLUMNS = ("shear_below", "shear_above", "demand")
 
-PARTS = {
-    "scalars": ("", (*SCALARS, *(f"energy_{name}" for name in ENERGIES))),
-    "storeys": ("building.", STOREYS),
-    "bases": ("building.", BASE),
-    "links": ("link.", LINK),
-    "columns": ("columns.", COLUMNS),
-}
-"""Part of the numbers of a scene -> what the names in `Solved.values` begin with, and its fields."""
+PARTS = {"building.": (*STOREYS, *BASES), "link.": LINKS, "columns.": COLUMNS}
+"""What names in `Solved.values` begin with -> the peaks of a response."""
 
 Row = tuple[str, bytes]
-"""A response: TEXTS and the arguments of `layout` as JSON, and its numbers, a record of that layout."""
+"""A response: TEXTS and the arguments of `row_type` as JSON, and its numbers, a record of that type."""
 
 
 @lru_cache(maxsize=1024)
-def layout(buildings: int, storeys: int, links: int) -> np.dtype:
-    """The numbers of a scene: the fields of PARTS, of every building, storey and link."""
-    of = {"scalars": (), "storeys": (buildings, storeys), "bases": (buildings,), "links": (links,), "columns": (links,)}
-    return np.dtype([(name, "f8", (len(fields), *of[name])) for name, (_, fields) in PARTS.items()])
+def row_type(buildings: int, storeys: int, links: int) -> np.dtype:
+    """The numbers of a scene: SCALARS, ENERGIES, and its peaks."""
+    names = (*SCALARS, *(f"energy_{name}" for name in ENERGIES))
+    peaks = peaks_type(buildings, storeys, links)
+    return np.dtype([*((name, "f8") for name in names), *((name, peaks[name]) for name in peaks.names or ())])
 
 
 def encode(response: Response) -> Row:
     """A response as a row; its end state is not kept."""
     r = response
     texts = [each if isinstance(each, str) else "\n".join(each) for each in (getattr(r, name) for name in TEXTS)]
-    size = len(r.buildings), max(b.shear.size for b in r.buildings), r.links.impacts.size
-    row = np.full(1, np.nan, layout(*size))[0]
-    row["scalars"] = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
-    if r.has_result:
-        for place, building in enumerate(r.buildings):
-            row["storeys"][:, place, : building.shear.size] = [getattr(building, name) for name in STOREYS]
-            row["bases"][:, place] = [getattr(building, name) for name in BASE]
-        row["links"] = [getattr(r.links, name) for name in LINK]
-        row["columns"][:, r.columns.link] = [getattr(r.columns, name) for name in COLUMNS]
-    return json.dumps([texts, size]), row.tobytes()
+    size = len(r.storeys), max(r.storeys), r.peaks["impacts"].size
+    numbers = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
+    return json.dumps([texts, size]), np.array(numbers, float).tobytes() + r.peaks.tobytes()
 
 
 class Solved:
@@ -81,9 +65,9 @@ class Solved:
         count = len(plan) + 1
         self.plan, self.there = plan, np.zeros(count, bool)
         self.texts = {name: np.full(count, "", object) for name in TEXTS}
-        self._whole = np.full(count, np.nan, layout(len(plan.buildings), most_storeys(plan), len(plan.links.places)))
-        fields = [(f"{prefix}{name}", of, k) for of, (prefix, names) in PARTS.items() for k, name in enumerate(names)]
-        self.values = {name: self._whole[of][:, k] for name, of, k in fields}
+        self._whole = np.full(count, np.nan, row_type(len(plan.buildings), most_storeys(plan), len(plan.links.places)))
+        prefixes = {name: prefix for prefix, names in PARTS.items() for name in names}
+        self.values = {prefixes.get(name, "") + name: self._whole[name] for name in self._whole.dtype.names}
         self._order = _orders(plan)
 
     def put(self, rows: Mapping[int, Row]) -> None:
@@ -95,15 +79,16 @@ class Solved:
             for name, text in zip(TEXTS, texts, strict=True):
                 self.texts[name][number] = sys.intern(text)  # many say the same
         for (buildings, storeys, links), at in alike.items():
-            records = np.frombuffer(b"".join(rows[number][1] for number in at), layout(buildings, storeys, links))
+            records = np.frombuffer(b"".join(rows[number][1] for number in at), row_type(buildings, storeys, links))
             self.there[at] = True
-            self._whole["scalars"][at] = records["scalars"]
-            self._whole["storeys"][at, :, :buildings, :storeys] = records["storeys"]
-            self._whole["bases"][at, :, :buildings] = records["bases"]
-            order = self._order[at, None]
-            for of in ("links", "columns") if links else ():
-                mine = np.take_along_axis(records[of], np.maximum(order, 0), axis=2)
-                self._whole[of][at] = np.where(order < 0, np.nan, mine)
+            order, place = self._order[at], (at, slice(buildings), slice(storeys))
+            for name in records.dtype.names or ():
+                whole, mine = self._whole[name], records[name]
+                if name not in (*LINKS, *COLUMNS):
+                    whole[place[: whole.ndim]] = mine
+                elif links:
+                    mine = np.take_along_axis(mine, np.maximum(order, 0), axis=1)
+                    whole[at] = np.where(order < 0, np.nan, mine)
 
     @property
     def done(self) -> np.ndarray:

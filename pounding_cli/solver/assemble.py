@@ -1,7 +1,7 @@
 """From a scene to the records of its run.
 
-What scenes of the same buildings, links and analysis share is laid out once (`Layout`); a run gets a copy and its
-motion (`Prepared`)."""
+What scenes of the same buildings, links and analysis share is laid out once (`Layout`); their runs get copies of it and
+their motions (`solve.Prepared`)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
-from pounding_cli.model.links import Link, LinkEnd
+from pounding_cli.model.links import LinkEnd
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.records.motion import Motion
@@ -276,23 +276,25 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     )  # fmt: skip
 
 
-def _put_links(elements: np.ndarray, links: Sequence[Link], masses: Sequence[tuple[float, float]]) -> np.ndarray:
-    """Enter the parameters of links with the masses at their ends into their elements; the records of their formulas,
-    one at least."""
-    formulas = np.zeros(max(sum(isinstance(link.law, WrittenLaw) for link in links), 1), FORMULA)
-    place = 0
-    for element, link, both in zip(elements, links, masses, strict=True):
-        law = link.law
-        if not law.can_close:  # its closing alone is asked for
-            element["kind"], element["eased"] = BEHAVIOURS.index(JOINED), 0
-            continue
-        numbers = law.numbers(*both)
-        element["p"][: len(numbers)], element["offset"] = numbers, law.offset
-        if isinstance(law, WrittenLaw):
-            formula = law.force(reduced_mass(*both))
-            record, element["formula"], place = formulas[place], place, place + 1
-            record["count"], record["result"] = len(formula.rows), formula.result
-            record["operations"][: len(formula.rows)] = formula.rows
+def _put_links(elements: np.ndarray, scenes: Sequence[Scene], masses: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Enter the parameters of the links of scenes, with the masses at their ends, into their elements, shape (scenes,
+    links); the records of their formulas, one a scene at least."""
+    count = sum(isinstance(link.law, WrittenLaw) for link in scenes[0].links)
+    formulas, p, offset = np.zeros((len(scenes), max(count, 1)), FORMULA), elements["p"], elements["offset"]
+    for number, scene in enumerate(scenes):
+        written = 0
+        for place, (link, both) in enumerate(zip(scene.links, masses, strict=True)):
+            law = link.law
+            if not law.can_close:  # its closing alone is asked for
+                elements["kind"][number, place], elements["eased"][number, place] = BEHAVIOURS.index(JOINED), 0
+                continue
+            numbers = law.numbers(*both)
+            p[number, place, : len(numbers)], offset[number, place] = numbers, law.offset
+            if isinstance(law, WrittenLaw):
+                formula = law.force(reduced_mass(*both))
+                record, elements["formula"][number, place], written = formulas[number, written], written, written + 1
+                record["count"], record["result"] = len(formula.rows), formula.result
+                record["operations"][: len(formula.rows)] = formula.rows
     return formulas
 
 
@@ -320,8 +322,14 @@ def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate((motion.acceleration[:-1], tail)), np.concatenate((slopes, tail))
 
 
+def segments_of(scenes: Sequence[Scene]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The segments of scenes one after the other, and of every scene where its own end, shape (scenes,)."""
+    grounds, slopes = zip(*map(segments, scenes), strict=True)
+    return np.concatenate(grounds), np.concatenate(slopes), np.cumsum([ground.size for ground in grounds])
+
+
 def records_of(
-    scene: Scene,
+    scenes: Sequence[Scene],
     layout: Layout,
     accuracy: float,
     method: Method,
@@ -329,17 +337,18 @@ def records_of(
     times: np.ndarray | None,
     bounds: tuple[int, int],
 ) -> Data:
-    """The records of a run; parameters as of `solve.prepare`."""
-    n, m = layout.number, layout.elements.size
-    dofs, elements, run = layout.dofs.copy(), layout.elements.copy(), np.zeros(1, RUN)
-    formulas = _put_links(elements[layout.of_links], scene.links, layout.masses)
+    """The records of runs of one layout, a row a scene; parameters as of `solve.prepare`."""
+    n, m, count = layout.number, layout.elements.size, len(scenes)
+    dofs, elements, columns = (np.tile(each, (count, 1)) for each in (layout.dofs, layout.elements, layout.columns))
+    formulas = _put_links(elements[:, layout.of_links], scenes, layout.masses)
     if initial is not None:
         for span, u, v in zip(layout.floors, *initial, strict=True):
-            dofs["u0"][span], dofs["w"][span, 0] = u, v
+            dofs["u0"][:, span], dofs["w"][:, span, 0] = u, v
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
-    r, always_smooth = run[0], method.name == "dop853"
+    r, always_smooth = np.zeros(count, RUN), method.name == "dop853"
     r["n"], r["m"], r["drags"], r["columns"] = n, m, layout.drags, 2 * len(layout.struck)
-    r["dt"], r["tolerance"], r["least"] = scene.motion.dt, tolerance, _least_acceleration(scene, dofs, elements)
+    r["dt"], r["tolerance"] = [scene.motion.dt for scene in scenes], tolerance
+    r["least"] = [_least_acceleration(*each) for each in zip(scenes, dofs, elements, strict=True)]
     r["smooth_tolerance"] = max(SMOOTHER * tolerance, FINEST_SMOOTH)
     r["max_order"], r["has_lean"] = max_order(tolerance), max(layout.feet) >= 0
     r["most_steps"], r["most_events"] = bounds
@@ -347,14 +356,14 @@ def records_of(
     room = None
     if layout.has_smooth or always_smooth or method.takes_step:
         changing = int(np.count_nonzero(elements["state"]))
-        room = Room(np.zeros(2 * n + changing, STATE), formulas)
+        room = Room(np.zeros((count, 2 * n + changing), STATE), formulas)
         room.states["scale"] = LEAST_STATE
-    series = np.zeros(max(m - n + n * layout.has_smooth, 1), SERIES)
+    series = np.zeros((count, max(m - n + n * layout.has_smooth, 1)), SERIES)
     watch = NOTHING_KEPT
     if times is not None:
         t = times.size
         watch = Watch(times, np.zeros((t, n, 3)), np.zeros((t, m, 2)), np.zeros((t, 3)), np.zeros((t, n)))
-    return Data(dofs, elements, layout.terms, run, series, layout.columns.copy(), room, watch)
+    return Data(dofs, elements, layout.terms, r, series, columns, room, watch)
 
 
 def _least_acceleration(scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:

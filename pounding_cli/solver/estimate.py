@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
+from pounding_cli.solver import solve as solver
 from pounding_cli.solver.response import Response
-from pounding_cli.solver.solve import solve
 
 NUDGE = 1e-6
 """Relative change of the motion's amplitude, growing from nothing at its start to this at its end. The same factor
@@ -72,9 +72,8 @@ def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
 def change(first: Response, second: Response) -> float:
     """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-], as
     `difference`."""
-    pairs = list(zip(first.buildings, second.buildings, strict=True))
-    triples = [(getattr(a, name), getattr(b, name), getattr(a, name)) for a, b in pairs for name in ("shear", "drift")]
-    return _largest(first, second, triples)
+    a, b = first.peaks, second.peaks
+    return _largest(first, second, [(a[name], b[name], a[name]) for name in ("shear", "drift")])
 
 
 def difference(first: Response, second: Response) -> float:
@@ -86,37 +85,35 @@ def difference(first: Response, second: Response) -> float:
     closings, impulses and contact times of links to the largest of their kind in the scene. Counts are left out, and
     so are energies, whose error is the ledger's residual.
     """
-    found: list[Iterable[np.ndarray]] = []
-    if first.collapse_storey:
-        found.append(np.array([each.collapse_time]) for each in (first, second, first))
-    for a, b in zip(first.buildings, second.buildings, strict=True):
-        reach = np.maximum(a.displacement_max, -a.displacement_min)
-        scales = {"shear": a.shear, "drift": a.drift, "acceleration": a.acceleration, "displacement_max": reach,
-                  "displacement_min": reach, "residual_drift": a.drift}  # fmt: skip
-        found += [(getattr(a, name), getattr(b, name), scale) for name, scale in scales.items()]
-        found.append(np.array([each.sway, each.rocking]) for each in (a, b, a))
+    a, b = first.peaks, second.peaks
+    reach = np.maximum(a["displacement_max"], -a["displacement_min"])
+    scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": a["drift"]}
     for name in ("peak_force", "max_closing", "impulse", "contact_time"):
-        x, y = getattr(first.links, name), getattr(second.links, name)
-        found.append((x, y, np.full(x.shape, np.abs(x).max(initial=0.0))))
-    for name in ("shear_below", "shear_above"):
-        found.append(tuple(getattr(each.columns, name) for each in (first, second, first)))
+        scales[name] = np.full_like(a[name], np.abs(a[name]).max(initial=0.0))
+    for name in ("shear", "drift", "acceleration", "sway", "rocking", "shear_below", "shear_above"):
+        scales[name] = a[name]
+    found = [(a[name], b[name], scale) for name, scale in scales.items()]
+    if first.collapse_storey:
+        time, other = (np.array([each.collapse_time]) for each in (first, second))
+        found.append((time, other, time))
     return _largest(first, second, found)
 
 
-def _largest(first: Response, second: Response, triples: Iterable[Iterable[np.ndarray]]) -> float:
+def _largest(first: Response, second: Response, triples: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
     """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
     move as the ground does have no numbers."""
     if not (first.has_result and second.has_result):
         return float("nan")
     if (first.collapse_building, first.collapse_storey) != (second.collapse_building, second.collapse_storey):
         return float("inf")
-    x, y, scale = (np.concatenate(each) for each in zip(*triples, strict=True))
+    x, y, scale = (np.concatenate([part.ravel() for part in each]) for each in zip(*triples, strict=True))
     size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))
     return float(np.fmax.reduce(np.abs(x - y) / np.where(size > 0, size, 1.0), initial=0.0))
 
 
-def assess(scene: Scene, response: Response, accuracy: float, run: Callable[..., Response] = solve) -> Response:
-    """The response with its estimated error [-], its sensitivity [-] and flags that say so where either is too large.
+def assess(scenes: Sequence[Scene], responses: Sequence[Response], accuracy: float) -> list[Response]:
+    """Responses of one method with their estimated errors [-], their sensitivities [-] and flags that say so where
+    either is too large.
 
     One run tells both, at an accuracy a thousand times finer and with a motion that grows by a hundredth of the
     accuracy on its way: the difference is what the error is at most, and over the nudge what the sensitivity is at
@@ -131,30 +128,42 @@ def assess(scene: Scene, response: Response, accuracy: float, run: Callable[...,
     finer one, until the estimate meets the accuracy or double precision is not enough. In that case, or if rounding may
     be near the accuracy, two more runs show the scatter of the numbers.
     """
-    if not response.has_result:
-        return response
+    known, open_ones = list(responses), [number for number, each in enumerate(responses) if each.has_result]
+    method = responses[0].method if responses else "taylor"
+    if accuracy >= FINEST_AT_ONCE and not METHODS[method].takes_step:
+        nudge = min(LITTLE * accuracy, NUDGE)
+        judges = solver.solve_all([_nudged(scenes[each], nudge) for each in open_ones], finer(accuracy), method)
+        for number, judge in zip(tuple(open_ones), judges, strict=True):
+            first = responses[number]
+            error, sensitivity = difference(first, judge), change(first, judge) / nudge
+            if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
+                known[number] = dataclasses.replace(first, error_estimate=error, sensitivity=sensitivity)
+                open_ones.remove(number)
+    for number in open_ones:
+        known[number] = _looked_at_closely(scenes[number], responses[number], accuracy)
+    return known
+
+
+def _nudged(scene: Scene, nudge: float) -> Scene:
+    return dataclasses.replace(scene, motion=nudged_motion(scene.motion, nudge))
+
+
+def _looked_at_closely(scene: Scene, response: Response, accuracy: float) -> Response:
+    """A response that is assessed by runs of its own."""
     fixed = METHODS[response.method].takes_step
     method, tight = ("taylor", BESIDE_FIXED_STEPS) if fixed else (response.method, finer(accuracy))
-    if not fixed and accuracy >= FINEST_AT_ONCE:
-        nudge = min(LITTLE * accuracy, NUDGE)
-        nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion, nudge))
-        judge = run(nudged, accuracy=tight, method=method)
-        error, sensitivity = difference(response, judge), change(response, judge) / nudge
-        if error <= HARMLESS * accuracy and sensitivity <= HARMLESS * ILL_CONDITIONED:
-            return dataclasses.replace(response, error_estimate=error, sensitivity=sensitivity)
-    second = run(scene, accuracy=tight, method=method)
-    nudged = dataclasses.replace(scene, motion=nudged_motion(scene.motion))
-    sensitivity = change(second, run(nudged, accuracy=tight, method=method)) / NUDGE
+    second, nudged = solver.solve_all([scene, _nudged(scene, NUDGE)], tight, method)
+    sensitivity = change(second, nudged) / NUDGE
     error, seconds = difference(response, second), response.seconds
     while not fixed and error > accuracy and second.has_result:
         response, seconds = second, seconds + second.seconds
         if tight <= FINEST:
             break
         tight = finer(tight)
-        second = run(scene, accuracy=tight, method=method)
+        second = solver.solve(scene, tight, method)
         error = difference(response, second) if second.has_result else error
     if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
-        others = (run(scene, accuracy=tight * times, method=method) for times in SCATTER)
+        others = (solver.solve(scene, tight * times, method) for times in SCATTER)
         error = np.nanmax([error, *(difference(response, other) for other in others)])
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:

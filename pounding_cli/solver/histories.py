@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from pounding_cli.solver.assemble import segments
 from pounding_cli.solver.outcome import ENDS, stored_in_storeys
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import Prepared, prepare
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 EVERY = 0.002
 """Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
@@ -50,7 +47,11 @@ def output_times(scene: Scene, every: float) -> np.ndarray:
     return every * np.arange(int(np.floor(whole / every + 1e-9)) + 1)
 
 
-def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> xr.Dataset:
+History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
+"""Dimensions, values and attributes of FIELDS and of their coordinates, by name."""
+
+
+def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
     """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does: FIELDS over
     the names of buildings and links (`left|right floor j`); NaN pads buildings with fewer storeys.
 
@@ -66,7 +67,7 @@ def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> xr.Da
     """
     if not (np.isfinite(every) and every > 0):
         raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
-    run = prepare(scene, accuracy, times=output_times(scene, every))
+    run = prepare([scene], accuracy, times=output_times(scene, every))
     run.integrate()
     outcome, advice = ENDS[int(run.data.run["status"][0])]
     if outcome not in OUTCOMES:
@@ -86,11 +87,9 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
 
 
-def _evaluated(run: Prepared) -> xr.Dataset:
+def _evaluated(run: Prepared) -> History:
     """What is wanted, from what a run kept."""
-    import xarray as xr  # here: solvers of single scenes need none
-
-    scene, layout, watch = run.scene, run.layout, run.data.watch
+    scene, layout, watch = run.scenes[0], run.layout, run.data.watch
     kept = slice(0, int(run.data.run["output"][0]))  # a collapse ends it before the last time
     if int(run.data.run["status"][0]) == records.COLLAPSED:
         kept = slice(0, int(np.searchsorted(watch.times, float(run.data.run["time"][0]) * (1 - 1e-12))))
@@ -124,7 +123,7 @@ def _evaluated(run: Prepared) -> xr.Dataset:
         "rocking": of_foundation(layout.feet),
         "base_force": of_foundation(layout.bases, force),
         "link_force": of_links[..., 1],
-        "closing": of_links[..., 0] + run.data.elements["offset"][layout.of_links],
+        "closing": of_links[..., 0] + run.data.elements["offset"][0, layout.of_links],
         "energy_input": put_in,
         "energy_kinetic": kinetic,
         "energy_stored": stored,
@@ -134,14 +133,11 @@ def _evaluated(run: Prepared) -> xr.Dataset:
     }
     names = [building.name for building in scene.buildings]
     numbers = np.arange(1, values["drift"].shape[2] + 1)
-    coordinates = {
-        "time": ("time", times, {"units": "s", "long_name": "time since the motion began"}),
-        "building": np.array(names, object),
-        "storey": numbers,
-        "floor": numbers,
-        "link": np.array([link_label(names, place) for place in link_places(scene.links)], object),
-    }
-    described = {
+    found: History = {
         name: (dims, values[name], {"units": unit, "long_name": text}) for name, (dims, unit, text) in FIELDS.items()
     }
-    return xr.Dataset(described, coordinates)
+    links = np.array([link_label(names, place) for place in link_places(scene.links)], object)
+    found["time"] = ("time",), times, {"units": "s", "long_name": "time since the motion began"}
+    for name, each in (("building", np.array(names, object)), ("storey", numbers), ("floor", numbers), ("link", links)):
+        found[name] = (name,), each, {}
+    return found

@@ -1,9 +1,8 @@
-"""What a run has left: its response, its energy balance, and flags of what the user should know about it."""
+"""What runs of one layout have left: peaks, energy balances, and flags of what the user should know about them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
@@ -11,21 +10,12 @@ import numpy as np
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.formula import WrittenJoint
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import Layout
 from pounding_cli.solver.records import Data
-from pounding_cli.solver.response import (
-    COLLAPSED,
-    DONE,
-    OUTCOMES,
-    BuildingResponse,
-    ColumnResponse,
-    LinkResponse,
-    nothing,
-)
+from pounding_cli.solver.response import COLLAPSED, DONE, OUTCOMES, STOREYS, peaks_type
 
 _floors = attrgetter("left", "left_floor", "right_floor")
 
@@ -57,55 +47,61 @@ OPEN_BALANCE: Outcome = (
 )
 
 
-def outcome_of(data: Data, accuracy: float, residual: float) -> Outcome:
-    """How a run ended: none with numbers that are not finite, or an energy balance that does not close, is done."""
-    end = ENDS[int(data.run["status"][0])]
-    if end[0] not in OUTCOMES:
-        return end
-    sums = [data.dofs[name].sum() for name in ("u_max", "u_min", "a_max", "u0")]
-    sums += [data.elements[name].sum() for name in ("peak_v", "peak_f", "impulse", "time")]
-    if not np.isfinite(sums).all():
-        return ENDS[records.NOT_FINITE]
-    return end if abs(residual) <= max(accuracy, LEAST_RESIDUAL) else OPEN_BALANCE
+def ends_of(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]:
+    """How runs ended: none with numbers that are not finite, or an energy balance that does not close, is done."""
+    sums = [data.dofs[name].sum(axis=1) for name in ("u_max", "u_min", "a_max", "u0")]
+    sums += [data.elements[name].sum(axis=1) for name in ("peak_v", "peak_f", "impulse", "time")]
+    are_finite = np.isfinite(np.array(sums)).all(axis=0)
+    are_closed = np.abs(residuals) <= max(accuracy, LEAST_RESIDUAL)
+    ends = list[Outcome]()
+    for status, is_finite, is_closed in zip(data.run["status"].tolist(), are_finite, are_closed, strict=True):
+        end = ENDS[status]
+        if end[0] in OUTCOMES and not is_finite:
+            end = ENDS[records.NOT_FINITE]
+        elif end[0] in OUTCOMES and not is_closed:
+            end = OPEN_BALANCE
+        ends.append(end)
+    return ends
 
 
-def buildings_of(layout: Layout, data: Data) -> tuple[BuildingResponse, ...]:
-    """The peaks of every building; a wall does not yield, and one that moves as the ground does has none."""
-    reach, found = np.maximum(data.dofs["u_max"], -data.dofs["u_min"]), []
-    for b, building in enumerate(layout.buildings):
-        storeys, floors = data.elements[layout.floors[b]], data.dofs[layout.floors[b]]
-        drift = storeys["peak_v"].copy()
-        shear = np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift)
-        sway, rocking = (float(reach[at[b]]) if at[b] >= 0 else 0.0 for at in (layout.bases, layout.feet))
-        isolated = building.foundation is not None and building.foundation.isolation is not None
-        peaks = BuildingResponse(
-            shear, drift, drift / building.yield_drift, floors["a_max"].copy(), floors["u_max"].copy(),
-            floors["u_min"].copy(), storeys["v1"].copy(), sway, rocking, sway if isolated else np.nan,
-        )  # fmt: skip
-        if isinstance(building, Wall):
-            peaks = replace(peaks, ductility=np.full(1, np.nan)) if building.moves else nothing([1], 0)[0][0]
-        found.append(peaks)
-    return tuple(found)
+def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene]) -> np.ndarray:
+    """The peaks of scenes, records of `peaks_type`, shape (scenes,)."""
+    storeys = [building.storeys for building in layout.buildings]
+    peaks = np.full(len(scenes), np.nan, peaks_type(len(storeys), max(storeys), len(scenes[0].links)))
+    for b in range(len(storeys)):
+        _put_building(peaks, b, layout, data)
+    links = data.elements[:, layout.of_links]
+    peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
+    peaks["max_closing"] = links["peak_v"] + links["offset"]
+    closes = [[link.law.can_close for link in scene.links] for scene in scenes]
+    peaks["contact_time"] = np.where(closes, links["time"], 0.0)
+    for k, struck in enumerate(layout.struck):
+        below, above = data.columns["peak"][:, 2 * k], data.columns["peak"][:, 2 * k + 1]
+        strength = struck.share * layout.buildings[struck.building].yield_shear[struck.storey - 1]
+        peaks["shear_below"][:, struck.link], peaks["shear_above"][:, struck.link] = below, above
+        if np.isfinite(strength):
+            peaks["demand"][:, struck.link] = np.maximum(below, above) / strength
+    return peaks
 
 
-def links_of(layout: Layout, data: Data, links: Sequence[Link]) -> LinkResponse:
-    """The peaks of every link."""
-    found = data.elements[layout.of_links]
-    time = np.where([link.law.can_close for link in links], found["time"], 0.0)
-    closing = found["peak_v"] + found["offset"]
-    return LinkResponse(found["hits"].copy(), found["peak_f"].copy(), closing, found["impulse"].copy(), time)
-
-
-def columns_of(layout: Layout, data: Data) -> ColumnResponse:
-    """The shears of struck columns, one entry for each link that asks for them."""
-    struck = layout.struck
-    if not struck:
-        return ColumnResponse()
-    below, above = data.columns["peak"].reshape(-1, 2).T.copy()
-    strength = [each.share * layout.buildings[each.building].yield_shear[each.storey - 1] for each in struck]
-    demand = np.maximum(below, above) / np.array(strength, float)
-    demand[np.isinf(strength)] = np.nan
-    return ColumnResponse(np.array([each.link for each in struck], np.int64), below, above, demand)
+def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data) -> None:
+    """Enter the peaks of a building; a wall does not yield, and one that moves as the ground does has none."""
+    building, reach = layout.buildings[b], np.maximum(data.dofs["u_max"], -data.dofs["u_min"])
+    for name, place in (("sway", layout.bases[b]), ("rocking", layout.feet[b])):
+        peaks[name][:, b] = reach[:, place] if place >= 0 else 0.0
+    if building.foundation is not None and building.foundation.isolation is not None:
+        peaks["isolator_displacement"][:, b] = peaks["sway"][:, b]
+    if isinstance(building, Wall) and not building.moves:
+        return
+    storeys, floors = data.elements[:, layout.floors[b]], data.dofs[:, layout.floors[b]]
+    drift = storeys["peak_v"]
+    found = (
+        np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift), drift,
+        np.nan if isinstance(building, Wall) else drift / building.yield_drift,
+        floors["a_max"], floors["u_max"], floors["u_min"], storeys["v1"],
+    )  # fmt: skip
+    for name, values in zip(STOREYS, found, strict=True):
+        peaks[name][:, b, : building.storeys] = values
 
 
 def stored_in_storeys(
@@ -131,71 +127,71 @@ def stored_in_storeys(
     return total, stored[..., yields].sum(axis=-1)
 
 
-def balance(layout: Layout, data: Data, links: Sequence[Link], before: float = 0.0) -> dict[str, float]:
-    """The energy balance [J]; `residual` is what is missing over the largest entry [-], or over what storeys held at
-    their peaks if that is more: a run may have given back what it took in.
+def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float = 0.0) -> dict[str, np.ndarray]:
+    """The energy balances of scenes [J]; `residual` is what is missing over the largest entry [-], or over what storeys
+    held at their peaks if that is more: a run may have given back what it took in.
 
     input : work of the ground, plus what the scene held at the start (`before`)
     kinetic, stored, links_stored : held at the end
     damping, hysteresis, links : dissipated by structural and foundation dashpots, by yielding storeys, by the links
     """
-    dofs, elements, r, n = data.dofs, data.elements, data.run[0], layout.number
-    storeys, of_links = elements[:n], elements[layout.of_links]
+    dofs, elements, r, n = data.dofs, data.elements, data.run, layout.number
+    storeys, of_links = elements[:, :n], elements[:, layout.of_links]
     stored, yielding = stored_in_storeys(layout, storeys["v1"], _forces_now(storeys), dofs["u0"])
-    in_links = _stored_in_links(links, of_links)
+    in_links, drags = _stored_in_links(scenes, of_links), elements["work"][:, n : layout.of_links.start]
     entries = {
-        "input": float(r["input"]) + before,
-        "kinetic": 0.5 * float(dofs["mass"] @ dofs["w"][:, 0] ** 2),
-        "stored": float(stored),
+        "input": r["input"] + before,
+        "kinetic": 0.5 * (dofs["mass"] * dofs["w"][..., 0] ** 2).sum(axis=1),
+        "stored": stored,
         "links_stored": in_links,
-        "damping": float(r["drag"] + r["dashpots"] + elements["work"][n : layout.of_links.start].sum()),
-        "hysteresis": float(storeys["work"].sum() - yielding),
-        "links": float(of_links["work"].sum()) - in_links,
+        "damping": r["drag"] + r["dashpots"] + drags.sum(axis=1),
+        "hysteresis": storeys["work"].sum(axis=1) - yielding,
+        "links": of_links["work"].sum(axis=1) - in_links,
     }
-    values, stiffness = list(entries.values()), storeys["p"][:, 0]
+    values, stiffness = np.array(list(entries.values())), storeys["p"][..., 0]
     peaks = np.where(storeys["yields"] > 0, storeys["peak_f"], stiffness * storeys["peak_v"])
-    held = 0.5 * float(np.sum(peaks**2 / np.where(stiffness > 0, stiffness, np.inf)))
-    scale = max(held, *map(abs, values))
-    missing = values[0] - sum(values[1:])
-    return entries | {"residual": missing / scale if scale > 0 else 0.0}
+    held = 0.5 * np.sum(peaks**2 / np.where(stiffness > 0, stiffness, np.inf), axis=1)
+    scale = np.maximum(held, np.abs(values).max(axis=0))
+    missing = values[0] - values[1:].sum(axis=0)
+    return entries | {"residual": np.where(scale > 0, missing / scale, 0.0)}
 
 
 def _forces_now(storeys: np.ndarray) -> np.ndarray:
     """Forces of storeys at the end of a run, without dashpots [N]."""
-    p, z = storeys["p"], storeys["h"][:, 0]
-    smooth = (1.0 - p[:, 2]) * p[:, 0] * p[:, 1] * z  # of Bouc-Wen, the one law of storeys that is smooth
+    p, z = storeys["p"], storeys["h"][..., 0]
+    smooth = (1.0 - p[..., 2]) * p[..., 0] * p[..., 1] * z  # of Bouc-Wen, the one law of storeys that is smooth
     return storeys["k"] * storeys["v1"] + storeys["f0"] + np.where(storeys["smooth"] > 0, smooth, 0.0)
 
 
-def _stored_in_links(links: Sequence[Link], elements: np.ndarray) -> float:
-    """Energy in all links at the end of a run [J]; one that is open holds none."""
-    total = 0.0
-    for place in np.flatnonzero(elements["closed"]).tolist():
-        e = elements[place]
+def _stored_in_links(scenes: Sequence[Scene], elements: np.ndarray) -> np.ndarray:
+    """Energy in the links of scenes at the end of their runs [J]; a link that is open holds none."""
+    total = np.zeros(len(scenes))
+    for number, place in np.argwhere(elements["closed"]).tolist():
+        e = elements[number, place]
         force = e["h"][0] if e["relaxation"] > 0 else e["k"] * e["v1"] + e["f0"]
-        total += links[place].law.stored(float(e["v1"] + e["offset"]), float(force))
+        law = scenes[number].links[place].law
+        total[number] += law.stored(float(e["v1"] + e["offset"]), float(force))
     return total
 
 
-def collapse_of(layout: Layout, data: Data) -> tuple[int, int]:
+def collapse_of(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
     """(building from 0, storey from 1) of the storey that has drifted furthest of what it stands."""
-    storeys = data.elements[: layout.number]
-    parts = [storeys["peak_v"][span] / storeys["collapse"][span] for span in layout.floors]
+    parts = [elements["peak_v"][span] / elements["collapse"][span] for span in layout.floors]
     building = int(np.argmax([part.max() for part in parts]))
     return building, int(np.argmax(parts[building])) + 1
 
 
-def flags_of(scene: Scene, buildings: Sequence[BuildingResponse], links: LinkResponse) -> tuple[str, ...]:
+def flags_of(scene: Scene, peaks: np.void) -> tuple[str, ...]:
     """One sentence for each base that moved further than its isolators can, and for each link compressed beyond its
     thickness or its gap (paper, after eqs 9 and 10): what is flagged, a colon, where and by how much. Where another
     link lets the floors strike, nothing is left out."""
     said = []
-    for building, peaks in zip(scene.buildings, buildings, strict=True):
+    for building, sway in zip(scene.buildings, peaks["sway"].tolist(), strict=True):
         isolation = None if building.foundation is None else building.foundation.isolation
-        if isolation is not None and peaks.sway > isolation.capacity:
-            beyond = 1000 * (peaks.sway - isolation.capacity)
+        if isolation is not None and sway > isolation.capacity:
+            beyond = 1000 * (sway - isolation.capacity)
             said.append(f"isolators moved beyond their capacity: {building.name}, by {beyond:.3g} mm")
-    for link, closing in zip(scene.links, links.max_closing.tolist(), strict=True):
+    for link, closing in zip(scene.links, peaks["max_closing"].tolist(), strict=True):
         if not (closing > link.gap and link.law.beyond_gap):
             continue
         strikes = any(each.law.subtracts_gap and _floors(each) == _floors(link) for each in scene.links)

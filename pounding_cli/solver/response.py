@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -17,71 +19,31 @@ OUTCOMES = (DONE, COLLAPSED)
 NEVER_CLOSES = "the gap never closes"
 """In a sentence of `Response.dropped`: of neighbours that never meet."""
 
-
-@dataclass(frozen=True, eq=False)
-class BuildingResponse:
-    """Largest values over time of one building; shape (n,), from the ground up.
-
-    shear : largest |restoring force| of each storey, without damping force [N]
-    drift : largest |drift| of each storey [m]
-    ductility : drift / yield drift [-], the same yield drift in elastic runs
-    acceleration : largest |total acceleration| of each floor [m/s2]
-    displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
-    residual_drift : drift at the end [m]
-    sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
-    isolator_displacement : the sway of a base on isolators [m]; NaN of others
-    """
-
-    shear: np.ndarray
-    drift: np.ndarray
-    ductility: np.ndarray
-    acceleration: np.ndarray
-    displacement_max: np.ndarray
-    displacement_min: np.ndarray
-    residual_drift: np.ndarray
-    sway: float = 0.0
-    rocking: float = 0.0
-    isolator_displacement: float = float("nan")
+STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
+BASES = ("sway", "rocking", "isolator_displacement")
+LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
+COLUMNS = ("shear_below", "shear_above", "demand")
 
 
-@dataclass(frozen=True, eq=False)
-class LinkResponse:
-    """Per link of the scene, in its order; shape (m,).
-
-    impacts : number of times the link closed [-]
-    peak_force : largest |force| [N]
-    max_closing : largest closing u_l - u_r [m], gap not subtracted
-    impulse : integral of the force over time [N s]; pulling counts negative
-    contact_time : time with a force [s]
-    """
-
-    impacts: np.ndarray
-    peak_force: np.ndarray
-    max_closing: np.ndarray
-    impulse: np.ndarray
-    contact_time: np.ndarray
+@functools.lru_cache(maxsize=1024)
+def peaks_type(buildings: int, storeys: int, links: int) -> np.dtype:
+    """The record of the peaks of a scene: numbers of every building and storey, of every base, and of every link."""
+    shapes = {STOREYS: (buildings, storeys), BASES: (buildings,), LINKS: (links,), COLUMNS: (links,)}
+    return np.dtype([(name, "f8", shape) for names, shape in shapes.items() for name in names])
 
 
-@dataclass(frozen=True, eq=False)
-class ColumnResponse:
-    """Of columns that slabs strike, one entry for each link that asks for them (`Link.columns`); shape (c,).
-
-    link : number of the link in the scene, from 0
-    shear_below, shear_above : largest |shear| in the columns below and above the blow, without damping force [N]
-    demand : the larger of both over the columns' share of the storey's yield shear, in elastic runs too [-]; NaN where
-        the storey cannot yield
-    """
-
-    link: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
-    shear_below: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    shear_above: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    demand: np.ndarray = field(default_factory=lambda: np.zeros(0))
+def no_peaks(storeys: Sequence[int], links: int) -> np.void:
+    """The peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
+    return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links))[0]
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
     """The response of a scene, what its solution cost, and what the user should know about it.
 
+    peaks : a record of `peaks_type`, NaN where a building has no such storey, a link no struck columns, or the run no
+        numbers; `buildings`, `links` and `columns` are views of it
+    storeys : of every building
     status : "done"; COLLAPSED, when a storey's drift passed what its building stands (then the numbers are those up to
         that time); or another named outcome such as "event bound reached" (then the numbers are NaN)
     advice : what to do about a status other than "done"
@@ -98,12 +60,11 @@ class Response:
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
     time_step : of a method that takes one [s]; nan for the others
     collapse_time : when a storey collapsed [s], nan where none did
-    columns : shears in columns that slabs strike
     collapse_building, collapse_storey : place of its building from 0, and storey from 1; -1 and 0 where none did
     """
 
-    buildings: tuple[BuildingResponse, ...]
-    links: LinkResponse
+    peaks: np.void
+    storeys: tuple[int, ...]
     status: str
     advice: str
     method: str
@@ -123,7 +84,54 @@ class Response:
     collapse_time: float = float("nan")
     collapse_building: int = -1
     collapse_storey: int = 0
-    columns: ColumnResponse = field(default_factory=ColumnResponse)
+
+    @property
+    def buildings(self) -> tuple[SimpleNamespace, ...]:
+        """Largest values over time of every building, left to right; of storeys and floors shape (n,), from the ground
+        up.
+
+        shear : largest |restoring force| of each storey, without damping force [N]
+        drift : largest |drift| of each storey [m]
+        ductility : drift / yield drift [-], the same yield drift in elastic runs
+        acceleration : largest |total acceleration| of each floor [m/s2]
+        displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
+        residual_drift : drift at the end [m]
+        sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
+        isolator_displacement : the sway of a base on isolators [m]; NaN of others
+        """
+        return tuple(
+            SimpleNamespace(
+                **{name: self.peaks[name][place, :n] for name in STOREYS},
+                **{name: float(self.peaks[name][place]) for name in BASES},
+            )
+            for place, n in enumerate(self.storeys)
+        )
+
+    @property
+    def links(self) -> SimpleNamespace:
+        """Of the links of the scene, in their order; shape (m,).
+
+        impacts : number of times the link closed [-]
+        peak_force : largest |force| [N]
+        max_closing : largest closing u_l - u_r [m], gap not subtracted
+        impulse : integral of the force over time [N s]; pulling counts negative
+        contact_time : time with a force [s]
+        """
+        found = SimpleNamespace(**{name: self.peaks[name] for name in LINKS})
+        found.impacts = found.impacts.astype(np.int64) if self.has_result else found.impacts
+        return found
+
+    @property
+    def columns(self) -> SimpleNamespace:
+        """Of columns that slabs strike, one entry for each link that asks for them (`Link.columns`); shape (c,).
+
+        link : number of the link in the scene, from 0
+        shear_below, shear_above : largest |shear| in the columns below and above the blow, without damping force [N]
+        demand : the larger of both over the columns' share of the storey's yield shear, in elastic runs too [-]; NaN
+            where the storey cannot yield
+        """
+        struck = np.flatnonzero(~np.isnan(self.peaks["shear_below"]))
+        return SimpleNamespace(link=struck, **{name: self.peaks[name][struck] for name in COLUMNS})
 
     @property
     def has_result(self) -> bool:
@@ -136,13 +144,3 @@ class Response:
         if self.links.impacts.size and self.has_result:
             impacts = f"; {counted(int(self.links.impacts.sum()), 'impact')}"
         return f"Response({self.status}; {self.method}; largest storey shears {shears} N{impacts})"
-
-
-def nothing(storeys: Sequence[int], links: int) -> tuple[tuple[BuildingResponse, ...], LinkResponse]:
-    """The numbers of a run that failed, of buildings with so many storeys: none of them is ever shown."""
-    buildings = []
-    for n in storeys:
-        none = np.full(n, np.nan)
-        buildings.append(BuildingResponse(none, none, none, none, none, none, none))
-    none = np.full(links, np.nan)
-    return tuple(buildings), LinkResponse(none, none, none, none, none)

@@ -21,7 +21,7 @@ from pounding_cli.solver.events import (
 )
 from pounding_cli.solver.options import CALLED, KERNEL, PART, bare
 from pounding_cli.solver.peaks import raise_peaks
-from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND
+from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND, Room
 from pounding_cli.solver.series import expand, shorten, shrink, start
 from pounding_cli.solver.smooth import end_of_smooth, take_smooth
 
@@ -132,13 +132,10 @@ def keep(dofs, elements, r, watch):
     watch.energy[t, 0], watch.energy[t, 1], watch.energy[t, 2] = r.input, r.drag + r.dashpots + on_drags, on_links
 
 
-@njit(**KERNEL)
+@njit(**CALLED)
 def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, slopes):
     """Run a scene through the whole motion; `ground` [m/s2] and `slopes` [m/s3] of its segments of run.dt each. How it
-    ends is run.status.
-
-    Without `room` for steps by DOP853 (None) a kernel is compiled that has series alone.
-    """
+    ends is run.status."""
     r = run[0]
     dofs, elements, terms = bare(dofs), bare(elements), bare(terms)
     series, columns = bare(series), bare(columns)
@@ -196,4 +193,21 @@ def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, 
                 break
         if r.status != DONE:
             break
-    return r.status
+
+
+@njit(**KERNEL)
+def integrate_all(dofs, elements, terms, run, series, columns, room, watch, ground, slopes, ends):
+    """Run scenes of one layout, a row each; the segments of a scene end at `ends`, where those of the next begin.
+
+    Without `room` for steps by DOP853 (None) a kernel is compiled that has series alone.
+    """
+    first = 0
+    for s in range(run.size):
+        own = None
+        if room is not None:
+            own = Room(room.states[s], room.formulas[s])
+        integrate(
+            dofs[s], elements[s], terms, run[s : s + 1], series[s], columns[s], own, watch,
+            ground[first : ends[s]], slopes[first : ends[s]],
+        )  # fmt: skip
+        first = ends[s]

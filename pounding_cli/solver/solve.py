@@ -1,4 +1,4 @@
-"""`solve`: one scene in, one response out, whatever the method."""
+"""`solve`: one scene in, one response out, whatever the method; `solve_all`: many scenes at once."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import ceil, inf, isfinite, nan
+from math import ceil, isfinite, nan
 from typing import Any
 
 import numba
@@ -17,11 +17,11 @@ from pounding_cli.methods import METHODS, Method
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver import outcome, records
+from pounding_cli.solver import assemble, outcome, records
 from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
 from pounding_cli.solver.options import FOLDER
-from pounding_cli.solver.records import Data
-from pounding_cli.solver.response import COLLAPSED, Response, nothing
+from pounding_cli.solver.records import Data, Room
+from pounding_cli.solver.response import COLLAPSED, Response, no_peaks
 
 say: Callable[[str], None] = lambda text: None  # noqa: E731 (replaced by whoever shows progress)
 """Told when something is about to be compiled, which takes its time."""
@@ -57,97 +57,129 @@ def solve(
     InputError : unknown method, a setting that it does not take or that is not above zero, or a scene that it does not
         run
     """
-    run = prepare(scene, accuracy, method, initial, bounds, time_step=time_step)
+    run = prepare([scene], accuracy, method, initial, bounds, time_step=time_step)
     run.integrate()
-    return run.response()
+    return run.responses()[0]
+
+
+def solve_all(
+    scenes: Sequence[Scene], accuracy: float = 1e-6, method: str = "taylor", *, time_step: float | None = None
+) -> list[Response]:
+    """The responses of scenes in their order, each as by `solve`; those of one layout are run by one call that lets
+    other threads go on, and share its time by their steps.  Raises InputError as `solve`."""
+    alike, found = dict[Layout, list[int]](), dict[int, Response]()
+    for number, scene in enumerate(scenes):
+        alike.setdefault(layout_of(scene), []).append(number)
+    for numbers in alike.values():
+        run = prepare([scenes[number] for number in numbers], accuracy, method, time_step=time_step)
+        run.integrate()
+        found |= zip(numbers, run.responses(), strict=True)
+    return [found[number] for number in range(len(scenes))]
 
 
 @dataclass(eq=False)
 class Prepared:
-    """A scene laid out for its run; `integrate`, and then `response`, once each.
+    """Scenes of one layout, laid out for their runs; `integrate`, and then `responses`, once each.
 
     before : energy held at the start [J]
-    seconds : time inside the kernel [s]
-    limit : longest stable time step [s], where a method has one
+    seconds : time inside the kernel [s], shape (scenes,)
+    limit : longest stable time step [s], where a method has one, of a scene that it kept from running
     """
 
-    scene: Scene
+    scenes: Sequence[Scene]
     layout: Layout
     data: Data
     method: Method
     accuracy: float
     time_step: float
-    before: float = 0.0
-    seconds: float = field(default=0.0, init=False)
-    limit: float = field(default=inf, init=False)
+    before: float
+    seconds: np.ndarray = field(init=False)
+    limit: dict[int, float] = field(default_factory=dict, init=False)
 
     def integrate(self) -> None:
-        """Run it, with a kernel that is compiled or loaded first if it has to be; not where the step is too long."""
-        arguments: tuple[Any, ...] = (*self.data, *segments(self.scene))
+        """Run them, with a kernel that is compiled or loaded first if it has to be."""
+        self.seconds = np.zeros(len(self.scenes))
         if self.method.takes_step:
-            from pounding_cli.solver import fixed_step
-            from pounding_cli.solver.fixed_step import march as kernel
+            for number in range(len(self.scenes)):
+                self._march(number)
+            return
+        from pounding_cli.solver.run import integrate_all as kernel
 
-            dt = self.scene.motion.dt
-            parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
-            if self.method.name == "central-difference":
-                self.limit = fixed_step.central_difference_limit(self.layout, self.data.elements, self.scene.links)
-            if dt / parts > self.limit:
-                self.data.run["status"] = records.UNSTABLE
+        arguments = (*self.data, *assemble.segments_of(self.scenes))
+        ready("the solver" if self.data.room is None else "the solver for smooth laws", kernel, arguments)
+        begin = time.perf_counter()
+        kernel(*arguments)
+        steps = self.data.run["steps"]
+        self.seconds = (time.perf_counter() - begin) * steps / max(steps.sum(), 1)
+
+    def _march(self, number: int) -> None:
+        """Run one of the scenes by a method of fixed time steps; not where the step is too long."""
+        from pounding_cli.solver import fixed_step
+
+        scene, elements, room = self.scenes[number], self.data.elements[number], self.data.room
+        dt = scene.motion.dt
+        parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
+        if self.method.name == "central-difference":
+            limit = fixed_step.central_difference_limit(self.layout, elements, scene.links)
+            if dt / parts > limit:
+                self.data.run["status"][number], self.limit[number] = records.UNSTABLE, limit
                 return
-            memory, shape = self.data.elements.view(np.float64), term_matrix(self.layout)
-            method = fixed_step.FIXED.index(self.method.name)
-            part = "the methods of fixed time steps"
-            arguments = (*self.data[:-1], *segments(self.scene), memory, shape, parts, method)
-        else:
-            from pounding_cli.solver.run import integrate as kernel
-
-            part = "the solver" if self.data.room is None else "the solver for smooth laws"
-        ready(part, kernel, arguments)
+        assert room is not None  # of every method of fixed time steps
+        arguments = (
+            self.data.dofs[number], elements, self.data.terms, self.data.run[number : number + 1],
+            self.data.series[number], self.data.columns[number], Room(room.states[number], room.formulas[number]),
+            *segments(scene), elements.view(np.float64), term_matrix(self.layout), parts,
+            fixed_step.FIXED.index(self.method.name),
+        )  # fmt: skip
+        ready("the methods of fixed time steps", fixed_step.march, arguments)
         begin = time.perf_counter()
         try:
-            kernel(*arguments)
+            fixed_step.march(*arguments)
         except np.linalg.LinAlgError:  # Newton's method has no direction
-            self.data.run["status"] = records.NO_ROOT
-        self.seconds = time.perf_counter() - begin
+            self.data.run["status"][number] = records.NO_ROOT
+        self.seconds[number] = time.perf_counter() - begin
 
-    def response(self) -> Response:
-        """What came of it."""
-        layout, data, r, links = self.layout, self.data, self.data.run[0], self.scene.links
-        fixed = self.method.takes_step
+    def responses(self) -> list[Response]:
+        """What came of them."""
+        layout, data, scenes = self.layout, self.data, self.scenes
         with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
-            energy = {} if fixed else outcome.balance(layout, data, links, self.before)
-            status, advice = outcome.outcome_of(data, self.accuracy, energy.get("residual", 0.0))
-        if int(r["status"]) == records.UNSTABLE:
-            advice = advice.replace("a shorter time step", f"a time step below {self.limit:.2g} s")
-        effects = effects_of(self.scene)
+            energies = {} if self.method.takes_step else outcome.balance(layout, data, scenes, self.before)
+            residuals = energies.get("residual", np.zeros(len(scenes)))
+            ends, peaks = outcome.ends_of(data, self.accuracy, residuals), outcome.peaks_of(layout, data, scenes)
+        told = ({name: float(each[number]) for name, each in energies.items()} for number in range(len(scenes)))
+        return [self._response(*each) for each in zip(range(len(scenes)), ends, peaks, told, strict=True)]
+
+    def _response(self, number: int, end: outcome.Outcome, peaks: np.void, energy: dict[str, float]) -> Response:
+        """What came of one of them."""
+        scene, layout, r, (status, advice) = self.scenes[number], self.layout, self.data.run[number], end
+        dofs, effects, fixed = self.data.dofs[number], effects_of(scene), self.method.takes_step
+        if number in self.limit:
+            advice = advice.replace("a shorter time step", f"a time step below {self.limit[number]:.2g} s")
+        storeys = tuple(building.storeys for building in layout.buildings)
         told: dict[str, Any] = {
-            "status": status, "advice": advice, "method": self.method.name,
-            "accuracy": nan if fixed else self.accuracy, "time_step": self.time_step, "seconds": self.seconds,
-            "steps": int(r["steps"]), "events": int(r["events"]), "orders": int(r["orders"]),
-            "effects": effects.kept, "dropped": effects.dropped,
+            "storeys": storeys, "status": status, "advice": advice, "method": self.method.name,
+            "accuracy": nan if fixed else self.accuracy, "time_step": self.time_step,
+            "seconds": float(self.seconds[number]), "steps": int(r["steps"]), "events": int(r["events"]),
+            "orders": int(r["orders"]), "effects": effects.kept, "dropped": effects.dropped,
         }  # fmt: skip
         if status not in outcome.OUTCOMES:
-            peaks = nothing([building.storeys for building in layout.buildings], len(links))
-            final = tuple((each.drift, each.drift) for each in peaks[0])
-            return Response(*peaks, **told, energy=dict.fromkeys(energy, nan), final=final)
-        buildings, peaks_of_links = outcome.buildings_of(layout, data), outcome.links_of(layout, data, links)
-        flags = outcome.flags_of(self.scene, buildings, peaks_of_links)
+            final = tuple((np.full(each, nan), np.full(each, nan)) for each in storeys)
+            return Response(no_peaks(storeys, len(scene.links)), **told, energy=dict.fromkeys(energy, nan), final=final)
+        flags = outcome.flags_of(scene, peaks)
         if status == COLLAPSED:
-            building, storey = outcome.collapse_of(layout, data)
+            building, storey = outcome.collapse_of(layout, self.data.elements[number, : layout.number])
             told |= {"collapse_time": float(r["time"]), "collapse_building": building, "collapse_storey": storey}
             where = f"{layout.buildings[building].name} storey {storey}"
             flags = (f"{COLLAPSED}: {where}, at {told['collapse_time']:.4g} s", *flags)
         if fixed and r["trials"]:
             cut = f"Newton found no root in {r['trials']} of {r['steps']} steps, because a contact force jumps"
             flags += (f"{cut}; these were cut in half",)
-        final = tuple((data.dofs["u0"][span].copy(), data.dofs["w"][span, 0].copy()) for span in layout.floors)
-        columns = outcome.columns_of(layout, data)
-        return Response(buildings, peaks_of_links, **told, energy=energy, flags=flags, final=final, columns=columns)
+        final = tuple((dofs["u0"][span].copy(), dofs["w"][span, 0].copy()) for span in layout.floors)
+        return Response(peaks.copy(), **told, energy=energy, flags=flags, final=final)
 
 
 def prepare(
-    scene: Scene,
+    scenes: Sequence[Scene],
     accuracy: float = 1e-6,
     method: str = "taylor",
     initial: Start | None = None,
@@ -156,21 +188,23 @@ def prepare(
     time_step: float | None = None,
     times: np.ndarray | None = None,
 ) -> Prepared:
-    """A scene laid out for its run; `times` [s]: what is kept over time. Other parameters and errors as of `solve`."""
+    """Scenes of one layout, laid out for their runs; `times` [s]: what is kept of one scene over time. Other parameters
+    and errors as of `solve`."""
     chosen, setting = chosen_method(method, accuracy, time_step)
-    if reason := refusal_of(chosen, scene):
-        hint = "write `method: taylor`, which runs every scene"
-        raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
-    layout = layout_of(scene)
-    data = records_of(scene, layout, accuracy, chosen, initial, times, bounds)
-    before = 0.0 if initial is None else _held_at_start(layout, data, scene.links)
-    return Prepared(scene, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
+    for scene in scenes:
+        if reason := refusal_of(chosen, scene):
+            hint = "write `method: taylor`, which runs every scene"
+            raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
+    layout = layout_of(scenes[0])
+    data = records_of(scenes, layout, accuracy, chosen, initial, times, bounds)
+    before = 0.0 if initial is None else _held_at_start(layout, data, scenes[0].links)
+    return Prepared(scenes, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
 
 
 def _held_at_start(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     """Energy in a scene at its initial displacements and velocities [J]: it has not yielded, and lies on its first
     line."""
-    n, u, stiffness = layout.number, data.dofs["u0"], data.elements["p"][:, 0]
+    n, u, stiffness = layout.number, data.dofs["u0"][0], data.elements["p"][0, :, 0]
     moved = term_matrix(layout) @ u
     stored, _ = outcome.stored_in_storeys(layout, moved[:n], stiffness[:n] * moved[:n], u)
     in_links = sum(
@@ -178,7 +212,7 @@ def _held_at_start(layout: Layout, data: Data, links: Sequence[Link]) -> float:
         for link, closing, k in zip(links, moved[layout.of_links], stiffness[layout.of_links], strict=True)
         if link.law.can_close
     )
-    return 0.5 * float(data.dofs["mass"] @ data.dofs["w"][:, 0] ** 2) + float(stored) + in_links
+    return 0.5 * float(data.dofs["mass"][0] @ data.dofs["w"][0, :, 0] ** 2) + float(stored) + in_links
 
 
 def method_named(name: str) -> Method:

@@ -192,7 +192,7 @@ class Fragility(Workflow):
         places = list(self._places())
         asked = self._hunted(places, solver) if self.spec.method == "ida" else np.arange(len(self.plan))
         solved = solver.responses(self.plan, asked)
-        return Found(self.plan, solver.dataset(self.plan, asked), self._tables(places, solved))
+        return Found(self.plan, solver.contents(self.plan, asked), self._tables(places, solved))
 
     # Which scenes are solved
 

@@ -128,7 +128,8 @@ class Gap(Workflow):
     def run(self, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
         plan = self.plan
-        data = solver.dataset(plan)
+        contents = solver.contents(plan)
+        data = contents.dataset()
         separations = _separations(plan, _between_floors(plan, data))
         distances = _separations(plan, _to_lines(plan, data))
         tables = [
@@ -138,7 +139,7 @@ class Gap(Workflow):
         ]
         if self.hazard is not None:
             tables.append(self._of_rate(self.hazard, separations[separations["rule"] == EXACT]))
-        return Found(plan, data, tables)
+        return Found(plan, contents, tables)
 
     def _of_rate(self, hazard: Hazard, exact: pd.DataFrame) -> Table:
         """The gap for the rate that the study allows: a row for every point of the other axes, analysis and pair.

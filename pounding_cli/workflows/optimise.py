@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.results.dataset import dataset
+from pounding_cli.results.dataset import contents
 from pounding_cli.results.flags import is_void, parted
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
@@ -128,14 +128,15 @@ class Optimise(Workflow):
 
         def function(points: list[Point], is_rough: bool) -> np.ndarray:
             plan = self.plan_of(points)
-            found = _sought(self, plan, dataset(plan, solver.responses(plan, rough=is_rough)))
+            found = _sought(self, plan, contents(plan, solver.responses(plan, rough=is_rough)).dataset())
             return self.sign * found["value"].to_numpy()[: len(points)]
 
         search = Search(function, [factor.options for factor in self.factors], self.spec, self.written)
         search.run()
         tried = list(search.tried)
         plan = self.plan_of(tried)
-        data = dataset(plan, solver.responses(plan, rough=True))  # what only led to the valley keeps its rough numbers
+        told = contents(plan, solver.responses(plan, rough=True))  # what only led to the valley keeps its rough numbers
+        data = told.dataset()
         sought = _sought(self, plan, data)
         best = None if search.best is None else tried.index(search.best)
         written = len(sought) - 1 if search.written is None else tried.index(search.written)
@@ -145,7 +146,7 @@ class Optimise(Workflow):
             tabled(DESIGN, _design(self, plan, data, sought["value"], columns)),
             _points(search, self, sought[: len(tried)]),
         ]
-        return Found(plan, data, tables)
+        return Found(plan, told, tables)
 
 
 def _by_point(plan: Plan, values: np.ndarray) -> np.ndarray:

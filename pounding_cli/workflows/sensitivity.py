@@ -204,7 +204,8 @@ class Sensitivity(Workflow):
         """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
         samples."""
         plan, method = self.plan, self.spec.method
-        data = solver.dataset(plan)
+        contents = solver.contents(plan)
+        data = contents.dataset()
         outputs = list(_series(plan, data, self, self.outputs))
         holds = list(_series(plan, data, self, self.statements))
         claims = list(self.judge(plan, data, self)) if self.judge and self.spec.claims else []
@@ -225,7 +226,7 @@ class Sensitivity(Workflow):
             tables.append(tabled(PROBABILITIES, frame.join(numbers), plan.axes))
         if outputs or holds:
             tables.append(_samples(plan, self, [*outputs, *holds]))
-        return Found(plan, data, tables)
+        return Found(plan, contents, tables)
 
 
 def _series(

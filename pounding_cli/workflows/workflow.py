@@ -17,9 +17,9 @@ from pounding_cli.variables import COORDINATES
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray as xr
 
     from pounding_cli.batch.solve import Solver
+    from pounding_cli.results.group import Group
     from pounding_cli.study import Plan, Study
     from pounding_cli.study.axes import Axis
 
@@ -41,12 +41,12 @@ class Found:
     """What a question came to.
 
     plan : of all scenes that tables are about
-    dataset : what these did
+    contents : what these did, as the results file has it
     tables : the answer
     """
 
     plan: Plan
-    dataset: xr.Dataset
+    contents: Group
     tables: list[Table]
 
 
@@ -106,7 +106,7 @@ class Run(Workflow):
 
     def run(self, solver: Solver) -> Found:
         """What all scenes did."""
-        return Found(self.plan, solver.dataset(self.plan), [])
+        return Found(self.plan, solver.contents(self.plan), [])
 
 
 def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]], **more: Sequence[Any]) -> pd.DataFrame:

@@ -49,7 +49,12 @@ def pound(request, folder, monkeypatch, capsys) -> Callable[..., tuple[int, str,
 
     def run(*arguments: object, solve=usual) -> tuple[int, str, str]:
         if solve is not None:
+
+            def solve_all(scenes, accuracy, method, **settings):
+                return [solve(scene, accuracy=accuracy, method=method, **settings) for scene in scenes]
+
             monkeypatch.setattr("pounding_cli.solver.solve.solve", solve)
+            monkeypatch.setattr("pounding_cli.solver.solve.solve_all", solve_all)
         monkeypatch.setattr("sys.argv", ["pound", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
             main()

@@ -35,20 +35,23 @@ def solve(scene, accuracy=1e-6, method="taylor", **_):
     """Linked, `low` has the largest ratio (storey 2, 3 times mu0 = 1) and `high` the largest ductility (storey 1, 8);
     drifts of `high` are 4 cm in both storeys, and its columns carry 34 times their share where the slab strikes."""
     strong, count = scene.motion.pga > 2, len(scene.links)
-    found = []
-    for building in scene.buildings:
-        mu = np.array([6.0, 4.0] if building.name.startswith("high") else [0.5, 1.0]) * (1.0 if strong else 0.5)
+    storeys = tuple(building.storeys for building in scene.buildings)
+    peaks = response.no_peaks(storeys, count)
+    for name in (*response.STOREYS, *response.LINKS):
+        peaks[name] = 1.0
+    peaks["shear"], peaks["displacement_min"], peaks["residual_drift"] = 1e6, -1.0, 0.0
+    for place, building in enumerate(scene.buildings):
+        is_high = building.name.startswith("high")
+        mu = np.array([6.0, 4.0] if is_high else [0.5, 1.0]) * (1.0 if strong else 0.5)
         if count:
-            mu = mu + (np.array([2.0, 0.0]) if building.name.startswith("high") else np.array([0.0, 2.0]))
-        drift = np.full(2, 0.04) if building.name.startswith("high") else np.full(2, 0.01)
-        n = np.ones(2)
-        found.append(response.BuildingResponse(1e6 * n, drift, mu, n, n, -n, 0 * n))
-    struck = np.array([at for at, link in enumerate(scene.links) if link.columns], int)
-    columns = response.ColumnResponse(struck, 1e5 + struck, 2e5 + struck, np.full(len(struck), 34.0 if strong else 1.2))
-    blows = np.full(count, 0.0 if count and scene.links[0].gap > 0.05 else 3.0)
-    n = np.ones(count)
-    link = response.LinkResponse(blows, n, n, n, n)
-    return response.Response(tuple(found), link, "done", "", "taylor", accuracy, 1, 1, 1e-4, columns=columns)
+            mu = mu + (np.array([2.0, 0.0]) if is_high else np.array([0.0, 2.0]))
+        peaks["ductility"][place], peaks["drift"][place] = mu, 0.04 if is_high else 0.01
+    peaks["impacts"] = 0.0 if count and scene.links[0].gap > 0.05 else 3.0
+    for at, link in enumerate(scene.links):
+        if link.columns:
+            shears = 1e5 + at, 2e5 + at, 34.0 if strong else 1.2
+            peaks["shear_below"][at], peaks["shear_above"][at], peaks["demand"][at] = shears
+    return response.Response(peaks, storeys, "done", "", "taylor", accuracy, 1, 1, 1e-4)
 
 
 SOLVE = solve

@@ -1,0 +1,98 @@
+"""Scenes that are solved together: the same numbers as one by one, and one that fails takes no other with it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pounding_cli as pound
+from pounding_cli.batch.attempt import Task
+from pounding_cli.solver import solve as solver
+from pounding_cli.solver.assemble import layout_of
+
+STIFF, SOFT = (pound.building(name, storeys=n, period=t) for name, n, t in (("stiff", 2, 0.2), ("soft", 3, 0.5)))
+TIME = np.arange(0.0, 2.0, 0.02)
+WEAK, STRONG = (pound.motion(a * np.sin(12 * TIME[:n]), dt=0.02) for a, n in ((1.0, 60), (4.0, 100)))
+
+
+def scenes():
+    """Four layouts, two motions of different length, with a tail, gaps that close and one that does not."""
+    pair = [STIFF, SOFT]
+    made = [
+        pound.scene(pair, STRONG, gap=0.0),
+        pound.scene(pair, WEAK, gap=0.001, tail=0.5),
+        pound.scene([SOFT], STRONG),
+        pound.scene(pair, STRONG, gap=0.5),
+        pound.scene(pair, WEAK, gap=0.001, analysis="elastic"),
+        pound.scene(pair, STRONG, gap=0.002, link="infill"),
+        pound.scene(pair, STRONG, gap=0.0, impact={"law": "hertz", "hertz_stiffness": 1e9}),
+        pound.scene(pair, WEAK, gap=0.001, impact={"law": "hertz", "hertz_stiffness": 2e9}),
+    ]
+    row = made[0].buildings  # scenes of a study share them
+    return [replace(scene, buildings=row) if len(scene.buildings) == 2 else scene for scene in made]
+
+
+def numbers(response):
+    kept = response.status, response.steps, response.events, response.flags, response.energy["residual"]
+    return (*kept, response.peaks.tobytes())
+
+
+def test_scenes_solved_together_have_the_numbers_of_each_alone():
+    mine = scenes()
+    assert len({layout_of(scene) for scene in mine}) < len(mine)
+    together = solver.solve_all(mine)
+    assert [numbers(each) for each in together] == [numbers(pound.solve(scene)) for scene in mine]
+    assert all(each.seconds > 0 for each in together)
+
+
+@pytest.mark.parametrize("method", ["newmark", "central-difference"])
+def test_scenes_of_fixed_steps_have_the_numbers_of_each_alone(method):
+    some = [scene for scene in scenes() if all(link.kind == "pounding" for link in scene.links)]
+    how = {"accuracy": 1e-6, "method": method, "time_step": 1e-4}
+    together = solver.solve_all(some, **how)
+    assert [each.peaks.tobytes() for each in together] == [pound.solve(one, **how).peaks.tobytes() for one in some]
+    assert {each.status for each in together} == {"done"}
+
+
+def test_a_scene_that_fails_takes_no_other_of_its_group_with_it(monkeypatch):
+    usual, some = solver.solve_all, scenes()[:3]
+
+    def solve_all(scenes, *of, **settings):
+        if some[1] in scenes:
+            raise ZeroDivisionError("of a motion")
+        return usual(scenes, *of, **settings)
+
+    monkeypatch.setattr(solver, "solve_all", solve_all)
+    found = Task(1e-6, "taylor")(some)
+    assert [each.status for each in found] == ["done", "error: ZeroDivisionError: of a motion", "done"]
+    assert np.isnan(found[1].buildings[0].shear).all()
+    assert found[2].peaks.tobytes() == pound.solve(some[2]).peaks.tobytes()
+
+
+def test_neighbours_with_nothing_between_them_answer_whatever_group_a_scene_is_in():
+    """A gap of 50 cm never closes; nor does one of 40 cm of the same scene otherwise, which is not run."""
+    wide, other = (pound.scene([STIFF, SOFT], STRONG, gap=gap) for gap in (0.5, 0.4))
+    together = Task(1e-6, "taylor", "all")([*scenes(), wide, other])
+    alone = Task(1e-6, "taylor", "all", harder=True)([other])
+    assert together[-1].peaks.tobytes() == alone[0].peaks.tobytes()
+    assert together[-1].error_estimate == alone[0].error_estimate < 1e-6
+    assert together[-1].seconds == 0.0
+    assert together[-1].dropped[-1].startswith("links stiff | soft: the gap never closes, ")
+
+
+def test_a_run_without_a_report_imports_neither_xarray_nor_pandas(tmp_path):
+    """These two take half of its time where a study is small."""
+    (tmp_path / "a.yaml").write_text(
+        "title: A\nrecords: {use: [elcentro], duration: 1 s}\nbuildings: {a: {storeys: 2, period: 0.3 s}, "
+        "b: {like: a, period: 0.5 s}}\ngroup: [a, b]\ncases: {near: {link: pounding, gap: 1 mm}}\n"
+        "keep: {histories: {analyses: [elastic]}}\n"
+    )
+    run = "import sys; from pounding_cli.cli.main import cli; cli(['run', 'a.yaml', '-q'], standalone_mode=False); "
+    told = run + "print(sorted({'xarray', 'pandas', 'dask', 'matplotlib'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", told], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+    assert pound.open_results(tmp_path / "results" / "a.h5").history(analysis="elastic").drift.any()
