@@ -117,25 +117,28 @@ class Task:
         memory.update(known)
         found = dict[int, Response]()
         for number, other in apart.items():
-            answer = _answer(scenes[number], other, known[other.digest])
-            if answer.status == DONE and self._stays_apart(scenes[number], answer):
-                found[number] = answer
+            if self._stays_apart(scenes[number], other, known[other.digest]):
+                found[number] = _answer(scenes[number], other, known[other.digest])
         rest = [number for number in range(len(scenes)) if number not in found]
         for number, response in zip(rest, self._run([scenes[number] for number in rest]), strict=True):
             found[number] = response
             if number in apart and response.status == DONE and not response.peaks["impacts"].any():
-                answer = _answer(scenes[number], apart[number], known[apart[number].digest])
-                found[number] = answer if answer.status == DONE else response
+                at_rest = known[apart[number].digest]
+                if at_rest.status == DONE:
+                    found[number] = _answer(scenes[number], apart[number], at_rest)
         for number, other in apart.items():  # of scenes that share a run, the first is told its time
             seconds = found[number].seconds + spent.pop(other.digest, 0.0)
             found[number] = replace(found[number], seconds=seconds)
         return [found[number] for number in range(len(scenes))]
 
-    def _stays_apart(self, scene: Scene, answer: Response) -> bool:
+    def _stays_apart(self, scene: Scene, apart: Scene, known: Response) -> bool:
         """Whether no link of a scene acts at the closings with nothing between, and at the most they may be wrong."""
-        moved = [answer.peaks[name].ravel() for name in ("displacement_max", "displacement_min")]
+        if known.status != DONE:
+            return False
+        moved = [known.peaks[name].ravel() for name in ("displacement_max", "displacement_min")]
         furthest = np.nanmax(np.abs(np.concatenate(moved)), initial=0.0)  # a wall that moves with the ground has none
-        return bool(np.all(_left_open(scene, answer.peaks["max_closing"]) > ERRORS * self.accuracy * furthest))
+        left_open = _left_open(scene, _closings(scene, apart, known))
+        return bool(np.all(left_open > ERRORS * self.accuracy * furthest))
 
 
 @lru_cache(maxsize=1)
@@ -155,6 +158,11 @@ def _apart(scene: Scene) -> Scene:
     return replace(scene, links=tuple(dict.fromkeys(map(_ends, scene.links))))
 
 
+def _closings(scene: Scene, apart: Scene, known: Response) -> np.ndarray:
+    """The largest closing of every link of a scene with nothing between its neighbours [m]."""
+    return known.peaks["max_closing"][[apart.links.index(_ends(link)) for link in scene.links]]
+
+
 def _answer(scene: Scene, apart: Scene, known: Response) -> Response:
     """The response of a scene, if none of its gaps closes, from that of its neighbours with nothing between them."""
     effects, peaks = effects_of(scene), no_peaks(known.storeys, len(scene.links))
@@ -162,7 +170,7 @@ def _answer(scene: Scene, apart: Scene, known: Response) -> Response:
         peaks[name] = known.peaks[name]
     for name in LINKS:
         peaks[name] = 0.0
-    peaks["max_closing"] = known.peaks["max_closing"][[apart.links.index(_ends(link)) for link in scene.links]]
+    peaks["max_closing"] = _closings(scene, apart, known)
     return replace(known, peaks=peaks, effects=effects.kept, dropped=effects.dropped)
 
 

@@ -15,13 +15,12 @@ import numpy as np
 from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import Pool, end
 from pounding_cli.batch.progress import Progress
-from pounding_cli.results.dataset import contents
-from pounding_cli.results.group import Group
 from pounding_cli.results.solved import Row, Solved, encode, solution_key
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
     from pounding_cli.batch.attempt import Task
+    from pounding_cli.results.group import Group
     from pounding_cli.study.plan import Plan
 
 GROUP_SECONDS = 0.2
@@ -104,6 +103,8 @@ class Solver:
 
     def contents(self, plan: Plan, numbers: np.ndarray | None = None) -> Group:
         """All that a results file says of a plan: see `responses` and `results.dataset`."""
+        from pounding_cli.results.dataset import contents
+
         return contents(plan, self.responses(plan, numbers))
 
     def _find(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
