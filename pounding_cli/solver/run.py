@@ -132,82 +132,70 @@ def keep(dofs, elements, r, watch):
     watch.energy[t, 0], watch.energy[t, 1], watch.energy[t, 2] = r.input, r.drag + r.dashpots + on_drags, on_links
 
 
-@njit(**CALLED)
-def integrate(dofs, elements, terms, run, series, columns, room, watch, ground, slopes):
-    """Run a scene through the whole motion; `ground` [m/s2] and `slopes` [m/s3] of its segments of run.dt each. How it
-    ends is run.status."""
-    r = run[0]
-    dofs, elements, terms = bare(dofs), bare(elements), bare(terms)
-    series, columns = bare(series), bare(columns)
-    begin(dofs, elements, terms, r, series)
-    if watch.times.size > 0:
-        keep(dofs, elements, r, watch)
-    pinned = False
-    for segment in range(ground.size):
-        elapsed, r.longest, r.follows = 0.0, r.dt, 0
-        while r.status == DONE and elapsed < r.dt:
-            output = np.inf
-            if r.output < watch.times.size:
-                output = watch.times[r.output] - (segment * r.dt + elapsed)
-            whole = begin_step(r, elapsed, ground[segment], slopes[segment], output)
-            planned, shortened, smooth = r.h, False, r.smooth
-            if smooth:
-                if room is not None:
-                    take_smooth(dofs, elements, terms, r, series, room)
-                    shortened = r.h < planned
-            else:
-                start(dofs, elements, terms, r, series)
-                if not expand(dofs, elements, terms, r, series):
-                    ratio = shrink(dofs, elements, r, series)
-                    if not ratio > SHORTEST:
-                        r.status = NOT_FINITE
-                    shortened = shorten(dofs, r, series, ratio)
+@njit(**KERNEL)
+def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms, watch, ground, slopes, ends):
+    """Run scenes of one layout, a row each, through their whole motions. How each ends is run.status.
+
+    ground, slopes : acceleration [m/s2] at the start of every segment of run.dt and its slope [m/s3], of the scenes one
+        after the other, those of a scene up to its `ends`
+    rooms : for steps by DOP853; without it (None) a kernel is compiled that has series alone
+    """
+    terms, first = bare(terms), 0
+    for scene in range(run.size):
+        r, dofs, elements = run[scene], bare(all_dofs[scene]), bare(all_elements[scene])
+        series, columns = bare(all_series[scene]), bare(all_columns[scene])
+        begin(dofs, elements, terms, r, series)
+        if watch.times.size > 0:
+            keep(dofs, elements, r, watch)
+        pinned = False
+        for segment in range(ends[scene] - first):
+            elapsed, r.longest, r.follows = 0.0, r.dt, 0
+            while r.status == DONE and elapsed < r.dt:
+                output = np.inf
+                if r.output < watch.times.size:
+                    output = watch.times[r.output] - (segment * r.dt + elapsed)
+                whole = begin_step(r, elapsed, ground[first + segment], slopes[first + segment], output)
+                planned, shortened, smooth = r.h, False, r.smooth
+                if smooth:
+                    if rooms is not None:
+                        take_smooth(dofs, elements, terms, r, series, Room(rooms.states[scene], rooms.formulas[scene]))
+                        shortened = r.h < planned
+                else:
+                    start(dofs, elements, terms, r, series)
+                    if not expand(dofs, elements, terms, r, series):
+                        ratio = shrink(dofs, elements, r, series)
+                        if not ratio > SHORTEST:
+                            r.status = NOT_FINITE
+                        shortened = shorten(dofs, r, series, ratio)
+                if r.status != DONE:
+                    break
+                summarise(dofs, elements, terms, r)
+                happened = first_event(dofs, elements, terms, r, series)
+                if r.end < 1.0:
+                    end_at(dofs, elements, terms, r)
+                else:
+                    r.end = 1.0
+                if rooms is not None:
+                    if smooth:
+                        end_of_smooth(elements, r, Room(rooms.states[scene], rooms.formulas[scene]))
+                add_energy(dofs, elements, r, series)
+                raise_peaks(dofs, elements, terms, r, series, columns)
+                if pinned and r.end > INSTANT:
+                    unpin(elements, r)
+                    pinned = False
+                advance(dofs, elements, r)
+                count(r, happened)
+                r.follows = smooth and not happened
+                elapsed += r.h * r.end
+                r.time = segment * r.dt + elapsed
+                if output <= r.h * r.end + NEAR * r.dt:
+                    keep(dofs, elements, r, watch)
+                if happened:
+                    commit(dofs, elements, terms, r, series)
+                    pinned = True
+                    r.longest = r.dt
+                if whole and not shortened and r.end == 1.0:
+                    break
             if r.status != DONE:
                 break
-            summarise(dofs, elements, terms, r)
-            happened = first_event(dofs, elements, terms, r, series)
-            if r.end < 1.0:
-                end_at(dofs, elements, terms, r)
-            else:
-                r.end = 1.0
-            if room is not None:
-                if smooth:
-                    end_of_smooth(elements, r, room)
-            add_energy(dofs, elements, r, series)
-            raise_peaks(dofs, elements, terms, r, series, columns)
-            if pinned and r.end > INSTANT:
-                unpin(elements, r)
-                pinned = False
-            advance(dofs, elements, r)
-            count(r, happened)
-            r.follows = smooth and not happened
-            elapsed += r.h * r.end
-            r.time = segment * r.dt + elapsed
-            if output <= r.h * r.end + NEAR * r.dt:
-                keep(dofs, elements, r, watch)
-            if happened:
-                commit(dofs, elements, terms, r, series)
-                pinned = True
-                r.longest = r.dt
-            if whole and not shortened and r.end == 1.0:
-                break
-        if r.status != DONE:
-            break
-
-
-@njit(**KERNEL)
-def integrate_all(dofs, elements, terms, run, series, columns, room, watch, ground, slopes, ends):
-    """Run scenes of one layout, a row each; the segments of a scene end at `ends`, where those of the next begin.
-
-    Without `room` for steps by DOP853 (None) a kernel is compiled that has series alone.
-    """
-    first = 0
-    for s in range(run.size):
-        own = None
-        if room is not None:
-            own = Room(room.states[s], room.formulas[s])
-        integrate(
-            dofs[s], elements[s], terms, run[s : s + 1], series[s], columns[s], own, watch,
-            ground[first : ends[s]], slopes[first : ends[s]],
-        )  # fmt: skip
-        first = ends[s]
+        first = ends[scene]

@@ -103,7 +103,7 @@ class Prepared:
             for number in range(len(self.scenes)):
                 self._march(number)
             return
-        from pounding_cli.solver.run import integrate_all as kernel
+        from pounding_cli.solver.run import integrate as kernel
 
         arguments = (*self.data, *assemble.segments_of(self.scenes))
         ready("the solver" if self.data.room is None else "the solver for smooth laws", kernel, arguments)
