@@ -5,6 +5,9 @@ They are stated here alone; the study's schema, `solve`, `pound accuracy` and ci
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
+
+from pounding_cli.errors import InputError, Problem
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,17 @@ class Method:
         """Whether its setting is a time step."""
         return self.setting is TIME_STEP
 
+    def checked(self, accuracy: float, time_step: float | None = None) -> float:
+        """Its setting, which of both it is.  Raises InputError: a setting that it does not take, or not above zero."""
+        setting, value = self.setting, time_step if self.takes_step else accuracy
+        if self.takes_step != (time_step is not None):
+            wrong = f"method {self.name} takes {'a time step' if self.takes_step else 'an accuracy and no time step'}"
+            raise InputError(Problem(wrong, f"give it e.g. `{setting.key}: {setting.example}` and no other setting"))
+        if value is None or not (isfinite(value) and value > 0):
+            hint = f"write e.g. `{setting.key}: {setting.example}`"
+            raise InputError(Problem(f"{setting.title} is {value:g}; it must be above zero", hint))
+        return value
+
 
 _LIST = (
     Method("taylor", "Taylor with events", 0, ACCURACY, (("jorba2005", ""),), remembers=True),
@@ -74,3 +88,10 @@ _LIST = (
 
 METHODS: dict[str, Method] = {method.name: method for method in _LIST}
 """The methods by name, as tables list them. Whoever has one of his own adds it here (docs/extending.md)."""
+
+
+def method_named(name: str) -> Method:
+    """The method of that name.  Raises `InputError` where there is none."""
+    if name not in METHODS:
+        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
+    return METHODS[name]

@@ -18,7 +18,6 @@ from pounding_cli.solver.solve import Prepared, prepare
 EVERY = 0.002
 """Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
 
-
 FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
     "ground_acceleration": (("time",), "m/s2", "ground acceleration"),
     "ground_displacement": (("time",), "m", "ground acceleration integrated twice from rest, no baseline correction"),

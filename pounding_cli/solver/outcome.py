@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from operator import attrgetter
 
 import numpy as np
 
@@ -16,8 +15,6 @@ from pounding_cli.solver import records
 from pounding_cli.solver.assemble import Layout
 from pounding_cli.solver.records import Data
 from pounding_cli.solver.response import COLLAPSED, DONE, OUTCOMES, STOREYS, peaks_type
-
-_floors = attrgetter("left", "left_floor", "right_floor")
 
 Outcome = tuple[str, str]
 """How a run ended, in words, and what to do about it."""
@@ -191,11 +188,12 @@ def flags_of(scene: Scene, peaks: np.void) -> tuple[str, ...]:
         if isolation is not None and sway > isolation.capacity:
             beyond = 1000 * (sway - isolation.capacity)
             said.append(f"isolators moved beyond their capacity: {building.name}, by {beyond:.3g} mm")
-    for link, closing in zip(scene.links, peaks["max_closing"].tolist(), strict=True):
+    places = [(link.left, link.left_floor, link.right_floor) for link in scene.links]
+    striking = {place for place, link in zip(places, scene.links, strict=True) if link.law.subtracts_gap}
+    for place, link, closing in zip(places, scene.links, peaks["max_closing"].tolist(), strict=True):
         if not (closing > link.gap and link.law.beyond_gap):
             continue
-        strikes = any(each.law.subtracts_gap and _floors(each) == _floors(link) for each in scene.links)
-        if not (link.law.meaningless and strikes):
+        if not (link.law.meaningless and place in striking):
             left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
             beyond = 1000 * (closing - link.gap)
             said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond:.3g} mm")

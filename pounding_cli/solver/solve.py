@@ -6,14 +6,14 @@ import contextlib
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import ceil, isfinite, nan
+from math import ceil, nan
 from typing import Any
 
 import numba
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.methods import METHODS, Method
+from pounding_cli.methods import Method, method_named
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
@@ -190,7 +190,8 @@ def prepare(
 ) -> Prepared:
     """Scenes of one layout, laid out for their runs; `times` [s]: what is kept of one scene over time. Other parameters
     and errors as of `solve`."""
-    chosen, setting = chosen_method(method, accuracy, time_step)
+    chosen = method_named(method)
+    setting = chosen.checked(accuracy, time_step)
     for scene in scenes:
         if reason := refusal_of(chosen, scene):
             hint = "write `method: taylor`, which runs every scene"
@@ -213,31 +214,6 @@ def _held_at_start(layout: Layout, data: Data, links: Sequence[Link]) -> float:
         if link.law.can_close
     )
     return 0.5 * float(data.dofs["mass"][0] @ data.dofs["w"][0, :, 0] ** 2) + float(stored) + in_links
-
-
-def method_named(name: str) -> Method:
-    """The method of that name.  Raises `InputError` where there is none."""
-    if name not in METHODS:
-        raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))
-    return METHODS[name]
-
-
-def chosen_method(name: str, accuracy: float, time_step: float | None = None) -> tuple[Method, float]:
-    """The method of that name and its setting, checked.
-
-    Raises
-    ------
-    InputError : no such method, a setting that it does not take, or one that is not above zero
-    """
-    method = method_named(name)
-    what, setting = method.setting, time_step if method.takes_step else accuracy
-    if method.takes_step != (time_step is not None):
-        wrong = f"method {name} takes {'a time step' if method.takes_step else 'an accuracy and no time step'}"
-        raise InputError(Problem(wrong, f"give it e.g. `{what.key}: {what.example}` and no other setting"))
-    if setting is None or not (isfinite(setting) and setting > 0):
-        hint = f"write e.g. `{what.key}: {what.example}`"
-        raise InputError(Problem(f"{what.title} is {setting:g}; it must be above zero", hint))
-    return method, setting
 
 
 def refusal_of(method: Method, scene: Scene) -> str:

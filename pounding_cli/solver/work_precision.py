@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.methods import METHODS
+from pounding_cli.methods import METHODS, method_named
 from pounding_cli.model.scene import Scene
 from pounding_cli.numbers import counted
 from pounding_cli.solver.response import DONE, Response
-from pounding_cli.solver.solve import method_named, refusal_of, solve
+from pounding_cli.solver.solve import refusal_of, solve
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
@@ -61,12 +61,10 @@ def errors_of(found: Response, reference: Response) -> dict[str, float]:
     """Largest relative errors by QUANTITIES [-]; forces are relative to the scene's largest."""
     worst = dict.fromkeys(QUANTITIES, 0.0)
     fields = {"V": "shear", "mu": "ductility", "acceleration": "acceleration"}
-    for mine, theirs in zip(found.buildings, reference.buildings, strict=True):
-        for quantity, field in fields.items():
-            x, y = getattr(mine, field), getattr(theirs, field)
-            moving = y != 0
-            if moving.any():
-                worst[quantity] = max(worst[quantity], float(np.max(np.abs(x[moving] / y[moving] - 1))))
+    for quantity, name in fields.items():
+        x, y = found.peaks[name], reference.peaks[name]
+        moving = np.nan_to_num(y) != 0
+        worst[quantity] = float(np.max(np.abs(x[moving] / y[moving] - 1), initial=0.0))
     force = reference.links.peak_force
     if force.size and force.max() > 0:
         worst["force"] = float(np.max(np.abs(found.links.peak_force - force)) / force.max())
