@@ -6,7 +6,8 @@ that differ in such gaps alone, one is solved."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -24,7 +25,7 @@ from pounding_cli.solver.response import BASES, DONE, LINKS, NEVER_CLOSES, STORE
 HARDER = 0.01
 """Accuracy and time step of a second try over those of the first [-]."""
 
-MEMORY = 256
+MEMORY = 4096
 """Responses of neighbours with nothing between them that are kept."""
 
 ERRORS = 10.0
@@ -104,32 +105,46 @@ class Task:
         return self.estimate == "all" or (self.estimate == "sample" and scene.digest[0] in "01")
 
     def _run_or_known(self, scenes: Sequence[Scene]) -> list[Response]:
-        """The responses of scenes, from those of the neighbours with nothing between them where no gap closes: these
-        are run first."""
+        """The responses of scenes, from those of their neighbours with nothing between them where no gap closes. These
+        are run first where scenes share them, otherwise once a scene has shown no contact."""
+        memory = _memory(self)
         apart = {number: _apart(scene) for number, scene in enumerate(scenes) if _may_stay_open(scene)}
-        memory, spent = _memory(self), dict[str, float]()
-        known = {each.digest: memory[each.digest] for each in apart.values() if each.digest in memory}
-        new = {each.digest: each for each in apart.values() if each.digest not in known}
-        for digest, response in zip(new, self._run(tuple(new.values())), strict=True):
-            known[digest], spent[digest] = replace(response, seconds=0.0), response.seconds
-        if len(memory) + len(new) > MEMORY:
-            memory.clear()
-        memory.update(known)
-        found = dict[int, Response]()
+        shared, found = Counter(each.digest for each in apart.values()), dict[int, Response]()
+        known, spent = self._known(each for each in apart.values() if shared[each.digest] > 1 or each.digest in memory)
         for number, other in apart.items():
-            if self._stays_apart(scenes[number], other, known[other.digest]):
-                found[number] = _answer(scenes[number], other, known[other.digest])
+            response = known.get(other.digest)
+            if response is not None and self._stays_apart(scenes[number], other, response):
+                found[number] = _answer(scenes[number], other, response)
         rest = [number for number in range(len(scenes)) if number not in found]
-        for number, response in zip(rest, self._run([scenes[number] for number in rest]), strict=True):
-            found[number] = response
-            if number in apart and response.status == DONE and not response.peaks["impacts"].any():
-                at_rest = known[apart[number].digest]
-                if at_rest.status == DONE:
-                    found[number] = _answer(scenes[number], apart[number], at_rest)
+        found |= zip(rest, self._run([scenes[number] for number in rest]), strict=True)
+        open_ones = [
+            number for number in rest
+            if number in apart and found[number].status == DONE and not found[number].peaks["impacts"].any()
+        ]  # fmt: skip
+        more, spent_more = self._known(apart[number] for number in open_ones if apart[number].digest not in known)
+        known, spent = known | more, spent | spent_more
+        for number in open_ones:
+            response = known[apart[number].digest]
+            if response.status == DONE:
+                answer = _answer(scenes[number], apart[number], response)
+                found[number] = replace(answer, seconds=found[number].seconds)
         for number, other in apart.items():  # of scenes that share a run, the first is told its time
             seconds = found[number].seconds + spent.pop(other.digest, 0.0)
             found[number] = replace(found[number], seconds=seconds)
         return [found[number] for number in range(len(scenes))]
+
+    def _known(self, apart: Iterable[Scene]) -> tuple[dict[str, Response], dict[str, float]]:
+        """The responses of neighbours with nothing between them by digest, and the times of those that are run now."""
+        memory, wanted = _memory(self), {scene.digest: scene for scene in apart}
+        found = {digest: memory.get(digest) for digest in wanted}
+        known, spent = {digest: each for digest, each in found.items() if each is not None}, dict[str, float]()
+        new = {digest: scene for digest, scene in wanted.items() if digest not in known}
+        for digest, response in zip(new, self._run(tuple(new.values())), strict=True):
+            known[digest], spent[digest] = replace(response, seconds=0.0), response.seconds
+        if len(memory) + len(new) > MEMORY:
+            memory.clear()
+        memory.update((digest, known[digest]) for digest in new)
+        return known, spent
 
     def _stays_apart(self, scene: Scene, apart: Scene, known: Response) -> bool:
         """Whether no link of a scene acts at the closings with nothing between, and at the most they may be wrong."""

@@ -355,7 +355,7 @@ def records_of(
     r["always_smooth"] = always_smooth
     room = None
     if layout.has_smooth or always_smooth or method.takes_step:
-        changing = int(np.count_nonzero(elements["state"]))
+        changing = int(np.count_nonzero(layout.elements["state"]))
         room = Room(np.zeros((count, 2 * n + changing), STATE), formulas)
         room.states["scale"] = LEAST_STATE
     series = np.zeros((count, max(m - n + n * layout.has_smooth, 1)), SERIES)

@@ -26,10 +26,7 @@ ENDS: tuple[Outcome, ...] = (
     ("event bound reached", "the floors strike too often: check the stiffness and damping of the links"),
     ("stalled", "events repeat without advancing in time: check for links whose force jumps"),
     ("not finite", "the numbers exceed the range of double precision: check masses and stiffnesses"),
-    (
-        "no root",
-        "Newton's method found no root at any step, because a force jumps: use a method with events, e.g. taylor",
-    ),
+    ("no root", "Newton's method found no root, because a force jumps: use a method with events, e.g. taylor"),
     ("unstable step", "the solution would grow without bound: use a shorter time step, or taylor"),
 )
 """What the user reads of every status of a kernel (`records.DONE`...)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding_cli.solver.events import integral, rate_series
+from pounding_cli.solver.events import TOUCH, integral, rate_series
 from pounding_cli.solver.options import CALLED, INVERSE, PART
 from pounding_cli.solver.polynomial import highest
 
@@ -42,6 +42,9 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
         if _ends_rise(el, e < r.n):
             rate_series(dofs, elements, terms, r, e)
             _deformation_peaks(el, r, e < r.n)
+        if e >= r.n and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
+            rate_series(dofs, elements, terms, r, e)
+            el.least = -highest(r, integral(r, -1.0, -el.v0), r.end, -el.least, False)
         if el.acts and (el.closed if e >= r.n else el.smooth):
             _force_peak(el, r, series[el.row])
     for c in range(r.columns):

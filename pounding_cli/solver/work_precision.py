@@ -143,7 +143,8 @@ def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iter
         yield {
             "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
             "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
-            "impacts": int(found.links.impacts.sum()), "impacts_reference": int(reference.links.impacts.sum()),
+            "impacts": int(found.links.impacts.sum()) if done else np.nan,
+            "impacts_reference": int(reference.links.impacts.sum()),
             "energy_residual": found.energy.get("residual", np.nan), "advice": found.advice,
         }  # fmt: skip
         last, before = found.seconds, setting
