@@ -225,7 +225,7 @@ def _with_motions(scenes: xr.Dataset, motions: xr.Dataset) -> xr.Dataset:
 
 def evaluated(data: xr.Dataset, axes: Sequence[str], figure: str | None) -> pd.DataFrame:
     """Every number of the claims about a figure at every point of the swept axes: claim, finding, unit, point (its
-    number, the last axis fastest), number, passed (1, 0, NaN where there is no number), verdict of the claim there."""
+    number, the last axis fastest), number, passed (1, 0, NaN where no number is finite), verdict of the claim there."""
     whole, parts = xr.DataArray(np.zeros([data.sizes[axis] for axis in axes]), dims=axes), list[pd.DataFrame]()
 
     def at_points(values: xr.DataArray) -> np.ndarray:
@@ -239,7 +239,7 @@ def evaluated(data: xr.Dataset, axes: Sequence[str], figure: str | None) -> pd.D
     if not parts:
         return pd.DataFrame(columns=["point", "number", "passed", "claim", "finding", "unit", "verdict"])
     found = pd.concat(parts, ignore_index=True)
-    found["passed"] = found["passed"].where(found["number"].notna())
+    found["passed"] = found["passed"].where(np.isfinite(found["number"]))
     passed = found.groupby(["claim", "point"])["passed"]  # its extremes leave out what is not known
     known, all_met, some_met = passed.transform("count") > 0, passed.transform("min"), passed.transform("max")
     found["verdict"] = np.select([~known, all_met == 1, some_met == 1], [UNTESTED, HOLDS, PARTLY], FAILS)

@@ -47,8 +47,6 @@ def gap_report(results: Results) -> Report:
     """What the required separations say."""
     answer, cases, line = (results.answer(name) for name in (REQUIRED, CASES, LINE))
     shown, keys = nominal(results), [key for key in results.axes if key in answer.frame]
-    if answer.frame.empty:
-        return report_of(results, shown, Section("", [_nothing(results)]))
     unit = answer.columns["mean"].unit
     pairs, lines = _widest(answer.frame, [*keys, "left", "right"]), _widest(line.frame, [*keys, "building", "side"])
     pairs = pairs.assign(between=pairs["left"] + " | " + pairs["right"], floors=[_floors(row) for row in _rows(pairs)])
@@ -58,6 +56,9 @@ def gap_report(results: Results) -> Report:
         *([_of_cases(keys, cases)] if len(cases.frame) else []),
         _widths(f"Distance to a property line, {far}", lines, line, [*keys, "building", "side", "floor"], "reached"),
     ]
+    if _exact(answer.frame).empty:
+        told = [table for table in tables if len(table.frame)]
+        return report_of(results, shown, Section("", [_nothing(results, bool(told))], told))
     notes = list(_notes(results, answer.frame, unit, cases.frame))
     if RATE in results.answers:
         frame = results.answer(RATE).frame
@@ -72,24 +73,32 @@ def gap_report(results: Results) -> Report:
     return report_of(results, shown, Section("", said, tables, pictures, notes))
 
 
-def _nothing(results: Results) -> str:
-    """Why there is no answer."""
+def _nothing(results: Results, has_codes: bool) -> str:
+    """Why there is no answer; `has_codes` : whether rules of codes are told."""
     ended = results.scene()["status"].value_counts()
     how = ", ".join(f"{count} {status}" for status, count in ended.items())
-    return f"No gap is known, and none of a case is compared: no run came to its end ({how})."
+    told = "only rules of codes are told" if has_codes else "none of a case is compared"
+    return f"No gap is known, and {told}: no run came to its end ({how})."
 
 
 def _rows(frame: pd.DataFrame) -> list[dict[Any, Any]]:
     return frame.to_dict("records")
 
 
+def _exact(frame: pd.DataFrame) -> pd.DataFrame:
+    """The rows with an exact mean."""
+    return frame[(frame["rule"] == EXACT) & frame["mean"].notna()]
+
+
 def _widest(frame: pd.DataFrame, among: list[str]) -> pd.DataFrame:
     """Of every pair of neighbours, or side of a building, the rows of the floor whose exact mean is largest, by
-    analysis.
+    analysis; whose mean by a code is, where nothing exact is known.
 
     among : columns that tell them apart
     """
-    exact, told = frame[(frame["rule"] == EXACT) & frame["mean"].notna()], [*among, "analysis"]
+    exact, told = _exact(frame), [*among, "analysis"]
+    if exact.empty:
+        exact = frame[frame["mean"].notna()]
     place = [*told, *(name for name in PLACE if name in frame)]
     most = exact.loc[exact.groupby(told, sort=False)["mean"].idxmax(), place]
     return most[among].drop_duplicates().merge(frame.merge(most, on=place), on=among)
@@ -167,7 +176,8 @@ def _sentences(rows: pd.DataFrame, unit: Unit) -> Iterator[str]:
 
 def _notes(results: Results, frame: pd.DataFrame, unit: Unit, cases: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the widths and of the cases."""
-    error, few = float(frame["error"].max()), frame.loc[frame["rule"] == EXACT, "motions"].min()
+    exact = _exact(frame)
+    error, few = float(exact["error"].max()), exact["motions"].min()
     worth = "The numerical error was not estimated (estimate: none)."
     yield worth if np.isnan(error) else f"No width has a numerical error above {unit.text(error, 2)}."
     if few >= FEWEST_TOLD:
@@ -209,7 +219,8 @@ def draw_profiles(frame: pd.DataFrame, unit: Unit, shown: Evidence) -> Figure:
                 label = f"exact, contact {contact.removeprefix('contact_')} %"
                 ax.plot(wanted, rows["height"], color="#56B4E9", lw=1.8, zorder=3.5, label=label)
         ax.set_title(f"{left} | {right}, {analysis}", loc="left")
-        ax.set(xlabel=unit.label("gap"), ylim=(0, None))
+        ax.set_xlabel(unit.label("gap"))
+    axes[0].set_ylim(0, None)  # of all panels, after the tallest pair
     reach = frame[["largest", contact]].max().max() / unit.factor
     axes[0].set_xlim(0, 1.25 * reach if reach > 0 else None)  # a wide interval of confidence leaves the panel
     shared_legend(figure, axes)

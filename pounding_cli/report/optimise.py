@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -157,11 +158,12 @@ def draw_optimum(
     values = pd.concat([*(line["value"] for line in along), keys["optimum"], keys["as_written"]]).dropna()
     room = 0.05 * float(np.ptp(values)) or 0.01 * abs(values.iloc[0]) or 1.0
     sought = units["value"].label(rows[0]["sought"].partition(" ")[2])
-    figure, axes = grid(len(rows), 3.3, 2.7, sought)
+    figure, axes = grid(len(rows), 3.3, 2.7, textwrap.fill(sought, 36))
     for ax, row, line in zip(axes, rows, along, strict=True):
         _along(ax, row, tried, line)
         ax.set_ylim(values.min() - room, values.max() + room)
         name_axis(ax, "x", [row["key"]], [units[row["key"]]], 7.5, 32)
+        ax.yaxis.label.set_fontsize(7.5)
         ax.tick_params(labelsize=7.5)
     shared_legend(figure, axes)
     finish(figure, shown.title, f"{said} {motion_sentence(shown.records)}")

@@ -37,8 +37,9 @@ def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
         each for each in report.sections[1:]
         if each.sentences or each.tables or each.widget or any(picture.name in kept for picture in each.pictures)
     ]  # fmt: skip
+    images = {name: data_address(figure, facecolor="none") for name, figure in kept.items()}
     text = _template("page.html.j2").render(
-        report=report, sections=sections, images={name: data_address(figure) for name, figure in kept.items()},
+        report=report, sections=sections, images=images,
         sizes=sizes, beside=beside,
         most=PAGE_ROWS, version=__version__,
         data=as_json({each.widget: each.data for each in report.sections if each.data}),

@@ -127,9 +127,11 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
     largest = values.groupby([frame[key][values.index] for key in ("case", "analysis")], sort=False).idxmax()
     level = "floor" if "floor" in frame else "storey"
     several = len(results.data["record"]) > 1
+    words = [key_words(key) for key in results.axes]
+    named = {key: said if words.count(said) == 1 else key for key, said in zip(results.axes, words, strict=True)}
     for row in frame.loc[largest].to_dict("records"):
         where = [row["building"], f"{level} {row[level]}", *([row["record"]] if several else [])]
-        point = ", ".join(f"{key_words(key)} = {results.value_label(key, row[key])}" for key in results.axes)
+        point = ", ".join(f"{said} = {results.value_label(key, row[key])}" for key, said in named.items())
         mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
         number = f"{digits(row[name] / how.unit.factor, 3)} {how.unit.name}".rstrip() + mark
         found[row["case"], row["analysis"]] = "\n".join(filter(None, (number, ", ".join(where), point)))

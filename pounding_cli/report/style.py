@@ -136,6 +136,8 @@ def grid(
     figure, axes = panels(-(-count // columns), columns, width, height, **shared)
     for ax in axes.flat[count:]:
         ax.remove()
+    for ax in axes.flat[count - columns : count]:  # those with no panel beneath
+        ax.tick_params(labelbottom=True)
     for ax in axes[:, 0]:
         ax.set_ylabel(ylabel)
     return figure, list(axes.flat[:count])
@@ -199,9 +201,9 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = F
     return files
 
 
-def data_address(figure: Figure) -> str:
-    """A figure as SVG without background in a `data:` address, for a page."""
-    drawn = base64.b64encode(drawn_as(figure, "svg", facecolor="none")).decode("ascii")
+def data_address(figure: Figure, **named: Any) -> str:
+    """A figure as SVG in a `data:` address, for a page; `named` : as `savefig` takes them."""
+    drawn = base64.b64encode(drawn_as(figure, "svg", **named)).decode("ascii")
     return f"data:image/svg+xml;base64,{drawn}"
 
 

@@ -333,7 +333,8 @@ def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
     ax.set_facecolor("0.87")
     ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=colours.norm, cmap=COLOURS, shading="nearest", rasterized=True)
     lightness = colours.to_rgba(mean)[..., :3] @ (0.299, 0.587, 0.114)
-    for ink, here in (("white", lightness < 0.5), ("black", lightness >= 0.5)):
+    is_dark = np.isfinite(mean) & (lightness < 0.5)  # cells without a number show the light grey of the panel
+    for ink, here in (("white", is_dark), ("black", ~is_dark)):
         cells = [Path(CELL + at, closed=True) for at in 1 + np.argwhere(void & here)[:, ::-1]]
         if cells:  # one outline of all, since every hatch takes time
             outline = Path.make_compound_path(*cells)

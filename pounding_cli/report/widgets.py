@@ -53,6 +53,8 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
     said = "" if arrays else "Nothing to draw: no run of this study ended."
     if cut:
         said = f"This sweep is large: the page has {', '.join(cut)}; tables/ has all."
+    if cut and not arrays:
+        said = "The sweep is too large to look around here; tables/ has all numbers."
     looked = [for_page(look) for look in looks(data["case"].values.tolist()).values()]
     void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
     return {

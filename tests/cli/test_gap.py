@@ -12,7 +12,7 @@ from scipy import stats
 
 import pounding_cli
 from pounding_cli import open_results
-from tests.adapter import gap
+from tests.adapter import gap, report
 
 STUDY = """\
 title: Two small buildings
@@ -502,3 +502,29 @@ def test_where_every_scene_collapses_nothing_is_required(pound):
     results = open_results("results/two-gap.h5")
     assert set(results.scene()["status"]) == {"collapsed"}
     assert results.table("gap").empty
+    strength = "yield: {code: UBC-1991, zone: 0.1, soil: 1.2, Rw: 12}"
+    Path("two.yaml").write_text(text.replace("yield_shear: [20 kN, 20 kN]", strength))
+    code, out, _ = pound("gap", "two.yaml")
+    assert code == 0
+    assert set(open_results("results/two-gap.h5").scene()["status"]) == {"collapsed"}
+    assert "No gap is known, and only rules of codes are told" in out
+    assert "numerical error" not in out
+    answer = report(open_results("results/two-gap.h5")).answer
+    assert [set(table.frame["rule"]) for table in answer.tables] == [{"UBC-1991"}, {"UBC-1991"}]
+
+
+def test_panels_of_unequal_pairs_show_all_floors(tmp_path):
+    """Fails if the first pair, the lowest, sets the height of all panels, or if a panel with none beneath it has no
+    numbers across."""
+    storeys = {"A": 2, "B": 4, "C": 6, "D": 5, "E": 3, "F": 2}
+    each = (f"  {name}: {{storeys: {count}, period: {0.1 * count:.1f} s}}\n" for name, count in storeys.items())
+    buildings = "".join(each)
+    head, rest = STUDY[: STUDY.index("buildings:")], STUDY[STUDY.index("cases:") : STUDY.index("sweep:")]
+    text = f"{head}buildings:\n{buildings}group: [A, B, C, D, E, F]\n{rest}analyses: [elastic]\n"
+    (tmp_path / "row.yaml").write_text(text)
+    results = pounding_cli.run(tmp_path / "row.yaml", tmp_path / "row.h5", workflow="gap", engine="serial")
+    axes = report(results).answer.pictures[0].draw().axes
+    heights = results.table("gap")["height"]
+    assert axes[0].get_ylim()[0] == 0
+    assert all(ax.get_ylim()[1] > heights.max() for ax in axes)
+    assert [ax.xaxis.get_tick_params()["labelbottom"] for ax in axes] == [False, False, True, True, True]

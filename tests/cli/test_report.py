@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import re
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.path import Path as MplPath
 
 import pounding_cli
 from tests.adapter import report
@@ -99,7 +101,8 @@ def test_cells_without_meaning_are_hatched(made):
     assert hatched.get_hatch()
     assert hatched.get_edgecolor()[3] == 1
     corners = hatched.get_path().vertices
-    assert np.ptp(corners, axis=0).tolist() == [3, 2]  # all six cells
+    assert np.ptp(corners, axis=0).tolist() == [3, 2]
+    assert np.count_nonzero(hatched.get_path().codes == MplPath.MOVETO) == 6  # all cells
     assert not panels["touching, elastic"].patches
     assert not panels["gap, elastic"].patches
 
@@ -117,7 +120,31 @@ def test_a_page_carries_no_more_numbers_than_it_may(made, folder, pound, monkeyp
     assert pound("report", made / "swept.h5", "-q", "--no-figures", "-o", "page") == (0, "", "")
     page = Path("page/report.html").read_text(encoding="utf-8")
     assert ('id="explorer"' in page) == (quantities is not None)
-    assert quantities is None or f"{quantities} quantities" in page
+    told = f"{quantities} quantities" if quantities else "too large to look around here; tables/ has all numbers."
+    assert told in page
+    assert "0 of 15" not in page
+
+
+def test_keys_with_the_same_words_are_told_apart(folder, pound):
+    """Fails if the first table calls the stiffness of two links, or of two laws, by one name."""
+    links = (
+        "links: [{link: connector, floors: 1, stiffness: 1 kN/mm}, {link: connector, floors: 2, stiffness: 1 kN/mm}]"
+    )
+    study = TWO.replace("gap: {link: pounding, gap: 5 mm}", f"joined: {{gap: 2 cm, {links}}}")
+    keys = [f"cases.joined.links.{number}.stiffness" for number in (0, 1)]
+    sweep = "".join(f"  {key}: [1 kN/mm, 2 kN/mm]\n" for key in keys)
+    Path("two.yaml").write_text(f"{study}sweep:\n{sweep}  impact.restitution: [0.4, 0.5]\n")
+    assert pound("run", "two.yaml", "-q")[0] == 0
+    table = report(pounding_cli.open_results("results/two.h5")).answer.tables[0].frame.to_string()
+    assert all(f"{key} = " in table for key in keys)
+    assert ", restitution = " in table
+
+
+def test_figures_of_a_notebook_have_a_white_ground(made):
+    """Fails if black lines stand on the dark page of a notebook; the page of a report inverts its figures."""
+    shown = report(pounding_cli.open_results(made / "two.h5"))._repr_html_()
+    svg = base64.b64decode(re.search(r"data:image/svg\+xml;base64,([^\"]+)", shown)[1]).decode()
+    assert "fill: #ffffff" in svg.split('id="axes_1"')[0]
 
 
 def test_a_study_without_links_is_told(folder, pound):
