@@ -19,6 +19,17 @@ def shortened(path: object) -> str:
     return text if len(text) <= 300 else f"{text[:100]} ... {text[-100:]}"
 
 
+def begins_with(path: Path, sign: bytes) -> bool:
+    """Whether a regular file of any size can be read and begins with these bytes."""
+    try:
+        if not path.is_file():
+            return False
+        with path.open("rb") as file:
+            return file.read(len(sign)) == sign
+    except (OSError, ValueError):
+        return False
+
+
 def read_bytes(path: Path, most: int, what: str) -> bytes:
     """The content of a regular file of at most `most` bytes.
 
@@ -40,7 +51,8 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
     except FileNotFoundError:
         wrong = "no such file"
         beside = [each.name for each in islice(path.parent.glob("*"), 1000)]
-        if near := difflib.get_close_matches(path.name, beside, 1, cutoff=0.8):
+        named = [name for name in beside if name in (f"{path.name}.yaml", f"{path.name}.yml")]
+        if near := named or difflib.get_close_matches(path.name, beside, 1, cutoff=0.8):
             hint = f"did you mean {shortened(path.parent / near[0])}?"
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
         wrong = f"cannot be read: {getattr(error, 'strerror', None) or error}"

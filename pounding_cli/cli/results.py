@@ -196,7 +196,11 @@ def report(
     usual = tuple(name for name in FORMATS if name != "png") if paper else FORMATS
     chosen = () if no_figures else formats or usual
     opened = [(folder, open_file(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
-    asked = [_asked(results, quantities, _wanted(**rows)) for _, results in opened]
+    wanted = _wanted(**rows)
+    if wanted and not any(results.axes for _, results in opened):
+        what = f"{wanted[0][0]}={wanted[0][1]} chooses what figures over a sweep show, and the study sweeps nothing"
+        raise InputError(Problem(what, "leave it out", str(opened[0][1].path)))
+    asked = [_asked(results, quantities, wanted if results.axes else []) for _, results in opened]
     for (folder, results), over_sweep in zip(opened, asked, strict=True):
         with for_paper() if paper else nullcontext():
             written = of(results, asked=over_sweep).save(folder, chosen, not paper)
@@ -214,9 +218,6 @@ def _asked(results: Results, quantities: tuple[str, ...], wanted: Sequence[tuple
     """What is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
     from pounding_cli.report.sweep import Asked
 
-    if wanted and not results.axes:
-        what = f"{wanted[0][0]}={wanted[0][1]} chooses what figures over a sweep show, and the study sweeps nothing"
-        raise InputError(Problem(what, "leave it out", str(results.path)))
     places, at = dict[str, Any](), dict[str, Any]()
     for given, text in wanted:
         key = _key(given, [*_PLACES, *results.axes], "the sweep")

@@ -169,13 +169,13 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
     study = asked.study.path
     if write.suffix not in (".yaml", ".yml"):
         raise InputError(Problem("a study file ends in .yaml", f"write --write {write}.yaml", str(write)))
+    if write.parent.resolve() != study.parent.resolve():
+        hint = "write it beside the study: motions are sought there"
+        raise InputError(Problem("the study would not run from another folder", hint, str(write)))
     check_output(write, [study], lambda *_: True, "--write")
     if write.exists() and not replace:
         raise InputError(Problem("is there already", "choose another name, or add --replace to replace it", str(write)))
     asked.text(asked.middle)  # refused where the text does not take other values
-    if write.parent.resolve() != study.parent.resolve():
-        hint = "write it beside the study: motions are sought there"
-        raise InputError(Problem("the study would not run from another folder", hint, str(write)))
 
 
 def _write_best(asked: Optimise, results: Path, write: Path) -> bool:

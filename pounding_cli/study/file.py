@@ -15,7 +15,7 @@ import yaml
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.reading import read_bytes, shortened
+from pounding_cli.reading import begins_with, read_bytes, shortened
 from pounding_cli.texts import CONTROL, plain
 
 Mark = tuple[Any, int]
@@ -144,10 +144,11 @@ def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
 
 def read_study(path: Path) -> tuple[str, Map]:
     """The text of a file and its tree.  Raises `InputError` at its place for what is no YAML mapping."""
-    shown, raw = shortened(path), read_bytes(path, MOST_BYTES, "study file")
-    if raw.startswith(b"\x89HDF"):
+    shown = shortened(path)
+    if begins_with(path, b"\x89HDF"):
         hint = "name the study that it was made from; `pound show` prints results"
         raise InputError(Problem("this is a results file, not a study", hint, shown))
+    raw = read_bytes(path, MOST_BYTES, "study file")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -58,9 +58,9 @@ def solve(study: Study) -> xr.Dataset:
     run = dict(zip(HISTORIES, np.array(history).T, strict=True))
     time, force = run["time"], run["force"]
     energy = run["striker_energy"] + run["kinetic_energy"] + run["strain_energy"]
-    if not (np.isfinite(energy).all() and force.max() > 0):
-        hint = "masses and stiffnesses differ by too many powers of ten"
-        raise InputError(Problem("the response is not finite", hint))
+    if not (np.isfinite(energy).all() and energy[0] > 0 and force.max() > 0):
+        hint = "give speeds, masses and stiffnesses that differ by fewer powers of ten"
+        raise InputError(Problem("the response is not finite, or too small to compute with", hint))
     off, (low, high) = float(np.abs(energy / energy[0] - 1).max()), study.patch
     notes = []
     if study.contact.over == "patch" and high - low < study.contact.patch * (1 - 1e-9):
@@ -134,9 +134,13 @@ def separation(time: np.ndarray, force: np.ndarray) -> float:
 
 
 def factorise(matrix: sp.csc_matrix) -> SuperLU:
-    """Factors of a symmetric positive definite matrix."""
+    """Factors of a symmetric positive definite matrix.  Raises InputError where it is singular to rounding."""
     options = {"SymmetricMode": True}
-    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    try:
+        return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError:
+        hint = "give lengths, masses and stiffnesses that differ by fewer powers of ten"
+        raise InputError(Problem("the stiffness matrix is singular", hint)) from None
 
 
 def natural_step(system: System, study: Study) -> float:

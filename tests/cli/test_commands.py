@@ -117,9 +117,11 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
         ("rnu two.yaml", "Did you mean 'run'?"),
         ("run tow.yaml", "did you mean two.yaml?"),
         ("run two.yml", "did you mean two.yaml?"),
+        ("run two", "did you mean two.yaml?"),
         ("run other.yaml", "give the path of a study file"),  # no file has a name like it
         ("run r.h5", "r.h5: this is a results file, not a study"),
         ("wall r.h5", "r.h5: this is a results file, not a study"),
+        ("run big.h5", "big.h5: this is a results file, not a study"),
         ("show two.yaml", "two.yaml: this is a study, not a results file\n    solve it, `pound run two.yaml`"),
         ("show other.yaml", "other.yaml: there is no such results file"),
         ("compare r.h5 two.yaml", "two.yaml: this is a study, not a results file"),
@@ -137,6 +139,7 @@ def test_a_slip_is_answered_with_what_to_write(results, folder, pound, words, sa
     Path("empty.yaml").write_text("")
     Path("one.txt").write_text("# dt: 0.01 s\n0.1\n0.2\n")
     Path("folder").mkdir()
+    Path("big.h5").write_bytes(Path("r.h5").read_bytes().ljust(4_000_001, b"\0"))
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     code, out, err = pound(*words.split())
     assert (code, out) == (2, "")

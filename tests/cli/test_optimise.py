@@ -325,7 +325,7 @@ def test_a_study_that_is_there_is_not_replaced_unless_told(pound):
         ("best.h5", "a study file ends in .yaml"),
         ("best", "a study file ends in .yaml"),
         ("folder.yaml", "the output is a folder"),
-        ("weak.txt/best.yaml", "cannot be written"),
+        ("weak.txt/best.yaml", "write it beside the study: motions are sought there"),
         ("elsewhere/best.yaml", "write it beside the study: motions are sought there"),
         ("other/best.yaml", "write it beside the study: motions are sought there"),
         ("a" * 300 + ".yaml", "cannot be written"),
@@ -342,6 +342,7 @@ def test_places_that_cannot_take_the_best_study_are_refused_first(pound, name, w
     assert words in err
     assert "error: a fault" not in err
     assert not Path("results").exists()
+    assert not Path("elsewhere").exists()
 
 
 def test_a_study_with_an_anchor_at_a_value_is_written_anew(pound):

@@ -90,6 +90,9 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     assert pound("report", made / "swept.h5", "-q", "--no-figures", "-o", "page")[0] == 0
     where = set(pd.read_csv("page/tables/claims.csv")["where"])
     assert where == {"impact.restitution = 0.4", "impact.restitution = 0.5", "impact.restitution = 0.65"}
+    both = ["report", made / "two.h5", made / "swept.h5", "-q", "--format", "svg", "-o", "both"]
+    assert pound(*both, "--case", "touching", "--where", "storey=2")[0] == 0
+    assert [*Path("both/swept").glob("*-sweep.svg")]
 
 
 def test_cells_without_meaning_are_hatched(made):

@@ -77,6 +77,15 @@ def test_only_a_file_of_the_same_command_is_replaced(folder, pound):
     assert {name: Path(name).read_bytes() for name in before} == before
 
 
+def test_a_damaged_file_of_the_same_command_is_replaced(folder, pound):
+    """Fails if it is refused as another's."""
+    Path("a.yaml").write_text(PAIR)
+    assert pound("connector", "a.yaml", "-o", "a.h5", "-q")[0] == 0
+    sound = Path("a.h5").read_bytes()
+    Path("a.h5").write_bytes(sound[:-1] + bytes([sound[-1] ^ 1]))
+    assert pound("connector", "a.yaml", "-o", "a.h5", "-q") == (0, "", "")
+
+
 @pytest.fixture(scope="module")
 def wall(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wall")
@@ -94,7 +103,11 @@ def wall(tmp_path_factory):
         ("wall", "sweep: {striker.speed: [1 m/s, 1e200 m/s]}", "the response is not finite"),
         ("wall", "sweep: {striker.mass: [200 t, 1e300 t]}", "the response is not finite"),
         ("wall", "sweep: {frame.storey_height: [3 m, 1e12 m]}", "a mesh of more than 250000 elements"),
-        ("connector", "sweep: {first.period: [0.5 s, 1e-200 s]}", "refused: "),
+        ("wall", "sweep: {striker.speed: [1 m/s, 1e-170 m/s]}", "the response is not finite"),
+        ("wall", "sweep: {wall.thickness: [1 m, 1e300 m]}", "refused: the stiffness matrix is singular"),
+        ("connector", "sweep: {first.period: [0.5 s, 1e-200 s]}", "refused: numbers too large or too small to compute"),
+        ("connector", "sweep: {first.mass: [100 t, 200 t, 1e300 kg]}", "the response is not finite"),
+        ("connector", "sweep: {first.mass: [100 t, 1e300 kg, 200 t]}", "the response is not finite"),
         ("connector", "sweep: {connector.stiffness: [0.2 k1, 1e300 N/m]}", "the response is not finite"),
     ],
 )
@@ -115,17 +128,20 @@ def test_points_that_fail_are_told_and_have_no_numbers(folder, pound, command, s
         assert (data["status"].to_numpy().ravel() == table["status"]).all()
 
 
-def test_a_fault_in_one_point_leaves_the_others(folder, pound, monkeypatch):
+@pytest.mark.parametrize("fault", [IndexError, RecursionError, NotImplementedError])
+def test_a_fault_in_one_point_leaves_the_others(folder, pound, monkeypatch, fault):
     usual = connector.solve
 
     def solve(study):
-        return usual(study) if study.damping < 0.08 else [][0]
+        if study.damping > 0.08:
+            raise fault("unforeseen")
+        return usual(study)
 
     monkeypatch.setattr(connector, "solve", solve)
     Path("a.yaml").write_text(PAIR)
     code, out, err = pound("connector", "a.yaml", "-o", "a.h5")
     assert (code, "Points: 1 solved, 1 failed" in out) == (1, True)
-    assert "failed: damping = 10 %: error: IndexError: " in err
+    assert f"failed: damping = 10 %: error: {fault.__name__}: unforeseen" in err
     assert "please report it" in err
 
 
