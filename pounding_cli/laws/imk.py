@@ -66,10 +66,8 @@ def _load(e: Any, branch: int, k: float, f0: float, end: float) -> None:
     _leave_line(e, k, f0)
     e.h[SLOPE], e.h[OFFSET], e.h[END] = k, f0, end
     e.branch = branch
-    if branch > 0:
-        line(e, k, e.c, f0, -math.inf, end, 1)
-    else:
-        line(e, k, e.c, f0, end, math.inf, -1)
+    low, high, way = (-math.inf, end, 1) if branch > 0 else (end, math.inf, -1)
+    line(e, k, e.c, f0, low, high, way)
 
 
 def _leave_line(e: Any, k: float, f0: float) -> None:

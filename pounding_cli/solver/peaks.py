@@ -38,14 +38,14 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
             if _may_turn(d.a0, d.a1, d.da):
                 _acceleration_peak(d, r)
     for e in range(r.m):
-        el = elements[e]
-        if _ends_rise(el, e < r.n):
+        el, storey = elements[e], e < r.n
+        if _ends_rise(el, storey):
             rate_series(dofs, elements, terms, r, e)
-            _deformation_peaks(el, r, e < r.n)
-        if e >= r.n and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
+            _deformation_peaks(el, r, storey)
+        if not storey and el.least > -TOUCH and el.v0 <= 0.0:  # how far floors in touch part, inside the step too
             rate_series(dofs, elements, terms, r, e)
-            el.least = -highest(r, integral(r, -1.0, -el.v0), r.end, -el.least, False)
-        if el.acts and (el.closed if e >= r.n else el.smooth):
+            el.least = -highest(r, integral(r, -1.0, -el.v0), r.end, -el.least, storey)
+        if el.acts and (el.smooth if storey else el.closed):
             _force_peak(el, r, series[el.row])
     for c in range(r.columns):
         _column_peak(dofs, elements, terms, r, series, columns[c])
