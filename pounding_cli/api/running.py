@@ -103,7 +103,7 @@ def run_study(
             told.say(f"{cache.path} was damaged: what it held is solved again")
         if cache.forget_other(f"solver {solver_version()} "):
             told.say(f"{cache.path} was made with another solver: all scenes are solved again")
-        solver = Solver(cache, workers_of, told)
+        solver = stack.enter_context(contextlib.closing(Solver(cache, workers_of, told)))
         try:
             found = workflow.run(solver)
         except KeyboardInterrupt:

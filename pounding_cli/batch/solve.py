@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -71,6 +71,13 @@ class Solver:
         self.engine, self.workers = "none", 1
         self._seen: set[bytes] = set()  # solved now, or found
         self._each_takes = BESIDE  # [s]
+        self._executor: Executor | None = None  # of the pool, from when it is first needed
+
+    def close(self) -> None:
+        """End the workers."""
+        if self._executor is not None:
+            end(self._executor, ())
+            self._executor = None
 
     def responses(self, plan: Plan, numbers: np.ndarray | None = None, rough: bool = False) -> Solved:
         """The responses of a plan's scenes, solved where the cache has none.
@@ -158,7 +165,55 @@ class Solver:
             yield from map(here, _parts(order, size))
         elif len(order):
             self.engine, self.workers = self.pool.name, workers
-            yield from _by_workers(_parts(order, size, 4 * workers), self.pool, task, plan)
+            yield from self._by_workers(_parts(order, size, 4 * workers), task, plan)
+
+    def _by_workers(self, parts: list[np.ndarray], task: Task, plan: Plan) -> Iterator[Answer]:
+        """Parts of the scenes and their rows as they end.
+
+        Where a worker ends, its pool is opened again, and the scenes that were under way go alone: one that ends its
+        worker then too is lost.
+        """
+        todo, alone = deque(parts), set[int]()  # scenes that go alone
+        executor = self._executor = self._executor or self.pool.open()
+        running = dict[Future, np.ndarray]()
+        try:
+            while todo or running:
+                lost, is_broken = list[np.ndarray](), False
+                next_to = (*running.values(), *islice(todo, 1))
+                most = 1 if any(part[0] in alone for part in next_to) else 2 * self.pool.workers
+                try:
+                    while todo and len(running) < most:
+                        running[executor.submit(task.rows, list(plan.scenes(todo[0])))] = todo[0]
+                        todo.popleft()
+                except BrokenExecutor:
+                    is_broken = True
+                ended = set() if is_broken else wait(running, 1.0, FIRST_COMPLETED)[0]
+                if not ended:
+                    self.pool.check()
+                for future in ended:
+                    numbers = running.pop(future)
+                    try:
+                        rows = future.result()
+                    except Exception as error:  # a worker ended; each kind of pool has its own word for it
+                        lost.append(numbers)
+                        is_broken |= isinstance(error, BrokenExecutor)
+                    else:
+                        yield numbers, rows
+                if is_broken:
+                    end(executor, running)
+                    lost += running.values()
+                    running.clear()
+                    executor = self._executor = self.pool.open()
+                for numbers in lost:
+                    if numbers[0] in alone:
+                        yield numbers, [encode(task.without(scene, *LOST)) for scene in plan.scenes(numbers)]
+                    else:
+                        alone.update(numbers.tolist())
+                        todo.extendleft(_parts(numbers, 1))
+        finally:
+            if running:  # stopped on the way
+                end(executor, running)
+                self._executor = None
 
 
 def _parts(numbers: np.ndarray, size: int, share: int = 1) -> list[np.ndarray]:
@@ -169,49 +224,3 @@ def _parts(numbers: np.ndarray, size: int, share: int = 1) -> list[np.ndarray]:
         parts.append(numbers[:count])
         numbers = numbers[count:]
     return parts
-
-
-def _by_workers(parts: list[np.ndarray], pool: Pool, task: Task, plan: Plan) -> Iterator[Answer]:
-    """Parts of the scenes and their rows as they end.
-
-    Where a worker ends, its pool is opened again, and the scenes that were under way go alone: one that ends its worker
-    then too is lost.
-    """
-    todo, alone = deque(parts), set[int]()  # scenes that go alone
-    executor, running = pool.open(), dict[Future, np.ndarray]()
-    try:
-        while todo or running:
-            lost, is_broken = list[np.ndarray](), False
-            next_to = (*running.values(), *islice(todo, 1))
-            most = 1 if any(part[0] in alone for part in next_to) else 2 * pool.workers
-            try:
-                while todo and len(running) < most:
-                    running[executor.submit(task.rows, list(plan.scenes(todo[0])))] = todo[0]
-                    todo.popleft()
-            except BrokenExecutor:
-                is_broken = True
-            ended = set() if is_broken else wait(running, 1.0, FIRST_COMPLETED)[0]
-            if not ended:
-                pool.check()
-            for future in ended:
-                numbers = running.pop(future)
-                try:
-                    rows = future.result()
-                except Exception as error:  # a worker ended; each kind of pool has its own word for it
-                    lost.append(numbers)
-                    is_broken |= isinstance(error, BrokenExecutor)
-                else:
-                    yield numbers, rows
-            if is_broken:
-                end(executor, running)
-                lost += running.values()
-                running.clear()
-                executor = pool.open()
-            for numbers in lost:
-                if numbers[0] in alone:
-                    yield numbers, [encode(task.without(scene, *LOST)) for scene in plan.scenes(numbers)]
-                else:
-                    alone.update(numbers.tolist())
-                    todo.extendleft(_parts(numbers, 1))
-    finally:
-        end(executor, running)
