@@ -163,7 +163,7 @@ def _aligned(results: Results, table: str, frame: pd.DataFrame) -> str:
 @click.option("-o", "--output", type=FILE, metavar="DIR", help="Folder. Default: the name of the results file.")
 @click.option(
     "--format", "formats", multiple=True, type=click.Choice(("png", "svg", "pdf")),
-    help="Format of the figures; may be given more than once. Default: all three.",
+    help="Format of the figures; may be given more than once. Default: png and svg.",
 )  # fmt: skip
 @click.option(
     "--figures-for-paper", "paper", is_flag=True,
@@ -188,13 +188,12 @@ def report(
     """
     from pounding_cli.report import report as of
     from pounding_cli.report.claims import compare_claims, verdicts
-    from pounding_cli.report.style import FORMATS, for_paper
+    from pounding_cli.report.style import for_paper
 
     if paper and no_figures:
         hint = "leave one of them out"
         raise InputError(Problem("--figures-for-paper and --no-figures contradict each other", hint))
-    usual = tuple(name for name in FORMATS if name != "png") if paper else FORMATS
-    chosen = () if no_figures else formats or usual
+    chosen = () if no_figures else formats or (("svg", "pdf") if paper else ("png", "svg"))
     opened = [(folder, open_file(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
     wanted = _wanted(**rows)
     if wanted and not any(results.axes for _, results in opened):

@@ -101,7 +101,7 @@ class Report:
         for sentence in (*self.answer.sentences, *self.answer.notes):
             print(textwrap.fill(sentence, 118, break_long_words=False, break_on_hyphens=False))
 
-    def save(self, folder: Path, formats: Sequence[str] = ("png", "svg", "pdf"), page: bool = True) -> list[Path]:
+    def save(self, folder: Path, formats: Sequence[str] = ("png", "svg"), page: bool = True) -> list[Path]:
         """Write figures, tables as CSV and the page into a folder; returns the files, the page last.
 
         formats : of the figures; none leaves them out

@@ -188,7 +188,7 @@ def finish(figure: Figure, title: str, text: str = "") -> None:
         figure.supxlabel("\n".join(lines), x=0.015, ha="left", fontsize=7.5, color="0.25")
 
 
-def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
+def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]) -> list[Path]:
     """Write every figure in every format, of figures for a paper their captions too; returns the files."""
     files = []
     for name, figure in figures.items():

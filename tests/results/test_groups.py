@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,9 +11,14 @@ import numpy as np
 import pytest
 
 import pounding_cli as pound
+from pounding_cli.batch import solve as batch
 from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.cache import Cache
+from pounding_cli.batch.pool import pool
+from pounding_cli.batch.progress import Progress
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.assemble import layout_of
+from pounding_cli.study import expand, study_of
 
 STIFF, SOFT = (pound.building(name, storeys=n, period=t) for name, n, t in (("stiff", 2, 0.2), ("soft", 3, 0.5)))
 TIME = np.arange(0.0, 2.0, 0.02)
@@ -82,6 +88,40 @@ def test_neighbours_with_nothing_between_them_answer_whatever_group_a_scene_is_i
     assert together[-1].error_estimate == alone[0].error_estimate < 1e-6
     assert together[-1].seconds == 0.0
     assert together[-1].dropped[-1].startswith("links stiff | soft: the gap never closes, ")
+
+
+def test_a_scene_takes_as_much_room_in_a_group_as_alone():
+    """For the states of DOP853. Fails if it grows with the square of the group."""
+    yielding = [
+        pound.building(name, storeys=3, period=t, storey_law="bouc-wen") for name, t in (("a", 0.2), ("b", 0.5))
+    ]
+    scene = pound.scene(yielding, WEAK, gap=0.001)
+    alone, among_six = (solver.prepare([scene] * count).data.room.states for count in (1, 6))
+    assert among_six[0].nbytes == alone[0].nbytes
+
+
+def test_workers_are_taken_after_a_round_of_few_scenes(tmp_path, monkeypatch):
+    """Of a question whose first round is one scene. Fails if the time that a scene takes is not learned from it; or if
+    the next round opens other workers."""
+    study = {
+        "records": {"use": ["elcentro", "taft"], "duration": "10 s"},
+        "buildings": {"a": {"storeys": 5, "period": "0.36 s"}, "b": {"like": "a", "period": "0.6 s"}},
+        "group": ["a", "b"],
+        "cases": {"near": {"link": "pounding", "gap": "0 cm"}},
+        "sweep": {"cases.near.gap": [f"{gap} mm" for gap in range(8)]},
+    }
+    monkeypatch.setattr(batch, "WORTH_WORKERS", 10 * batch.BESIDE)
+    plan = expand(study_of(study))
+    with contextlib.closing(Cache(tmp_path / "cache")) as cache:
+        asked = batch.Solver(cache, pool("threads", 2), Progress())
+        with contextlib.closing(asked):
+            asked.responses(plan, np.arange(1))
+            assert asked.engine == "serial"
+            asked.responses(plan, np.arange(9))
+            first = asked._executor
+            asked.responses(plan)
+            assert (asked.engine, asked._executor) == ("threads", first)
+        assert asked._executor is None
 
 
 def test_a_run_without_a_report_imports_neither_xarray_nor_pandas(tmp_path):
