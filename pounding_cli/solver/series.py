@@ -177,8 +177,8 @@ def expand(dofs, elements, terms, r, series):
     n, h, count, has_lean = r.n, r.h, r.active, r.has_lean
     least = ORDER_FROM_REST if r.still else MIN_ORDER
     most = max(r.max_order, least)
-    small, size, k = 0, 0.0, 0
-    for k in range(1, most):
+    small, k, size = 0, np.int64(1), 0.0  # for the constant 1 all that takes k would be compiled once more
+    while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
         if has_lean:  # as constants, so that each is compiled by itself
@@ -186,9 +186,8 @@ def expand(dofs, elements, terms, r, series):
         else:
             size = max(size, _walk_up(dofs, elements, n, k, part, after, False))
         small = small + 1 if size < 1.0 else 0
-        if (small > 1 and k >= least) or not size < DIVERGED:
-            break
-    r.order = k + 1
+        k += 1
+    r.order = k
     return small > 1
 
 
