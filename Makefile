@@ -4,8 +4,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
 POUND := $(BIN)/pound
-# uv installs what is locked, and compiles modules on all cores, in a third of the time of pip, which installs uv.
-UV := $(BIN)/uv pip install --quiet --python $(BIN)/python
+# uv installs what is locked, and compiles modules on all cores, in a third of the time of pip, which installs uv; like pip
+# it trusts the certificates of the system.
+UV := $(BIN)/uv pip install --quiet --system-certs --python $(BIN)/python
 PAGES := $(foreach study,fig5 fig6 fig7 fig8,results/$(study)/report.html)
 
 .PHONY: all setup figures studies pages test lint lock docs peers reference bench fuzz dist clean
@@ -75,7 +76,7 @@ docs: setup
 peers: setup
 	$(UV) --require-hashes --no-deps -r requirements-peers.txt
 	$(PYTHON) -m venv .venv/pelicun
-	$(BIN)/uv pip install --quiet --python .venv/pelicun/bin/python pelicun==3.10.0
+	$(BIN)/uv pip install --quiet --system-certs --python .venv/pelicun/bin/python pelicun==3.10.0
 	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
 
 # What it costs, by law and as scenes grow, into docs/performance.md (about two minutes on a quiet machine).
