@@ -87,7 +87,7 @@ bench: setup
 # are compared with those kept there instead. Then the tests that take longer than ten seconds.
 reference: setup
 	nice -n 5 $(BIN)/python -m tests.physics.references $(CHECK)
-	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs tests/hard/test_kernel_cache.py
+	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs tests/matrix tests/hard/test_kernel_cache.py
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.

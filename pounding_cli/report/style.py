@@ -19,8 +19,8 @@ if TYPE_CHECKING:  # matplotlib is loaded when something is drawn
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FORMATS = ("png", "svg", "pdf")
-"""What a figure can be saved as."""
+FORMATS, USUAL, OF_PAPERS = ("png", "svg", "pdf"), ("png", "svg"), ("svg", "pdf")
+"""What a figure can be saved as; as what reports save it; as what figures for a paper are saved."""
 
 RC: Any = {
     "font.size": 9,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -145,13 +145,15 @@ class Factor:
             return choice_of(u, self.options).astype(float)
         return u if self.drawn is None else self.drawn(u)
 
-    def value(self, u: float) -> Any:
-        """What stands in the study at u."""
+    def values(self, u: Sequence[float] | np.ndarray) -> list[Any]:
+        """What stands in the study at every u."""
         if self.options:
-            return self.choices[int(choice_of(np.asarray(u), self.options))]
+            return [self.choices[number] for number in choice_of(np.asarray(u), self.options).tolist()]
         assert self.drawn is not None
-        number, storey = float(self.drawn(u)), self.drawn.storey
-        return in_unit(number, self.unit) if storey is None else str(replace(storey, factor=number))
+        numbers, storey = self.drawn(np.asarray(u)).tolist(), self.drawn.storey
+        if storey is None:
+            return [in_unit(number, self.unit) for number in numbers]
+        return [str(replace(storey, factor=number)) for number in numbers]
 
     def place(self, written: Any) -> float | None:
         """The u of what the file says; None where it lies outside a range or among no options."""

@@ -156,10 +156,8 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
 
 def values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:
     """What stands in the study at points, a value for every key; points as in `at_points`."""
-    return [
-        tuple(member.value(u) for factor, u in zip(factors, row, strict=True) for member in factor.members)
-        for row in points.tolist()
-    ]
+    columns = [member.values(u) for factor, u in zip(factors, points.T, strict=True) for member in factor.members]
+    return list(zip(*columns, strict=True)) or [()] * len(points)
 
 
 def key_columns(factors: Sequence[Factor], points: np.ndarray) -> tuple[pd.DataFrame, Meanings, dict[str, Unit]]:

@@ -103,7 +103,7 @@ class Optimise(Workflow):
 
     def text(self, point: Point) -> str:
         """The text of the study with the keys at a point; everything else stays as it is written (`with_values`)."""
-        values = {factor.key: factor.value(u) for factor, u in zip(self.factors, point, strict=True)}
+        values = {factor.key: factor.values([u])[0] for factor, u in zip(self.factors, point, strict=True)}
         return with_values(self.study.text, values, self.study.file)
 
     def plan_of(self, points: Sequence[Point]) -> Plan:

@@ -130,16 +130,6 @@ def test_every_width_has_its_error(results):
     assert ((exact["error"] > 0) & (exact["error"] < 1e-6 * exact["largest"])).all()
 
 
-@pytest.mark.parametrize("engine", ["threads", "processes", "dask"])
-def test_same_widths_from_every_engine(results, tmp_path, monkeypatch, engine):
-    """Bit for bit. Fails if a closing depends on what was solved before it."""
-    monkeypatch.setattr("pounding_cli.batch.solve.WORTH_WORKERS", 0.0)
-    study = results.path.with_name("two.yaml")
-    found = pounding_cli.run(study, tmp_path / "r.h5", workflow="gap", engine=engine, workers=2)
-    assert found.attrs["engine"] == engine
-    assert found.table("gap").equals(results.table("gap"))
-
-
 def test_the_page_answers_first(pound):
     pound("gap", "two.yaml", "-q")
     code, _, _ = pound("report", "results/two-gap.h5", "--format", "png")

@@ -9,7 +9,7 @@ import pytest
 from pages import hook
 
 GALLERY = hook("gallery")
-SOON = ("first-pair", "paper-pair", "paper-three", "paper-oscillators", "fragility")
+SOON = ("first-pair", "paper-oscillators")
 """Studies that every run of the tests looks at; `make reference` and `make docs` run the others too."""
 
 
