@@ -101,13 +101,11 @@ def wall(tmp_path_factory):
         ("wall", "striker: {mass: 1e-9 kg}", "an impact this short"),
         ("wall", "sweep: {striker.mass: [1e-9 kg, 2e-9 kg]}", "an impact this short"),
         ("wall", "sweep: {striker.speed: [1 m/s, 1e200 m/s]}", "the response is not finite"),
-        ("wall", "sweep: {striker.mass: [200 t, 1e300 t]}", "the response is not finite"),
         ("wall", "sweep: {frame.storey_height: [3 m, 1e12 m]}", "a mesh of more than 250000 elements"),
         ("wall", "sweep: {striker.speed: [1 m/s, 1e-170 m/s]}", "the response is not finite"),
         ("wall", "sweep: {wall.thickness: [1 m, 1e300 m]}", "refused: the stiffness matrix is singular"),
         ("connector", "sweep: {first.period: [0.5 s, 1e-200 s]}", "refused: numbers too large or too small to compute"),
         ("connector", "sweep: {first.mass: [100 t, 200 t, 1e300 kg]}", "the response is not finite"),
-        ("connector", "sweep: {first.mass: [100 t, 1e300 kg, 200 t]}", "the response is not finite"),
         ("connector", "sweep: {connector.stiffness: [0.2 k1, 1e300 N/m]}", "the response is not finite"),
     ],
 )
