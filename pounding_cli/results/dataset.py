@@ -10,7 +10,7 @@ from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,8 +23,10 @@ from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
 from pounding_cli.results.group import Array, Group
 from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
 from pounding_cli.solver.response import COLLAPSED, DONE
-from pounding_cli.study.plan import Plan
 from pounding_cli.variables import RATIOS, STOREY, VARIABLES, Variable
+
+if TYPE_CHECKING:
+    from pounding_cli.study.plan import Plan
 
 _SOFTWARE = ("numpy", "scipy", "numba", "h5py", "xarray")
 

@@ -12,12 +12,13 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
 from pounding_cli.results.group import Array, Group
 from pounding_cli.solver.response import DONE
-from pounding_cli.study.plan import Plan
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
+
+    from pounding_cli.study.plan import Plan
 
 
 COORDINATES = ("time", "building", "storey", "floor", "link")

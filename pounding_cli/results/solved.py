@@ -9,13 +9,15 @@ import sys
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli import __version__
 from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, STOREYS, Response, peaks_type
-from pounding_cli.study.plan import Plan
+
+if TYPE_CHECKING:
+    from pounding_cli.study.plan import Plan
 
 TEXTS = ("status", "advice", "method", "flags", "effects", "dropped")
 """Texts of a response; of the last three one sentence a line."""
