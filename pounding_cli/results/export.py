@@ -48,6 +48,9 @@ def export(
         written, more rows than an Excel sheet takes
     """
     named = {suffix: name for name, suffix in FORMATS.items()}.get(output.suffix.lower()) if output else None
+    if form is None and named is None and output and output.suffix and not output.is_dir():
+        hint = f"end it in {', '.join(FORMATS.values())}, or name a folder without a dot"
+        raise InputError(Problem(f"{output} is the name of no format", hint))
     form = form or named or "csv"
     if named not in (None, form):
         raise InputError(Problem(f"{output} is not a name for {form}", f"end it in {FORMATS[form]}, or name a folder"))

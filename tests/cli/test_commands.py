@@ -132,6 +132,7 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
         ("records show one.txt --column 2", "leave 'column' out"),
         ("records show taft -o taft.xyz", "end the name with one of .png, .svg, .pdf"),
         ("init folder/", "'folder/' names no file"),
+        ("export r.h5 storey -o out.xls", "out.xls is the name of no format\n    end it in .csv, .parquet, .xlsx, .nc"),
     ],
 )
 def test_a_slip_is_answered_with_what_to_write(results, folder, pound, words, said):
