@@ -4,9 +4,13 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
 POUND := $(BIN)/pound
-# uv installs what is locked, and compiles modules on all cores, in a third of the time of pip, which installs uv; like pip
-# it trusts the certificates of the system.
-UV := $(BIN)/uv pip install --quiet --system-certs --python $(BIN)/python
+# uv installs what is locked, and compiles modules on all cores, in a third of the time of pip, which installs uv. It does
+# not read the settings of pip.
+UV := $(BIN)/uv pip install --quiet --python $(BIN)/python
+export UV_SYSTEM_CERTS := 1
+ifdef PIP_INDEX_URL
+export UV_DEFAULT_INDEX := $(PIP_INDEX_URL)
+endif
 PAGES := $(foreach study,fig5 fig6 fig7 fig8,results/$(study)/report.html)
 
 .PHONY: all setup figures studies pages test lint lock docs peers reference bench fuzz dist clean
@@ -15,9 +19,12 @@ all: figures
 
 setup: $(STAMP)
 
-$(STAMP): requirements-uv.txt requirements.txt pyproject.toml
+$(BIN)/uv: requirements-uv.txt
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-uv.txt
+	touch $@
+
+$(STAMP): $(BIN)/uv requirements.txt pyproject.toml
 	$(UV) --compile-bytecode --require-hashes -r requirements.txt
 	$(UV) --no-deps --no-build-isolation -e .
 	$(POUND) schema -o configs/pound.schema.json
@@ -58,8 +65,8 @@ lint: setup
 	$(BIN)/lint-imports
 
 # Rewrites the locked versions from pyproject.toml.
-LOCKED := $(BIN)/uv pip compile --quiet --no-deps --generate-hashes --no-annotate --no-header
-lock: setup
+LOCKED := $(BIN)/uv pip compile --quiet --upgrade --no-deps --generate-hashes --no-annotate --no-header
+lock: $(BIN)/uv
 	$(BIN)/uv lock --quiet --upgrade
 	$(BIN)/uv export --quiet --locked --no-emit-project --no-annotate --no-header --extra test --extra dev --extra docs -o requirements.txt
 	printf 'uv\n' | $(LOCKED) --universal -o requirements-uv.txt -
@@ -76,7 +83,7 @@ docs: setup
 peers: setup
 	$(UV) --require-hashes --no-deps -r requirements-peers.txt
 	$(PYTHON) -m venv .venv/pelicun
-	$(BIN)/uv pip install --quiet --system-certs --python .venv/pelicun/bin/python pelicun==3.10.0
+	$(BIN)/uv pip install --quiet --python .venv/pelicun/bin/python pelicun==3.10.0
 	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
 
 # What it costs, by law and as scenes grow, into docs/performance.md (about two minutes on a quiet machine).
@@ -84,10 +91,11 @@ bench: setup
 	$(BIN)/python -m tests.bench
 
 # The independent integrator's runs once more, into tests/physics/references.npz (five minutes); with CHECK=--check they
-# are compared with those kept there instead. Then the tests that take longer than ten seconds.
+# are compared with those kept there instead. Then the documentation, the matrix and the kernel cache with the tests that
+# `make test` skips.
 reference: setup
 	nice -n 5 $(BIN)/python -m tests.physics.references $(CHECK)
-	POUND_NIGHTLY=1 $(BIN)/python -m pytest tests/docs tests/matrix tests/hard/test_kernel_cache.py
+	POUND_NIGHTLY=1 $(BIN)/python -m pytest -n auto --dist loadgroup tests/docs tests/matrix tests/hard/test_kernel_cache.py
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.

@@ -188,12 +188,12 @@ def report(
     """
     from pounding_cli.report import report as of
     from pounding_cli.report.claims import compare_claims, verdicts
-    from pounding_cli.report.style import OF_PAPERS, USUAL, for_paper
+    from pounding_cli.report.style import OF_PAPERS, for_paper
 
     if paper and no_figures:
         hint = "leave one of them out"
         raise InputError(Problem("--figures-for-paper and --no-figures contradict each other", hint))
-    chosen = () if no_figures else formats or (OF_PAPERS if paper else USUAL)
+    chosen = () if no_figures else formats or (OF_PAPERS if paper else None)
     opened = [(folder, open_file(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
     wanted = _wanted(**rows)
     if wanted and not any(results.axes for _, results in opened):

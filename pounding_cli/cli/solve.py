@@ -213,7 +213,7 @@ def _points(name: str, about: str, example: str) -> click.Command:
             sweep = replace(sweep, points=tuple(solved(sweep, point) for point in waiting))
         write(file, Group.of(dataset(sweep)))
         found, failed = report(sweep), [point for point in sweep.points if point.status != DONE]
-        (*_, page) = found.save(file.with_suffix(""), ("png", "svg"))
+        (*_, page) = found.save(file.with_suffix(""))
         if not quiet:
             found.print()
             click.echo(f"Points: {len(sweep.points) - len(failed)} solved, {len(failed)} failed")
@@ -273,7 +273,7 @@ def accuracy(
     tell = (lambda text: None) if quiet else (lambda text: click.echo(f"  {text}", err=True))
     repeat = shlex.join(["pound", *sys.argv[1:]])
     report = accuracy_report(measure(subjects, names, budget, tell), loaded.title, repeat)
-    files = report.save(folder, ("png", "svg"))
+    files = report.save(folder)
     if quiet:
         click.echo("\n".join(report.answer.sentences))
     else:

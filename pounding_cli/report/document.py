@@ -101,18 +101,19 @@ class Report:
         for sentence in (*self.answer.sentences, *self.answer.notes):
             print(textwrap.fill(sentence, 118, break_long_words=False, break_on_hyphens=False))
 
-    def save(self, folder: Path, formats: Sequence[str] = ("png", "svg"), page: bool = True) -> list[Path]:
+    def save(self, folder: Path, formats: Sequence[str] | None = None, page: bool = True) -> list[Path]:
         """Write figures, tables as CSV and the page into a folder; returns the files, the page last.
 
-        formats : of the figures; none leaves them out
+        formats : of the figures, PNG and SVG unless given; an empty one leaves them out
 
         Raises
         ------
         InputError : the folder cannot be written to
         """
         from pounding_cli.report.page import write_page
-        from pounding_cli.report.style import save
+        from pounding_cli.report.style import USUAL, save
 
+        formats = USUAL if formats is None else formats
         tables = [table for section in self.sections for table in section.tables if table.name]
         pictures = [picture for section in self.sections for picture in section.pictures]
         check_folder(folder)  # what is asked for was refused before anything is written

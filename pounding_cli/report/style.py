@@ -189,12 +189,15 @@ def finish(figure: Figure, title: str, text: str = "") -> None:
 
 
 def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]) -> list[Path]:
-    """Write every figure in every format, of figures for a paper their captions too; returns the files."""
+    """Write every figure in every format, and in those in which the folder has it already, so that none is of other
+    results; of figures for a paper their captions too; returns the files."""
     files = []
     for name, figure in figures.items():
-        for suffix in formats:
-            files.append(folder / f"{file_name(name)}.{suffix}")
-            files[-1].write_bytes(drawn_as(figure, suffix))
+        there = {suffix: folder / f"{file_name(name)}.{suffix}" for suffix in FORMATS}
+        for suffix, path in there.items():
+            if suffix in formats or path.exists():
+                files.append(path)
+                path.write_bytes(drawn_as(figure, suffix))
     if figures and is_for_paper():
         said = [f"**{name}**: {figure.get_label()}\n" for name, figure in figures.items()]
         files.append(write_markdown(folder / "captions.md", said))

@@ -49,7 +49,7 @@ def export(
     """
     named = {suffix: name for name, suffix in FORMATS.items()}.get(output.suffix.lower()) if output else None
     if form is None and named is None and output and output.suffix and not output.is_dir():
-        hint = f"end it in {', '.join(FORMATS.values())}, or name a folder without a dot"
+        hint = f"end it in {', '.join(FORMATS.values())}, name a folder without a dot, or give --format"
         raise InputError(Problem(f"{output} is the name of no format", hint))
     form = form or named or "csv"
     if named not in (None, form):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -47,12 +48,17 @@ def made(tmp_path_factory) -> Path:
 
 
 def test_page_figures_and_tables(made, folder, pound):
-    code, out, err = pound("report", made / "two.h5", "--format", "svg", "-o", "two")
+    """PNG and SVG, and what a report before left in another format. Fails if that stays as it was."""
+    old = Path("two/soft-response.pdf")
+    old.parent.mkdir()
+    old.write_bytes(b"%PDF-")
+    code, out, err = pound("report", made / "two.h5", "-o", "two")
     assert (code, err) == (0, "")
     assert out.startswith("two/report.html: ")
-    assert {path.name for path in Path("two").glob("*.*")} >= {
-        "report.html", "stiff-response.svg", "stiff-accelerations.svg", "soft-response.svg",
-    }  # fmt: skip
+    figures = product(("stiff", "soft"), ("response", "accelerations"), ("png", "svg"))
+    drawn = {f"{building}-{what}.{suffix}" for building, what, suffix in figures}
+    assert {path.name for path in Path("two").glob("*.*")} == {"report.html", "soft-response.pdf", *drawn}
+    assert len(old.read_bytes()) > 5_000
     exact = pounding_cli.open_results(made / "two.h5").storey()
     pd.testing.assert_frame_equal(
         pd.read_csv("two/tables/storey.csv"), exact, check_dtype=False, check_categorical=False
