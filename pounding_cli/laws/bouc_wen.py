@@ -16,7 +16,6 @@ K, LIMIT, A, EXPONENT, GAMMA = range(5)
 Z = 0
 """History variable: hysteretic part of the shear over its largest value [-], -1 to 1."""
 
-
 ELASTIC, RISING, RISING_BELOW, FALLING, FALLING_BELOW = range(5)
 """Branches: from rest until z counts; then by the way of the drift, BELOW where z is below zero."""
 

@@ -15,7 +15,6 @@ from pounding_cli.laws.pounding import DASHPOT, DashpotLaw
 THINNEST = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
 
-
 K, CUBIC, ROOT, K_BEYOND, F0_BEYOND, THICKNESS, CUTS = range(7)
 """Parameters: spring [N/m], cubic [N/m3] and dashpot over sqrt(stiffness) [sqrt(kg)] of the material; spring [N/m] and
 force at v = 0 [N] of the line beyond its thickness [m]; 1 where no force pulls."""

@@ -36,7 +36,6 @@ MOST_AT_INSTANT = 4
 INSTANT = 1e-12
 """Part of a step [-] within which an event counts as one at its start."""
 
-
 TOUCH = 1e-11
 """Of floors in touch at rest, the parting [m] before which they are in contact since the motion began where they press,
 and the closing before which they are not in contact where they part: what is less hangs on rounding."""

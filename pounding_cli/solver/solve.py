@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -237,6 +238,8 @@ def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
     compiling = f"compiling {part}, once on this machine (half a minute)"
     if not mark.exists():
         say(compiling)
+    collects = gc.isenabled()
+    gc.disable()  # what the compiler makes stays: to look through it again and again takes a tenth of its time
     try:
         kernel.compile(signature)
     except Exception:  # of pickle, of LLVM, of numba: whatever damaged bytes lead to
@@ -244,6 +247,9 @@ def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
             kept.unlink(missing_ok=True)
         say(compiling)
         kernel.compile(signature)
+    finally:
+        if collects:
+            gc.enable()
     _loaded.add(part)
     with contextlib.suppress(OSError):
         FOLDER.mkdir(parents=True, exist_ok=True)

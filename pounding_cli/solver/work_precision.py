@@ -33,7 +33,6 @@ MAX_REPEATS, REPEATED = 20, 0.1
 WARM_UP = 3
 """Samples of the motion that a method sees before it is timed, so that compiling is not."""
 
-
 Subject = tuple[dict[str, str], Scene]
 """A scene and its place in the study: case, analysis, record."""
 
