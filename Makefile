@@ -19,13 +19,13 @@ all: figures
 
 setup: $(STAMP)
 
-$(BIN)/uv: requirements-uv.txt
+$(BIN)/uv: requirements/uv.txt
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-uv.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements/uv.txt
 	touch $@
 
-$(STAMP): $(BIN)/uv requirements.txt pyproject.toml
-	$(UV) --compile-bytecode --require-hashes -r requirements.txt
+$(STAMP): $(BIN)/uv requirements/all.txt pyproject.toml
+	$(UV) --compile-bytecode --require-hashes -r requirements/all.txt
 	$(UV) --no-deps --no-build-isolation -e .
 	$(POUND) schema -o configs/pound.schema.json
 	touch $(STAMP)
@@ -68,10 +68,10 @@ lint: setup
 LOCKED := $(BIN)/uv pip compile --quiet --upgrade --no-deps --generate-hashes --no-annotate --no-header
 lock: $(BIN)/uv
 	$(BIN)/uv lock --quiet --upgrade
-	$(BIN)/uv export --quiet --locked --no-emit-project --no-annotate --no-header --extra test --extra dev --extra docs -o requirements.txt
-	printf 'uv\n' | $(LOCKED) --universal -o requirements-uv.txt -
+	$(BIN)/uv export --quiet --locked --no-emit-project --no-annotate --no-header --extra test --extra dev --extra docs -o requirements/all.txt
+	printf 'uv\n' | $(LOCKED) --universal -o requirements/uv.txt -
 	printf 'heyoka\nopenseespy==3.7.*\nopenseespylinux==3.7.*\n' | $(LOCKED) --python-version 3.11 \
-	  --python-platform x86_64-manylinux_2_28 -o requirements-peers.txt -
+	  --python-platform x86_64-manylinux_2_28 -o requirements/peers.txt -
 	rm uv.lock
 
 # The site, into site/: every warning is an error.
@@ -81,7 +81,7 @@ docs: setup
 
 # Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3), and one that reads its exports.
 peers: setup
-	$(UV) --require-hashes --no-deps -r requirements-peers.txt
+	$(UV) --require-hashes --no-deps -r requirements/peers.txt
 	$(PYTHON) -m venv .venv/pelicun
 	$(BIN)/uv pip install --quiet --python .venv/pelicun/bin/python pelicun==3.10.0
 	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
