@@ -3,6 +3,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
+PEERS := .venv/.peers
 POUND := $(BIN)/pound
 # uv installs what is locked, and compiles modules on all cores, in a third of the time of pip, which installs uv. It does
 # not read the settings of pip.
@@ -79,15 +80,19 @@ docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "The site: site/index.html"
 
-# Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3), and one that reads its exports.
-peers: setup
+$(PEERS): $(STAMP) requirements/peers.txt
 	$(UV) --require-hashes --no-deps -r requirements/peers.txt
+	touch $(PEERS)
+
+# Other programs that the solver is checked against (OpenSeesPy needs Debian's libblas3), and one that reads its exports.
+peers: $(PEERS)
 	$(PYTHON) -m venv .venv/pelicun
 	$(BIN)/uv pip install --quiet --python .venv/pelicun/bin/python pelicun==3.10.0
 	PELICUN_PYTHON=$(CURDIR)/.venv/pelicun/bin/python $(BIN)/python -m pytest tests/peers tests/cli/test_pelicun.py
 
-# What it costs, by law and as scenes grow, into docs/performance.md (about two minutes on a quiet machine).
-bench: setup
+# What it costs, by law, as scenes grow, by method and in OpenSees, into the pages that say so and the README (about six
+# minutes on a quiet machine).
+bench: $(PEERS)
 	$(BIN)/python -m tests.bench
 
 # The independent integrator's runs once more, into tests/physics/references.npz (five minutes); with CHECK=--check they

@@ -160,6 +160,7 @@ def provide(name: str, folder: Path) -> None:
 def stand_in(folder: Path) -> None:
     """The folder a reader stands in: the studies that ship, cut short, so that every command takes moments."""
     shutil.copytree(ROOT / "configs", folder / "configs")
+    shutil.copytree(ROOT / "tests" / "hard" / "scenes", folder / "tests" / "hard" / "scenes")
     for path in (folder / "configs").rglob("*.yaml"):
         study = yaml.safe_load(path.read_text(encoding="utf-8"))
         if "records" in study:

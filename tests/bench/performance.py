@@ -1,16 +1,9 @@
-"""What the program costs: `python -m tests.bench` measures it and writes the table of docs/performance.md.
-
-It runs studies as a user does and takes the least time of several runs. A machine at work for others makes all times
-longer; the table says when and where it was measured."""
+"""The table of docs/performance.md: what scenes, commands and sweeps cost."""
 
 from __future__ import annotations
 
-import argparse
-import datetime
 import os
-import platform
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -21,10 +14,8 @@ import pandas as pd
 import yaml
 
 import pounding_cli
+from tests.bench.pages import POUND, ROOT, format_time, table
 
-ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "performance.md"
-POUND = [sys.executable, "-c", "from pounding_cli.cli.main import main; main()"]
 RUNS = 7
 
 PAIR: dict[str, Any] = {
@@ -58,41 +49,10 @@ SWAY = {"mass": "200 t", "sway_stiffness": "2000 kN/mm", "sway_damping": "20 MN 
 ROCKING = {"inertia": "1e7 kg m2", "rocking_stiffness": "1e5 MN m", "rocking_damping": "100 MN m s"}
 
 
-def main() -> None:
-    argparse.ArgumentParser(prog="python -m tests.bench", description=__doc__).parse_args()
-    begin, load = time.perf_counter(), os.getloadavg()[0]
-    rows = [row for part in (figures, laws, growth, program, sweep) for row in part()]
-    show(f"{table('what | time', rows)}\n\nMeasured {here(load)}.")
-    print(f"{time.perf_counter() - begin:.0f} s")
-
-
-def show(text: str) -> None:
-    """Replace what stands between the marks of the page."""
-    begin, end = "<!-- begin (make bench) -->", "<!-- end -->"
-    before, first, rest = PAGE.read_text(encoding="utf-8").partition(begin)
-    _, last, after = rest.partition(end)
-    if not first or not last:
-        raise ValueError(f"{PAGE} lacks the marks {begin} and {end}")
-    PAGE.write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
-
-
-def here(load: float) -> str:
-    """Day, commit and machine."""
-    commit = subprocess.run(
-        ["git", "-C", str(ROOT), "rev-parse", "--short", "HEAD"], capture_output=True, text=True
-    ).stdout.strip()
-    day = datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d")
-    versions = ", ".join(f"{name} {__import__(name).__version__}" for name in ("numpy", "numba"))
-    return (
-        f"on {day}, commit {commit or 'unknown'}, {processor()}, {os.cpu_count()} cores, load before {load:.1f}, "
-        f"Python {platform.python_version()}, {versions}"
-    )
-
-
-def processor() -> str:
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
+def measure_performance() -> str:
+    """Return the table of what scenes of the figures, laws, growing rows and whole commands cost."""
+    rows = [row for measure in (figures, laws, growth, program, sweep) for row in measure()]
+    return table("what | time", rows)
 
 
 def solved(study: dict[str, Any] | Path) -> pd.DataFrame:
@@ -123,7 +83,7 @@ def figures() -> Iterator[list[str]]:
     for name in ("fig6", "fig7"):
         scenes = solved(ROOT / "configs" / f"{name}.yaml")
         seconds = scenes.loc[(scenes["case"] != "alone") & (scenes["seconds"] > 0), "seconds"]  # 0: shown without a run
-        yield [f"a scene of `configs/{name}.yaml`, median of {len(seconds)}", time_of(seconds.median())]
+        yield [f"a scene of `configs/{name}.yaml`, median of {len(seconds)}", format_time(seconds.median())]
 
 
 def laws() -> Iterator[list[str]]:
@@ -150,7 +110,7 @@ def laws() -> Iterator[list[str]]:
         ("storeys", storeys),
         ("bases", bases),
     ):
-        yield [kind, ", ".join(f"{law} {time_of(scene['seconds'])}" for law, scene in found.items())]
+        yield [kind, ", ".join(f"{law} {format_time(scene['seconds'])}" for law, scene in found.items())]
 
 
 def growth() -> Iterator[list[str]]:
@@ -161,7 +121,7 @@ def growth() -> Iterator[list[str]]:
         ("buildings in a row, touching", (2, 5, 20), lambda n: row_of(buildings=n)),
         ("accuracy, touching", (1e-3, 1e-6, 1e-9, 1e-12), lambda accuracy: row_of(accuracy=accuracy)),
     ):
-        yield [what, ", ".join(f"{value:g}: {time_of(scene(value)['seconds'])}" for value in values)]
+        yield [what, ", ".join(f"{value:g}: {format_time(scene(value)['seconds'])}" for value in values)]
 
 
 def program() -> Iterator[list[str]]:
@@ -170,10 +130,10 @@ def program() -> Iterator[list[str]]:
     with tempfile.TemporaryDirectory() as folder:
         started(*fig6, "-o", f"{folder}/first.h5")
         warm = min(started(*fig6, "-o", f"{folder}/{number}.h5") for number in range(RUNS))
-        told = min(started("--help") for _ in range(RUNS))
+        help_time = min(started("--help") for _ in range(RUNS))
         cold = started(*fig6, "-o", f"{folder}/cold.h5", NUMBA_CACHE_DIR=f"{folder}/cache")
-    yield ["`pound --help`", time_of(told)]
-    yield ["`pound run configs/fig6.yaml`", f"{time_of(warm)}; first run ever, which compiles: {time_of(cold)}"]
+    yield ["`pound --help`", format_time(help_time)]
+    yield ["`pound run configs/fig6.yaml`", f"{format_time(warm)}; first run ever, which compiles: {format_time(cold)}"]
 
 
 def started(*words: str, **environment: str) -> float:
@@ -210,7 +170,7 @@ def sweep() -> Iterator[list[str]]:
         if process.returncode:
             raise RuntimeError(f"pound run ended with {process.returncode}")
         size = output.stat().st_size
-    told = f"{time_of(wall)}, {memory / 1e6:.0f} MB in all processes, a file of {size / 1e6:.0f} MB"
+    told = f"{format_time(wall)}, {memory / 1e6:.0f} MB in all processes, a file of {size / 1e6:.0f} MB"
     yield ["a sweep of 10,000 points, 2 s of motion", told]
 
 
@@ -236,20 +196,3 @@ def largest_memory(process: subprocess.Popen) -> int:
         largest = max(largest, total + libraries)
         time.sleep(0.2)
     return largest
-
-
-def time_of(seconds: float) -> str:
-    """Three digits with a fitting unit."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3)):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds * 1e6:.3g} µs"
-
-
-def table(head: str, rows: list[list[str]]) -> str:
-    lines = [f"| {head} |", "|" + "---|" * (head.count("|") + 1)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
-
-
-if __name__ == "__main__":
-    main()
