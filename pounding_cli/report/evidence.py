@@ -110,7 +110,7 @@ class Evidence:
     @cached_property
     def built(self) -> list[str]:
         """The buildings of the group, without walls."""
-        return [name for name in self.group if not self.of_study(name).get("wall")]
+        return [name for name in self.group if name not in self.results.walls]
 
     @cached_property
     def periods(self) -> dict[str, float]:
