@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
 from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
+from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.workflows.hazard import INTENSITY_KEYS
 
@@ -59,6 +61,8 @@ def report_of(
         *([counted(points, "different sample") if is_sampled else f"{points} points of a sweep"] if points > 1 else []),
     ]
     tables = ("records",) if is_sampled else tuple(_TITLES)
+    sample_keys = results.swept[-1] if is_sampled else ()
+    answer = replace(answer, notes=[*answer.notes, *implausible_results(results, sample_keys)])
     return Report(
         results.title,
         answer,
