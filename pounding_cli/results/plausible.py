@@ -103,8 +103,8 @@ def _penetration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> I
     too_far = beyond.where(beyond > thinner)
     if not bool(too_far.notnull().any()):
         return
-    place = _place_of_largest(too_far)
-    text = f"{_LENGTH.text(float(too_far.max()), 3)} ({_where(results, place, hidden)})"
+    at = _index_of_largest(too_far)
+    text = f"{_LENGTH.text(float(too_far.max()), 3)} ({_where(results, data.isel(at), at, hidden)})"
     limits = thinner.broadcast_like(too_far).transpose(*too_far.dims).values
     least = _LENGTH.text(limits.flat[int(np.nanargmax(too_far.values))], 3)
     yield (
@@ -124,23 +124,24 @@ def _known(data: xr.Dataset, name: str) -> Any:
 def _largest(
     results: Results, data: xr.Dataset, name: str, limit: float, unit: Unit, hidden: Sequence[str]
 ) -> tuple[str, dict[str, Any], float] | None:
-    """Return the largest value of a variable in words, where it stands and the value of the building alone; None where
-    none is above a limit.
+    """Return the largest value of a variable in words, its building and analysis, and the value of the building alone;
+    None where none is above a limit.
 
     data : without walls
     """
     values = data[name].load()
     if not values.size or not (values > limit).any():
         return None
-    place = _place_of_largest(values)
-    words = [_where(results, place, hidden)]
-    alone = _of_alone(data.sel(place), name)
+    at = _index_of_largest(values)
+    here = data.isel(at)
+    words = [_where(results, here, at, hidden)]
+    alone = _of_alone(here, name)
     if np.isfinite(alone):
         words.append(f"{unit.text(alone, 3)} alone")
     count = int((values > limit).any(values.dims[-2:]).sum())
     words.append(f"above {unit.text(limit)} in {counted(count, 'run')}")
     text = f"{unit.text(float(values.max()), 3)} ({'; '.join(filter(None, words))})"
-    return text, place, alone
+    return text, {dim: here[dim].item() for dim in ("building", "analysis")}, alone
 
 
 def _of_alone(data: xr.Dataset, name: str) -> float:
@@ -150,21 +151,23 @@ def _of_alone(data: xr.Dataset, name: str) -> float:
     return float(data[ALONE[name]])
 
 
-def _place_of_largest(values: xr.DataArray) -> dict[str, Any]:
-    """Return the coordinates of the largest value by dimension."""
+def _index_of_largest(values: xr.DataArray) -> dict[Any, int]:
+    """Return the index of the largest value on every dimension."""
     at = np.unravel_index(int(np.nanargmax(values.values)), values.shape)
-    return {str(dim): values[dim].values[index] for dim, index in zip(values.dims, at, strict=True)}
+    return {dim: int(index) for dim, index in zip(values.dims, at, strict=True)}
 
 
-def _where(results: Results, place: dict[str, Any], hidden: Sequence[str]) -> str:
-    """Return a place in words: "stiff, storey 1, elcentro, touching, elastic, cases.gap.gap = 5 cm"."""
+def _where(results: Results, here: xr.Dataset, at: dict[Any, int], hidden: Sequence[str]) -> str:
+    """Return a place in words: "stiff, storey 1, elcentro, touching, elastic, cases.gap.gap = 5 cm".
+
+    here : the variables at the place; at : its index on the dimensions that say where it is
+    """
     single = {dim for dim in ("record", "case", "analysis") if len(results.data[dim]) == 1}
-    words = [form.format(place[dim]) for dim, form in _PLACES.items() if dim in place and dim not in single]
-    words += [
-        f"{key} = {results.value_label(key, value)}"
-        for key, value in place.items()
-        if key in results.axes and key not in hidden
-    ]
+    words = [form.format(here[dim].item()) for dim, form in _PLACES.items() if dim in at and dim not in single]
+    for keys in results.swept:
+        if keys[0] in at:
+            named = [key for key in keys if key not in hidden]
+            words += [f"{key} = {results.value_label(key, results.axes[key][at[keys[0]]])}" for key in named]
     return ", ".join(words)
 
 
