@@ -48,6 +48,11 @@ def cells(frame: pd.DataFrame) -> pd.DataFrame:
     return frame.assign(**texts)
 
 
+def escape_formulas(texts: Iterable[str]) -> list[str]:
+    """Return texts for cells of CSV as `cells` has them."""
+    return [_cell(text) for text in texts]
+
+
 def _cell(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
 

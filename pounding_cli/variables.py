@@ -127,6 +127,7 @@ SCENES = (
     Variable("effects", PLACE, "", "effects simulated, one a line", "s"),
     Variable("dropped", PLACE, "", "effects left out with the reason, one a line", "s"),
     Variable("flags", PLACE, "", "what a reader of the numbers should know, one a line", "s"),
+    Variable("flag_severity", PLACE, "", "of every flag a number that is larger where it is worse, one a line", "s"),
     Variable("energy_input", PLACE, "J", "energy put in by the ground"),
     Variable("energy_kinetic", PLACE, "J", "kinetic energy at the end"),
     Variable("energy_stored", PLACE, "J", "elastic energy at the end"),

@@ -20,7 +20,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.results.solved import Row, encode
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.estimate import assess
-from pounding_cli.solver.response import BASES, DONE, LINKS, NEVER_CLOSES, STOREYS, Response, no_peaks
+from pounding_cli.solver.response import BASES, DONE, LINKS, NEVER_CLOSES, STOREYS, Flag, Response, no_peaks
 
 HARDER = 0.01
 """Accuracy and time step of a second try over those of the first [-]."""
@@ -61,7 +61,8 @@ class Task:
             for number, second in zip(failed, finer([scenes[number] for number in failed]), strict=True):
                 first = responses[number]
                 if second.status == DONE:
-                    flags = *second.flags, f"solved once more, {1 / HARDER:g} times as finely: {first.status}"
+                    again = Flag(f"solved once more, {1 / HARDER:g} times as finely", first.status)
+                    flags = (*second.flags, again)
                     responses[number] = replace(second, flags=flags, seconds=first.seconds + second.seconds)
         return responses
 

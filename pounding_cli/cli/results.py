@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 TABLES = (*OF_SCENES, *(table for tables in ANSWERS.values() for table in tables))
 _ASIDE = {
     "summary": ("_error", "_sensitivity", "_std", "_min"),
-    "scene": ("advice", "effects", "dropped", "_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
+    "scene": (
+        *("advice", "flag_severity", "effects", "dropped"),
+        *("_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
+    ),
     "records": ("digest",),
 }
 """Endings of the columns that only CSV has, by table."""
@@ -121,7 +124,7 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
     results = open_file(file)
     table = table or (results.answers[0] if results.answers else "summary")
     frame = _filtered(results, results.table(table), _wanted(**rows), table)
-    sentences = [name for name in ("effects", "dropped", "flags", "advice") if name in frame.columns]
+    sentences = [name for name in ("effects", "dropped", "flags", "flag_severity", "advice") if name in frame.columns]
     frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
     if form == "csv":
         click.echo(cells(frame).to_csv(index=False, lineterminator="\n"), nl=False)

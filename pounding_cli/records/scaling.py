@@ -13,7 +13,16 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.motion import SPECTRUM_DAMPING, Motion, arias, spectrum
 
 POINTS = 50
-"""Periods a target spectrum is met at: so many, evenly in ln T over the range."""
+"""Periods of the fit to a target spectrum: so many, evenly in ln T over the range."""
+
+OF_MOTION = 8
+"""Points of the spectrum of a motion that is a target, for each one of the fit."""
+
+LEAST_DAMPING = 0.01
+"""Damping ratio below which the slope of a spectrum is bounded as at it [-]."""
+
+RATIO_TOLERANCE = 1e-4
+"""Relative error of the smallest ratio of a mean spectrum to its target, at most [-]."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +41,9 @@ class TargetSpectrum:
 
     @classmethod
     def of(cls, motion: Motion, low: float, high: float, damping: float = SPECTRUM_DAMPING) -> TargetSpectrum:
-        """The spectrum of a motion itself, exact at every period of `grid`.  Raises InputError for one at rest."""
-        grid = np.geomspace(low, high, POINTS)
+        """The spectrum of a motion itself, exact at every period of `grid`, and straight between points that are close.
+        Raises InputError for one at rest."""
+        grid = np.geomspace(low, high, OF_MOTION * (POINTS - 1) + 1)
         values = spectrum(motion, grid, damping)
         scale_factor(motion, float(values.min()), 1.0)
         return cls(tuple(map(float, grid)), tuple(map(float, values)), low, high, damping)
@@ -46,7 +56,11 @@ class TargetSpectrum:
     @property
     def ordinates(self) -> np.ndarray:
         """Its values at `grid` [m/s2]."""
-        return np.exp(np.interp(np.log(self.grid), np.log(self.periods), np.log(self.values)))
+        return self.at(self.grid)
+
+    def at(self, periods: np.ndarray) -> np.ndarray:
+        """Return its values at `periods` [m/s2]."""
+        return np.exp(np.interp(np.log(periods), np.log(self.periods), np.log(self.values)))
 
 
 def scale_factor(motion: Motion, measured: float, wanted: float) -> float:
@@ -69,6 +83,51 @@ def arias_factor(motion: Motion, target: Motion) -> float:
     return math.sqrt(scale_factor(motion, arias(motion), 1.0) / scale_factor(target, arias(target), 1.0))
 
 
+def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple[float, float]:
+    """Return the smallest ratio of the mean spectrum of motions to the target over its whole range [-], and the period
+    at which it stands [s].
+
+    Intervals of the periods of the fit, and of the points of the target, are halved as long as the ratio could fall
+    below the smallest one known by more than RATIO_TOLERANCE, given how steep a spectrum may be (Shubert, B. O. (1972).
+    A sequential method seeking the global maximum of a function. SIAM J. Numer. Anal. 9(3), 379-388); then the smallest
+    is followed down between its neighbours.  An oscillator remembers 1 / (2 zeta w) seconds, so that
+    |d ln Sa / d ln T| stays below 1 / (2 zeta) + 2.
+    """
+    from scipy.optimize import minimize_scalar
+
+    def log_ratio(periods: np.ndarray) -> np.ndarray:
+        spectra = [spectrum(motion, periods, target.damping) for motion in motions.values()]
+        return np.log(np.mean(spectra, axis=0) / target.at(periods))
+
+    steepest = 0.5 / max(target.damping, LEAST_DAMPING) + 2.0
+    corners = [period for period in target.periods if target.low < period < target.high]
+    periods = np.unique(np.concatenate([target.grid, corners]))
+    values = log_ratio(periods)
+    while True:
+        width = np.diff(np.log(periods))
+        slope = np.diff(np.log(target.at(periods))) / width  # of the target, straight in every interval
+        falls = steepest + slope  # how steeply the ratio may fall from the left end, and from the right one
+        falls_back = steepest - slope
+        bounds = (falls_back * values[:-1] + falls * values[1:] - falls * falls_back * width) / (2.0 * steepest)
+        can_dip = (falls > 0) & (falls_back > 0)
+        between = np.flatnonzero(can_dip & (bounds < values.min() - RATIO_TOLERANCE))
+        if not between.size:
+            break
+        middles = np.sqrt(periods[between] * periods[between + 1])
+        order = np.argsort(np.concatenate([periods, middles]))
+        values = np.concatenate([values, log_ratio(middles)])[order]
+        periods = np.concatenate([periods, middles])[order]
+    place = int(values.argmin())
+    lowest, period = float(values[place]), float(periods[place])
+    ends = np.log(periods[[max(place - 1, 0), min(place + 1, len(periods) - 1)]])
+    found = minimize_scalar(
+        lambda x: float(log_ratio(np.exp([x]))[0]), bounds=ends, method="bounded", options={"xatol": 1e-8}
+    )
+    if found.fun < lowest:
+        lowest, period = float(found.fun), float(np.exp(found.x))
+    return float(np.exp(lowest)), period
+
+
 def spectrum_factors(
     motions: Mapping[str, Motion], target: TargetSpectrum, each: bool, at_least: float | None = None
 ) -> dict[str, float]:
@@ -88,8 +147,9 @@ def spectrum_factors(
     fitted = spectra if each else np.broadcast_to(spectra.mean(axis=0), spectra.shape)
     factors = np.exp(np.log(target.ordinates / fitted).mean(axis=1))
     if at_least is not None:
-        mean = (factors[:, None] * spectra).mean(axis=0)
-        factors = factors * max(1.0, float((at_least * target.ordinates / mean).max()))
+        scaled = {name: each.scaled(factor) for (name, each), factor in zip(motions.items(), factors, strict=True)}
+        ratio, _ = lowest_ratio(scaled, target)
+        factors = factors * max(1.0, at_least / ratio)
     return dict(zip(motions, map(float, factors), strict=True))
 
 
@@ -121,10 +181,8 @@ class SpectrumMatch:
             lift = 1.0 / min(spectrum_factors(used, target, each).values())
             more = f"a factor of {lift:.3f} was added for all" if lift > 1 + 1e-9 else "no further factor was needed"
             words += f"The mean spectrum is nowhere below {at_least:g} of the target: {more}. "
-        mean = np.mean([spectrum(motion, target.grid, target.damping) for motion in used.values()], axis=0)
-        least = np.argmin(mean / target.ordinates)
-        ratio, period = (mean / target.ordinates)[least], target.grid[least]
-        words += f"The mean spectrum is lowest at {period:.2f} s: {ratio:.2f} of the target."
+        ratio, period = lowest_ratio(used, target)
+        words += f"In that range the mean spectrum is lowest at {period:.3g} s: {ratio:.3f} of the target."
         periods = np.geomspace(target.low / 2, 2 * target.high, 80)
         spectra = {name: spectrum(motion, periods, target.damping).tolist() for name, motion in used.items()}
         return cls(target, at_least, words, periods.tolist(), spectra)

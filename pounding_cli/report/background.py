@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from pounding_cli.model.effects import told
+from pounding_cli.model.effects import told as told_effects
 from pounding_cli.model.links import APART
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, counted, listed
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
 from pounding_cli.report.figures import sketch
 from pounding_cli.report.motions import draw_spectra
 from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
+from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.tables import Column, Table
+from pounding_cli.workflows.hazard import INTENSITY_KEYS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -58,6 +61,8 @@ def report_of(
         *([counted(points, "different sample") if is_sampled else f"{points} points of a sweep"] if points > 1 else []),
     ]
     tables = ("records",) if is_sampled else tuple(_TITLES)
+    sample_keys = results.swept[-1] if is_sampled else ()
+    answer = replace(answer, notes=[*answer.notes, *implausible_results(results, sample_keys)])
     return Report(
         results.title,
         answer,
@@ -107,16 +112,61 @@ def _limits(results: Results) -> list[Section]:
 
 
 def _motions(results: Results, shown: Evidence) -> Section:
-    frame = shown.records[["record", "source", "scale", "window", "pga", "arias", "digest"]]
-    frame = frame.assign(digest=frame["digest"].str[:12])
+    frame, point = _motions_as_written(results)
     columns = columns_of(frame, results.units) | {"record": Column(label="motion")}
-    said, pictures = [motion_sentence(shown.records)], []
+    said, pictures = [motion_sentence(shown.records), *_varied_motions(results, point)], []
     if (match := results.spectrum_match) is not None:
         said.append(match.words)
         draw = partial(draw_spectra, match, results.title, shown.unit("acceleration"))
         text = "The target, the mean of the spectra of the motions as used, and each of them."
         pictures.append(Picture("target-spectrum", "Target spectrum", text, draw))
-    return Section("Motions", said, [Table("", frame, columns, "Ground motions as used")], pictures)
+    at = f" at {told(results, point)}" if point else ""
+    return Section("Motions", said, [Table("", frame, columns, f"Ground motions as used{at}")], pictures)
+
+
+def _motions_as_written(results: Results) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Return the motions as used where the keys that change them have the values that the study writes, and these
+    values by key; a key of which the study writes none has its first value.
+
+    A written intensity need not be one of those that are swept: every way to scale is in proportion to its value.
+    """
+    frame, point = results.records(), dict[str, Any]()
+    columns = ["record", "source", "scale", "window", "pga", "arias", "digest"]
+    for keys in results.swept:
+        of_axis = [key for key in keys if key in frame]  # of some keys that move together the motions do not depend
+        keys = [key for key in of_axis if key.startswith("records")] or of_axis
+        if not keys:
+            continue
+        swept = frame[keys].drop_duplicates()
+        written = {key: written_value(results, key) for key in keys}
+        is_written = (swept == pd.Series(written)).all(axis=1)
+        values = swept[is_written].iloc[0] if is_written.any() else swept.iloc[0]
+        frame = frame[(frame[keys] == values).all(axis=1)]
+        point |= {key: values[key] for key in keys}
+        (key, *others), value = keys, written[keys[0]]
+        if not (is_written.any() or others) and key in INTENSITY_KEYS and isinstance(value, float):
+            factor = value / point[key]
+            frame = frame.assign(**{name: frame[name] * factor for name in ("scale", "pga")}, digest="")
+            frame["arias"] *= factor**2
+            point[key] = value
+    frame = frame[columns].drop_duplicates("record", ignore_index=True)
+    return frame.assign(digest=frame["digest"].str[:12]), point
+
+
+def _varied_motions(results: Results, point: Mapping[str, Any]) -> list[str]:
+    """Return in a sentence over which values that were solved the study varies its motions; nothing where it does not.
+
+    point : swept keys that change a motion
+    """
+    ranges = []
+    for key in point:
+        values = results.scene()[key].unique()
+        ends = [results.value_label(key, each) for each in (values.min(), values.max())]
+        if isinstance(values[0], str):
+            ranges.append(f"{key}: {listed(map(str, values))}")
+        else:
+            ranges.append(f"{key} from {ends[0]} to {ends[1]}")
+    return [f"The motions are varied: {'; '.join(ranges)}."] if ranges else []
 
 
 def _simulated(results: Results, shown: Evidence) -> Section:
@@ -157,7 +207,9 @@ def _effects(scene: pd.DataFrame) -> Table:
     """The effects: in how many runs each was simulated, in how many left out, and why."""
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
     dropped = Counter(line for cell in scene["dropped"] for line in cell.splitlines())
-    rows = [[name, str(here or NOTHING), str(out or NOTHING), why] for name, here, out, why in told(kept, dropped)]
+    rows = [
+        [name, str(here or NOTHING), str(out or NOTHING), why] for name, here, out, why in told_effects(kept, dropped)
+    ]
     return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
 
 

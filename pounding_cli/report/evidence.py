@@ -110,7 +110,7 @@ class Evidence:
     @cached_property
     def built(self) -> list[str]:
         """The buildings of the group, without walls."""
-        return [name for name in self.group if not self.of_study(name).get("wall")]
+        return [name for name in self.group if name not in self.results.walls]
 
     @cached_property
     def periods(self) -> dict[str, float]:
@@ -171,12 +171,17 @@ def nominal(results: Results) -> Evidence:
     the first point that was solved where that one was not."""
     index = {}
     for keys in results.swept:
-        points, written = points_of(results, keys), tuple(_at(results.resolved, key.split(".")) for key in keys)
+        points, written = points_of(results, keys), tuple(written_value(results, key) for key in keys)
         index[keys[0]] = points.index(written) if written in points else 0
     solved = (results.data["status"] != "").any(("case", "analysis", "record"))
     if not solved.isel(index) and solved.any():
         index = dict(zip(map(str, solved.dims), np.argwhere(solved.values)[0].tolist(), strict=True))
     return at_point(results, index)
+
+
+def written_value(results: Results, key: str) -> Any:
+    """Return the value of a swept key in the study without its sweep; None where it writes none."""
+    return _at(results.resolved, key.split("."))
 
 
 def _at(tree: Any, path: Iterable[str]) -> Any:

@@ -50,7 +50,7 @@ def fragility_report(results: Results) -> Report:
     unit, measure, frame = answer.columns["median"].unit, _measure(results), answer.frame
     rows, motions, points = (shown.here(results.answer(name).frame) for name in (CURVES, MOTIONS, POINTS))
     said = {place: _sentence(row, unit) for place, row in zip(rows.index, rows.to_dict("records"), strict=True)}
-    tables, pictures, notes = [_medians(results, frame, unit)], list[Picture](), list(_notes(spec, frame))
+    tables, pictures, notes = [_medians(results, frame, unit)], list[Picture](), list(_notes(results, spec, frame))
     for analysis, here in rows.groupby("analysis", sort=False):
         draw = partial(draw_curves, spec, unit.label(measure), unit, here, motions, points, shown)
         text = " ".join(said[place] for place in here.index)
@@ -117,6 +117,8 @@ def _sentence(row: Row, unit: Unit) -> str:
     said = f"{subject(row['building'], row['limit'])}, {row['case']}, {row['analysis']}, median: {', '.join(medians)}"
     if np.isnan(row["ratio"]):
         return f"{said}."
+    if all(digits(row[name], 3) in ("1.00", NOTHING) for name in ("ratio", "ratio_low", "ratio_high")):
+        return f"{said}; pounding makes no difference in three digits."
     if not (row["ratio_low"] > 1 or row["ratio_high"] < 1):
         return f"{said}; a difference that may be chance in {counted(int(row['motions']), 'motion')}."
     motion = "a weaker motion is enough" if row["ratio"] < 1 else "it takes a stronger motion"
@@ -140,21 +142,22 @@ def median_text(row: Row, end: str, unit: Unit, named: str = "") -> str:
     return f"{outcome}: {known} {named}".rstrip() if low > 0 or high < np.inf else outcome
 
 
-def _notes(spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
+def _notes(results: Results, spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the rows."""
     if (few := int(rows["motions"].min(skipna=True))) < FEWEST_TOLD:
         yield f"No interval for fewer than {FEWEST_TOLD} motions: {counted(few, 'motion')} cannot tell it."
     if rows["motions"].max(skipna=True) >= FEWEST_TOLD:
         share = f"{100 * spec['confidence']:.4g} %"
         yield f"In brackets: {share} interval of {spec['draws']} bootstrap draws of the motions, the same for both."
-    names = ("failed", "undecided", "undecided_motions")
+    if failed := int(results.attrs["scenes_failed"]):
+        yield f"{counted(failed, 'scene')} failed: counted neither as holding nor as passing."
+    names = ("undecided", "undecided_motions")
     count = {name: int(rows[[name, f"{name}{ALONE}"]].sum().sum()) for name in names}
-    for name, what in (("failed", "failed"), ("undecided", "ended with a collapse before the limit was passed")):
-        if count[name]:
-            yield (
-                f"{counted(count[name], 'scene')} {what} (a scene that several rows need counts in each): counted "
-                "neither as holding nor as passing."
-            )
+    if count["undecided"]:
+        yield (
+            f"{counted(count['undecided'], 'scene')} ended with a collapse before the limit was passed (a scene that "
+            "several rows need counts in each): counted neither as holding nor as passing."
+        )
     if number := count["undecided_motions"]:
         yield (
             f"{counted(number, 'motion is', 'motions are')} undecided: a collapse ended the scenes before the limit "

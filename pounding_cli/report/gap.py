@@ -50,7 +50,7 @@ def gap_report(results: Results) -> Report:
     unit = answer.columns["mean"].unit
     pairs, lines = _widest(answer.frame, [*keys, "left", "right"]), _widest(line.frame, [*keys, "building", "side"])
     pairs = pairs.assign(between=pairs["left"] + " | " + pairs["right"], floors=[_floors(row) for row in _rows(pairs)])
-    heading, far = "Required gap at the floors that require the widest", "at the floors that move most"
+    heading, far = "Required gap at the floors whose mean is the widest", "at the floors that move most on average"
     tables = [
         _widths(heading, pairs, answer, [*keys, "between", "floors"], "contact"),
         *([_of_cases(keys, cases)] if len(cases.frame) else []),
@@ -66,7 +66,8 @@ def gap_report(results: Results) -> Report:
         first = frame.iloc[0]
         few = counted(int(first["intensities"]), "intensity", "intensities")
         notes.insert(0, f"The gap for a rate rests on {few} of {counted(int(first['motions']), 'motion')}.")
-    said, pictures, frame = list(_sentences(shown.here(pairs), unit)), list[Picture](), shown.here(answer.frame)
+    frame = shown.here(answer.frame)
+    said, pictures = list(_sentences(shown.here(pairs), frame, unit)), list[Picture]()
     if len(frame):
         draw = partial(draw_profiles, frame, unit, shown)
         pictures = [Picture("required-gap", "Required gap over the height", " ".join(said), draw)]
@@ -158,15 +159,24 @@ def _for_rate(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
 # In words
 
 
-def _sentences(rows: pd.DataFrame, unit: Unit) -> Iterator[str]:
-    """What every pair of buildings needs, analysis by analysis."""
+def _sentences(rows: pd.DataFrame, everywhere: pd.DataFrame, unit: Unit) -> Iterator[str]:
+    """What every pair of buildings needs, analysis by analysis.
+
+    rows : of the floors whose mean is the widest; everywhere : of all floors
+    """
     contact = _contacts(rows)[0]
+    exact = _exact(everywhere)
     for pair, part in rows[rows["rule"] == EXACT].groupby("between", sort=False):
         said = [f"{pair}: required gap at {' or '.join(part['floors'].unique())}, "
                 f"{counted(int(part['motions'].max()), 'motion')}."]  # fmt: skip
         for row in _rows(part):
             words = f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}"
             words += f", largest {unit.text(row['largest'], 4)}"
+            where = ["left", "right", "analysis"]
+            alike = (exact[where] == [row[name] for name in where]).all(axis=1)
+            widest = exact[alike].sort_values("largest").iloc[-1].to_dict()
+            if widest["largest"] > row["largest"]:
+                words += f" ({unit.text(widest['largest'], 4)} at {_floors(widest)})"
             if not np.isnan(row[contact]):
                 width = interval(row, contact, factor=unit.factor, unit=unit.name)
                 words += f"; {width} for {contact.removeprefix('contact_')} % probability of contact"

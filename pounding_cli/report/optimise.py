@@ -30,6 +30,11 @@ MOST_KEYS = 8
 _AT_END = 1e-6
 """Of a range: nearer to its end than that, the optimum lies at it [-]."""
 
+NOTICED = 0.01
+"""What the optimum makes larger by more than this part is said [-]."""
+_NOT_WORSE = ("contacts, all motions", "largest max_closing")
+"""Rows of the design in which more is not worse: a wider gap may close further; scenes with contact are counted."""
+
 _SOUGHT = ["optimum", "as_written", "error"]
 """Columns in the unit of the number sought."""
 _OF_KEY = ["value", "written", *(f"{name}_{end}" for name in ("good", "range") for end in ("from", "to"))]
@@ -43,7 +48,7 @@ def optimise_report(results: Results) -> Report:
     shown = nominal(results.first_sample())
     keys, tried, units = _in_units(results)
     first, design = keys.iloc[0].to_dict(), results.answer(DESIGN).frame.to_dict("records")
-    said, tables, pictures = _sentences(first, design, units["value"]), list[Table](), list[Picture]()
+    said, tables, pictures = _sentences(results, first, design, units["value"]), list[Table](), list[Picture]()
     if first["outcome"] != NO_OPTIMUM:
         tables = [_optimum(keys, tried, units), _design(results, design)]
         draw = partial(draw_optimum, keys, tried, units, shown, " ".join(said))
@@ -91,22 +96,53 @@ def _optimum(keys: pd.DataFrame, tried: pd.DataFrame, units: Mapping[str, Unit])
 
 def _design(results: Results, design: Sequence[Row]) -> Table:
     """What the buildings do at the optimum, and beside it with the study as written."""
-
-    def text(row: Row, value: float) -> str:
-        if np.isnan(value) or row["of"]:
-            return NOTHING if np.isnan(value) else f"{value:.0f} of {row['of']}"
-        return _unit_of(results, row["quantity"], Unit(row["unit"].removeprefix("1"))).text(value, 5)
-
-    rows = [
-        [row["quantity"], text(row, row["optimum"]), text(row, row["as_written"])]
-        for row in design
-        if row["quantity"] != "scenes that failed" or row["optimum"] or row["as_written"]
-    ]
+    rows = []
+    for row in design:
+        if row["quantity"] == "scenes that failed" and not (row["optimum"] or row["as_written"]):
+            continue
+        values = [_value_text(results, row, row[name]) for name in ("optimum", "as_written")]
+        rows.append([row["quantity"] + _over_motions(results, row), *values])
     return from_rows("What the buildings do", ("quantity", "at the optimum", "as written"), rows)
 
 
-def _sentences(first: Row, design: Sequence[Row], unit: Unit) -> list[str]:
-    """The answer, and what is left of contacts and flags at the optimum."""
+def _value_text(results: Results, row: Row, value: float) -> str:
+    """Return a value of a row of the design as people read it: "3 of 5" scenes, "38.5 mm"."""
+    if np.isnan(value):
+        return NOTHING
+    if row["of"]:
+        return f"{value:.0f} of {row['of']}"
+    return _unit_of(results, row["quantity"], Unit(row["unit"].removeprefix("1"))).text(value, 5)
+
+
+def _over_motions(results: Results, row: Row) -> str:
+    """Return what is taken of the number sought over several motions and points of a sweep; "" of the other rows."""
+    if not row["over_motions"]:
+        return ""
+    words = f", {row['over_motions']} of {counted(len(results.data['record']), 'motion')}"
+    if len(results.axes) > len(results.swept[-1]):
+        words += f", {results.resolved['optimise']['over_sweep']} of the sweep"
+    return words
+
+
+def _worse(results: Results, direction: str, sought: str, design: Sequence[Row]) -> str:
+    """Return in a sentence what is larger at the optimum than with the study as written, by more than NOTICED; "" where
+    nothing is.
+
+    direction : of the search, "least" or "most"; where the most is sought, that quantity is larger by intention
+    """
+    said = []
+    for row in design[1:]:
+        name = row["quantity"]
+        if name in _NOT_WORSE or (direction == "most" and set(name.split()) & set(sought.split()) & set(results.data)):
+            continue
+        if row["optimum"] > (1 + NOTICED) * row["as_written"]:
+            values = [_value_text(results, row, row[column]) for column in ("optimum", "as_written")]
+            said.append(f"{name}, {values[0]} in place of {values[1]}")
+    return f"The optimum makes worse: {'; '.join(said)}." if said else ""
+
+
+def _sentences(results: Results, first: Row, design: Sequence[Row], unit: Unit) -> list[str]:
+    """The answer, what is left of contacts and flags at the optimum, and what it makes worse."""
     direction, _, sought = str(first["sought"]).partition(" ")
     what = f"{direction.capitalize()} of {sought}"
     if first["outcome"] == NO_OPTIMUM:
@@ -115,13 +151,17 @@ def _sentences(first: Row, design: Sequence[Row], unit: Unit) -> list[str]:
     said = f"{what}: {first['optimum']:.5g}{worth} {unit.name}".rstrip()
     if not np.isnan(first["as_written"]):
         said += f"; with the study as written: {first['as_written']:.5g} {unit.name}".rstrip()
+    if over := _over_motions(results, design[0]).removeprefix(", "):
+        said += f" ({over}, storey by storey)"
     at = {row["quantity"]: row["optimum"] for row in design}
     of = next(row["of"] for row in design if row["quantity"] == "scenes with contact")
     contact = "contacts are not known, since a scene failed"
     if not np.isnan(count := at["scenes with contact"]):
         contact = f"contact is left in {count:.0f} of {counted(of, 'scene')}" if count else "no contact is left"
     flags = ", ".join(name.partition(": ")[2] for name, number in at.items() if "flagged: " in name and number)
-    return [f"{said}.", f"At the optimum {contact}; {f'flagged: {flags}' if flags else 'nothing is flagged'}."]
+    left = f"At the optimum {contact}; {f'flagged: {flags}' if flags else 'nothing is flagged'}."
+    worse = _worse(results, direction, sought, design)
+    return [f"{said}.", left, *([worse] if worse else [])]
 
 
 def _notes(keys: pd.DataFrame) -> Iterator[str]:

@@ -109,6 +109,7 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
     flagged = flagged_scenes(scene)
     flagged = flagged[flagged["meaningless"]]
     void = pd.MultiIndex.from_frame(flagged[[*results.axes, "case", "analysis", "record"]])
+    wanted = {head: (frame[~frame["building"].isin(results.walls)], name) for head, (frame, name) in wanted.items()}
     cells = {head: _cells(results, name, frame, void) for head, (frame, name) in wanted.items() if name in frame}
     table = pd.DataFrame(cells | {"closing / gap": _closing(results), "flags": _flags(scene)})
     order = pd.MultiIndex.from_frame(scene[["case", "analysis"]].drop_duplicates())

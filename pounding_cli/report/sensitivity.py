@@ -134,6 +134,10 @@ def _notes(results: Results, frame: pd.DataFrame) -> Iterator[str]:
         f"In brackets: {100 * spec['confidence']:.4g} % interval, of indices from {spec['draws']} bootstrap draws of "
         f"the {int(frame['samples'].iloc[0])} samples."
     )
+    motions = len(results.data["record"])
+    if motions > 1 and (frame["case"] != "").any():
+        words = {"mean": "the mean over the motions", "largest": "the largest of the motions"}[spec["over_motions"]]
+        yield f"An output of a sample is {words} it rests on, storey by storey, before storeys are compared."
     if (frame["case"] == "").any():
         yield "Claims of the paper and their thresholds: `pound report` of a run, or docs/reproduction.md."
     if failed := int(frame["failed"].max()):

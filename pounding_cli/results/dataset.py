@@ -22,7 +22,7 @@ from pounding_cli.numbers import counted
 from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
 from pounding_cli.results.group import Array, Group
 from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
-from pounding_cli.solver.response import COLLAPSED, DONE
+from pounding_cli.solver.response import COLLAPSED, DONE, Flag
 from pounding_cli.variables import RATIOS, STOREY, VARIABLES, Variable
 
 if TYPE_CHECKING:
@@ -130,22 +130,25 @@ def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray
 
 def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
     """Add to the flags of scenes: buildings that gave no baseline, ratios to zero, columns beyond their strength."""
-    flags, status = found["flags"], solved.texts["status"]
+    status = solved.texts["status"]
 
-    def add(where: Any, sentence: str) -> None:
-        flags[where] = [f"{flag}\n{sentence}" if flag else sentence for flag in flags[where]]
+    def add(where: Any, flag: Flag) -> None:
+        for lines, line in ((found["flags"], str(flag)), (found["flag_severity"], repr(flag.severity))):
+            lines[where] = [f"{before}\n{line}" if before else line for before in lines[where]]
 
     for place, name in enumerate(plan.buildings):
         of_alone = np.where(solved.there[plan.numbers[..., 0]], status[plan.numbers[..., 1 + place]], "")
         for word in sorted({*of_alone.ravel().tolist()} - {DONE, ""}):
-            said = " collapsed, its ratios are left out" if word == COLLAPSED else f": {word}, ratios refused"
-            add(of_alone == word, f"{name} alone{said}")
+            if word == COLLAPSED:
+                add(of_alone == word, Flag(f"{name} alone collapsed, its ratios are left out"))
+            else:
+                add(of_alone == word, Flag(f"{name} alone", f"{word}, ratios refused"))
     for name in RATIOS:
         base = VARIABLES[name].ratio[1]
         zero = (found[base] == 0).any(axis=(-2, -1))
         if base == "mu0":  # no storey of an elastic analysis yields: nobody asks for its ductility
             zero &= np.array([each == Analysis.INELASTIC for each in plan.analyses])[:, None]
-        add(zero, f"{base} = 0: ratio refused")
+        add(zero, Flag(f"{base} = 0", "ratio refused"))
     if "shear_demand" not in found:
         return
     demand = np.where(found["impacts"] > 0, found["shear_demand"], np.nan)  # one that yields has 1 anyway
@@ -157,7 +160,8 @@ def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
         more = f", and {counted(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
         where = f"{plan.buildings[building]} storey {storey}"
         times = f"{mine[worst]:.3g} times their share of the yield shear"
-        add(tuple(at[:, None]), f"columns overloaded by a blow: {where}, {times}{more}")
+        flag = Flag("columns overloaded by a blow", f"{where}, {times}{more}", float(mine[worst]))
+        add(tuple(at[:, None]), flag)
 
 
 # Coordinates, buildings and motions

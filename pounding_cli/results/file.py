@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 FORMAT = "pounding study results"
 """Attribute `format` of every results file."""
 
-FORMAT_VERSION = 5
+FORMAT_VERSION = 6
 """Raised whenever a reader of the former version would misread the file."""
 
 SEAL = b"pound seal 2\n\0\0\0"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,13 +18,19 @@ if TYPE_CHECKING:
 MOST_NAMED = 6
 """Flagged scenes that are named; of more, the number is."""
 
+MAX_DETAILS = 3
+"""Details that are quoted of flags of a kind whose severities do not compare."""
+
 
 @dataclass(frozen=True)
 class FlagGroup:
     """The scenes of one case and analysis that carry one flag.
 
     flag : what is flagged, e.g. "infill compressed beyond its thickness"
-    detail : where and by how much, of the first such scene; "" where the flag says nothing more
+    detail : where and by how much, of the worst of them; of flags that do not compare what they say; "" where they say
+        nothing more
+    worst : the scene of that detail in words; "" where flags do not compare
+    severity : the largest, NaN where flags do not compare
     meaningless : whether the numbers of these scenes mean nothing
     count, of : flagged scenes, and all of that case and analysis
     scenes : the flagged ones in words, e.g. "elcentro, taft"
@@ -33,6 +40,8 @@ class FlagGroup:
     analysis: str
     flag: str
     detail: str
+    worst: str
+    severity: float
     meaningless: bool
     count: int
     of: int
@@ -40,14 +49,17 @@ class FlagGroup:
 
     def __str__(self) -> str:
         where = f"{self.case}, {self.analysis}, {self.count} of {counted(self.of, 'scene')} ({self.scenes})"
-        example = f" (e.g. {self.detail})" if self.count > 1 else f": {self.detail}"
-        return f"{where}: {self.flag}{example if self.detail else ''}"
+        if not self.detail:
+            return f"{where}: {self.flag}"
+        if self.count > 1 and self.worst:
+            return f"{where}: {self.flag}; the worst, {self.worst}: {self.detail}"
+        return f"{where}: {self.flag}: {self.detail}"
 
 
-def parted(flags: str) -> list[tuple[str, str]]:
-    """What is flagged and the detail behind its colon, of the flags of one scene, one a line."""
-    parts = (line.partition(": ") for line in flags.splitlines())
-    return [(flag, detail) for flag, _, detail in parts]
+def split_flag(line: str) -> tuple[str, str]:
+    """Return what a line of the flags of a scene says is flagged, and the detail behind its colon."""
+    flag, _, detail = line.partition(": ")
+    return flag, detail
 
 
 @lru_cache(maxsize=1024)
@@ -61,12 +73,13 @@ def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
     import pandas as pd
 
     place = [*_swept(scene), "case", "analysis", "record"]
-    rows = [
-        (*where, flag, detail, is_void(flag))
-        for *where, flags in scene[[*place, "flags"]].itertuples(index=False, name=None)
-        for flag, detail in parted(flags)
-    ]
-    return pd.DataFrame(rows, columns=[*place, "flag", "detail", "meaningless"]).astype({"meaningless": bool})
+    rows = []
+    for *where, flags, severities in scene[[*place, "flags", "flag_severity"]].itertuples(index=False, name=None):
+        for line, severity in zip(flags.splitlines(), severities.splitlines(), strict=True):
+            flag, detail = split_flag(line)
+            rows.append((*where, flag, detail, float(severity), is_void(flag)))
+    columns = [*place, "flag", "detail", "severity", "meaningless"]
+    return pd.DataFrame(rows, columns=columns).astype({"severity": float, "meaningless": bool})
 
 
 def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None) -> tuple[FlagGroup, ...]:
@@ -74,22 +87,44 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
 
     units : of the swept keys, to name points by (`Results.units`); SI unless given
     """
-    swept, units, groups = _swept(scene), units or {}, []
-    flagged = flagged_scenes(scene).drop_duplicates([*swept, "case", "analysis", "record", "flag"])
-    of = scene.groupby(["case", "analysis"], sort=False).size()
+    swept = _swept(scene)
+    flagged = flagged_scenes(scene)
+    totals = scene.groupby(["case", "analysis"], sort=False).size()
+    groups = list[FlagGroup]()
     place: Any
     for place, rows in flagged.groupby(["case", "analysis", "flag"], sort=False):
         case, analysis, flag = place
-        points = [
-            ", ".join([*(f"{key} = {units.get(key, Unit()).text(row[key])}" for key in swept), row["record"]])
-            for row in rows.head(MOST_NAMED).to_dict("records")
-        ]
-        count, whole, first = len(rows), int(of[case, analysis]), rows.iloc[0]
-        more = [f"and {count - MOST_NAMED} more"] * (count > MOST_NAMED)
-        said = "all" if count == whole > 1 else ("; " if swept else ", ").join([*points, *more])
-        groups.append(FlagGroup(case, analysis, flag, first["detail"], bool(first["meaningless"]), count, whole, said))
-    order = list(of.index)
+        flagged_points = rows.drop_duplicates([*swept, "record"])
+        count = len(flagged_points)
+        total = int(totals[case, analysis])
+        named = [point_label(row, swept, units or {}) for row in flagged_points.head(MOST_NAMED).to_dict("records")]
+        if count > MOST_NAMED:
+            named.append(f"and {count - MOST_NAMED} more")
+        scenes = "all" if count == total > 1 else ("; " if swept else ", ").join(named)
+        detail, worst, severity = _worst_flag(rows, swept, units or {})
+        meaningless = bool(rows["meaningless"].iloc[0])
+        groups.append(FlagGroup(case, analysis, flag, detail, worst, severity, meaningless, count, total, scenes))
+    order = list(totals.index)
     return tuple(sorted(groups, key=lambda group: (not group.meaningless, order.index((group.case, group.analysis)))))
+
+
+def _worst_flag(rows: pd.DataFrame, swept: list[str], units: Mapping[str, Unit]) -> tuple[str, str, float]:
+    """Return detail, scene in words and severity of the worst of some flags of one kind; of flags that do not compare
+    what they say, without a scene."""
+    if rows["severity"].notna().any():
+        worst = rows.iloc[int(rows["severity"].argmax())].to_dict()
+        return worst["detail"], point_label(worst, swept, units), float(worst["severity"])
+    details = list(dict.fromkeys(rows["detail"]))
+    shown = details[:MAX_DETAILS]
+    if len(details) > MAX_DETAILS:
+        shown.append(f"and {len(details) - MAX_DETAILS} more")
+    return "; ".join(filter(None, shown)), "", math.nan
+
+
+def point_label(row: Mapping[Any, Any], swept: list[str], units: Mapping[str, Unit]) -> str:
+    """Return the point of the sweep and the motion of a scene in words."""
+    values = [f"{key} = {units.get(key, Unit()).text(row[key])}" for key in swept]
+    return ", ".join([*values, row["record"]])
 
 
 def failed_scenes(scene: pd.DataFrame) -> pd.DataFrame:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
+from pounding_cli.results.flags import point_label
 from pounding_cli.solver.response import DONE
+from pounding_cli.texts import escape_formulas
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,9 +29,11 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     rows : those of its table `storey` that are wanted; every point of the sweep and motion among them is a row
     direction : Pelicun's number of the direction in which the buildings move
 
-    The columns are called TYPE-FLOOR-DIRECTION: `PFA-0-1` is the peak acceleration of the ground, `PID-2-1` the drift
-    of the second storey over its height (Zsarnoczay, A. and Deierlein, G. G. (2020). PELICUN - A computational
-    framework for estimating damage, loss and community resilience. 17th World Conference on Earthquake Engineering).
+    The rows stand in the order of the study, each under the name of its point and motion: Pelicun numbers the rows
+    itself and takes any names.  The columns are called TYPE-FLOOR-DIRECTION: `PFA-0-1` is the peak acceleration of the
+    ground, `PID-2-1` the drift of the second storey over its height (Zsarnoczay, A. and Deierlein, G. G. (2020).
+    PELICUN - A computational framework for estimating damage, loss and community resilience. 17th World Conference on
+    Earthquake Engineering).
 
     Raises
     ------
@@ -37,12 +41,14 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     """
     import pandas as pd
 
+    rows = rows[~rows["building"].isin(results.walls)]
     for name in ("case", "analysis", "building"):
         there = list(dict.fromkeys(rows[name]))
         if len(there) != 1:
             hint = f"name one by --{name}: {', '.join(map(str, there))}" if there else "name others"
             raise InputError(Problem(f"Pelicun takes one {name}, not {len(there)}", hint))
-    scene, records = [*results.axes, "record"], results.records()
+    scene = [*results.axes, "record"]
+    points = rows[scene].drop_duplicates()  # in the order of the study, which a pivot table does not keep
     keys = [*scene, "case", "analysis", "building", "storey"]
     rows = rows.merge(results.floor("acceleration").rename(columns={"floor": "storey"}), on=keys)
     rows = rows.merge(results.scene()[[*scene, "case", "analysis", "status"]])
@@ -52,11 +58,14 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     )
     wide = rows[rows["status"] == DONE].pivot_table(list(UNITS), scene, "storey")
     wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns.to_list()]  # type: ignore[str-unpack]
-    ground = wide.index.to_frame(index=False).merge(records[[*(k for k in scene if k in records), "pga"]], how="left")
-    wide.insert(0, f"PFA-0-{direction}", ground["pga"].to_numpy())
-    units = {name: UNITS[name.split("-")[0]] for name in wide.columns}
-    table = pd.concat([pd.DataFrame(units, index=["Units"]), wide.reset_index(drop=True)])
-    return table, rows.groupby(scene, sort=False).ngroups - len(wide)
+    wide = points.merge(wide.reset_index(), on=scene)
+    records = results.records()
+    ground = wide[scene].merge(records[[*(key for key in scene if key in records), "pga"]], how="left")
+    labels = [point_label(row, list(results.axes), results.units) for row in wide[scene].to_dict("records")]
+    demand = wide.drop(columns=scene).set_axis(escape_formulas(labels))
+    demand.insert(0, f"PFA-0-{direction}", ground["pga"].to_numpy())
+    units = {name: UNITS[name.split("-")[0]] for name in demand.columns}
+    return pd.concat([pd.DataFrame(units, index=["Units"]), demand]), len(points) - len(demand)
 
 
 def left_out_in_words(count: int, of: int) -> str:

@@ -103,6 +103,12 @@ class Results:
         """The study with every default filled in, SI."""
         return plain_tree(json.loads(self.resolved_text))
 
+    @cached_property
+    def walls(self) -> tuple[str, ...]:
+        """The walls of the group, by place."""
+        places = zip(self.resolved["places"], self.resolved["group"], strict=True)
+        return tuple(place for place, name in places if self.resolved["buildings"][name].get("wall"))
+
     def value_label(self, key: str, value: Any) -> str:
         """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
         return self.units[key].text(value)
@@ -197,10 +203,11 @@ class Results:
         return self._frame(_SCENE, PLACE, _SOLVED)
 
     def flagged(self) -> pd.DataFrame:
-        """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, meaningless; no row where
-        nothing is.
+        """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, severity, meaningless; no
+        row where nothing is.
 
-        flag : what is flagged; detail : where and by how much; meaningless : whether the flag takes the meaning from
+        flag : what is flagged; detail : where and by how much; severity : larger where a flag of its kind is worse, NaN
+        where its kind does not compare; meaningless : whether the flag takes the meaning from
         all numbers of its scene (a connector that closes more than its gap), or is worth knowing beside them.
         `flag_groups_of(results.scene())` sums them up by case and analysis.
         """

@@ -19,8 +19,8 @@ from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
 
-TEXTS = ("status", "advice", "method", "flags", "effects", "dropped")
-"""Texts of a response; of the last three one sentence a line."""
+TEXTS = ("status", "advice", "method", "flags", "flag_severity", "effects", "dropped")
+"""Texts of a response; of the last four one entry a line."""
 
 SCALARS = (
     "accuracy", "time_step", "steps", "events", "orders", "seconds", "error_estimate", "sensitivity", "collapse_time",

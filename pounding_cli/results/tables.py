@@ -71,6 +71,7 @@ _OTHERS = {
     "records_collapsed": ("1", "number of records in whose scene a storey collapsed"),
     "flag": ("", "what is flagged"),
     "detail": ("", "where, and by how much"),
+    "severity": ("1", "larger where a flag of that kind is worse; none where its kind does not compare"),
     "meaningless": ("", "whether the numbers of the scene have no meaning"),
     "at": ("1", "height of the blow: part of the height of the storey"),
     "by": ("", "building whose slab strikes"),

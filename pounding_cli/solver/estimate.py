@@ -16,7 +16,7 @@ from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver import solve as solver
-from pounding_cli.solver.response import Response
+from pounding_cli.solver.response import Flag, Response
 
 NUDGE = 1e-6
 """Relative change of the motion's amplitude, growing from nothing at its start to this at its end. The same factor
@@ -168,12 +168,13 @@ def _looked_at_closely(scene: Scene, response: Response, accuracy: float) -> Res
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:
         moved = f"changes a peak by {sensitivity * NUDGE:.1e}" if sensitivity < np.inf else "decides what collapses"
-        flags.append(f"ill-conditioned: a motion that grows gradually by 1e-6 {moved}")
+        detail = f"a motion that grows gradually by 1e-6 {moved}"
+        flags.append(Flag("ill-conditioned", detail, sensitivity))
     if np.isnan(error):
-        flags.append(f"no error estimate: the run at {tight:.0e} for the estimate ended with: {second.status}")
+        flags.append(Flag("no error estimate", f"the run at {tight:.0e} for the estimate ended with: {second.status}"))
     if not fixed and error > accuracy:
         left = f"an error of about {error:.1e} is left" if error < np.inf else "what collapses is open"
-        flags.append(f"less accurate than asked: {left}, {accuracy:.0e} was asked")
+        flags.append(Flag("less accurate than asked", f"{left}, {accuracy:.0e} was asked", float(error)))
     return dataclasses.replace(
         response, accuracy=response.accuracy if fixed else accuracy, seconds=seconds, error_estimate=float(error),
         sensitivity=sensitivity, flags=tuple(flags),

@@ -14,7 +14,7 @@ from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import Layout
 from pounding_cli.solver.records import Data
-from pounding_cli.solver.response import COLLAPSED, DONE, OUTCOMES, STOREYS, peaks_type
+from pounding_cli.solver.response import COLLAPSED, DONE, OUTCOMES, STOREYS, Flag, peaks_type
 
 Outcome = tuple[str, str]
 """How a run ended, in words, and what to do about it."""
@@ -175,16 +175,17 @@ def collapse_of(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
     return building, int(np.argmax(parts[building])) + 1
 
 
-def flags_of(scene: Scene, peaks: np.void) -> tuple[str, ...]:
-    """One sentence for each base that moved further than its isolators can, and for each link compressed beyond its
-    thickness or its gap (paper, after eqs 9 and 10): what is flagged, a colon, where and by how much. Where another
-    link lets the floors strike, nothing is left out."""
-    said = []
+def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
+    """One flag for each base that moved further than its isolators can, and for each link compressed beyond its
+    thickness or its gap (paper, after eqs 9 and 10); its severity is how far beyond [m]. Where another link lets the
+    floors strike, nothing is left out."""
+    flags = list[Flag]()
     for building, sway in zip(scene.buildings, peaks["sway"].tolist(), strict=True):
         isolation = None if building.foundation is None else building.foundation.isolation
         if isolation is not None and sway > isolation.capacity:
-            beyond = 1000 * (sway - isolation.capacity)
-            said.append(f"isolators moved beyond their capacity: {building.name}, by {beyond:.3g} mm")
+            beyond = sway - isolation.capacity
+            detail = f"{building.name}, by {1000 * beyond:.3g} mm"
+            flags.append(Flag("isolators moved beyond their capacity", detail, beyond))
     places = [(link.left, link.left_floor, link.right_floor) for link in scene.links]
     striking = {place for place, link in zip(places, scene.links, strict=True) if link.law.subtracts_gap}
     for place, link, closing in zip(places, scene.links, peaks["max_closing"].tolist(), strict=True):
@@ -192,9 +193,10 @@ def flags_of(scene: Scene, peaks: np.void) -> tuple[str, ...]:
             continue
         if not (link.law.meaningless and place in striking):
             left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
-            beyond = 1000 * (closing - link.gap)
-            said.append(f"{link.law.beyond_gap}: {left} | {right}, floor {link.left_floor}, by {beyond:.3g} mm")
-    return tuple(said)
+            beyond = closing - link.gap
+            detail = f"{left} | {right}, floor {link.left_floor}, by {1000 * beyond:.3g} mm"
+            flags.append(Flag(link.law.beyond_gap, detail, beyond))
+    return tuple(flags)
 
 
 def is_meaningless(flag: str) -> bool:

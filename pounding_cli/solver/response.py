@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -37,6 +38,20 @@ def no_peaks(storeys: Sequence[int], links: int) -> np.void:
     return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links))[0]
 
 
+class Flag(str):
+    """A sentence about a scene that a reader of its numbers should know: its kind, a colon, where and by how much.
+
+    severity : number by which flags of one kind compare, larger where it is worse; NaN where they do not compare
+    """
+
+    severity: float
+
+    def __new__(cls, kind: str, detail: str = "", severity: float = math.nan) -> Flag:
+        flag = super().__new__(cls, f"{kind}: {detail}" if detail else kind)
+        flag.severity = severity
+        return flag
+
+
 @dataclass(frozen=True, eq=False)
 class Response:
     """The response of a scene, what its solution cost, and what the user should know about it.
@@ -53,7 +68,8 @@ class Response:
     seconds : time inside the solver [s]
     energy : energy balance [J]: input, kinetic, stored, links_stored, damping, hysteresis, links; residual is what is
         missing over the largest of them, or over what storeys held at their peaks if that is more [-]
-    flags : sentences about the scene, e.g. "infill compressed beyond its thickness: stiff|soft floor 5"
+    flags : sentences about the scene, each a `Flag`, e.g. "infill compressed beyond its thickness: stiff | soft, floor
+        5, by 3 mm"
     effects, dropped : effects simulated; effects left out, each with its reason
     orders : Taylor orders computed in all (0 for other methods)
     error_estimate, sensitivity : see `estimate.assess` [-]; nan where not assessed
@@ -132,6 +148,11 @@ class Response:
         """
         struck = np.flatnonzero(~np.isnan(self.peaks["shear_below"]))
         return SimpleNamespace(link=struck, **{name: self.peaks[name][struck] for name in COLUMNS})
+
+    @property
+    def flag_severity(self) -> tuple[str, ...]:
+        """The severity of every flag as a text, "nan" where flags of its kind do not compare."""
+        return tuple(repr(float(getattr(flag, "severity", math.nan))) for flag in self.flags)
 
     @property
     def has_result(self) -> bool:

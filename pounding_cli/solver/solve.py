@@ -22,7 +22,7 @@ from pounding_cli.solver import assemble, outcome, records
 from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
 from pounding_cli.solver.options import FOLDER
 from pounding_cli.solver.records import Data, Room
-from pounding_cli.solver.response import COLLAPSED, Response, no_peaks
+from pounding_cli.solver.response import COLLAPSED, Flag, Response, no_peaks
 
 say: Callable[[str], None] = lambda text: None  # noqa: E731 (replaced by whoever shows progress)
 """Told when something is about to be compiled, which takes its time."""
@@ -170,11 +170,12 @@ class Prepared:
         if status == COLLAPSED:
             building, storey = outcome.collapse_of(layout, self.data.elements[number, : layout.number])
             told |= {"collapse_time": float(r["time"]), "collapse_building": building, "collapse_storey": storey}
-            where = f"{layout.buildings[building].name} storey {storey}"
-            flags = (f"{COLLAPSED}: {where}, at {told['collapse_time']:.4g} s", *flags)
+            time = told["collapse_time"]
+            detail = f"{layout.buildings[building].name} storey {storey}, at {time:.4g} s"
+            flags = (Flag(COLLAPSED, detail, severity=-time), *flags)  # the earlier, the worse
         if fixed and r["trials"]:
-            cut = f"Newton found no root in {r['trials']} of {r['steps']} steps, because a contact force jumps"
-            flags += (f"{cut}; these were cut in half",)
+            kind = "time steps cut in half, because Newton found no root where a contact force jumps"
+            flags += (Flag(kind, f"{r['trials']} of {r['steps']} steps", float(r["trials"] / r["steps"])),)
         final = tuple((dofs["u0"][span].copy(), dofs["w"][span, 0].copy()) for span in layout.floors)
         return Response(peaks.copy(), **told, energy=energy, flags=flags, final=final)
 

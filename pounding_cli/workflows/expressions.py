@@ -72,12 +72,18 @@ def _error(name: str, data: xr.Dataset) -> np.ndarray:
 
 
 def _value(quantity: Quantity, data: xr.Dataset, over_motions: str, error: np.ndarray | float = 0.0) -> np.ndarray:
-    """One quantity, moved by its error. A storey that a building does not have counts for nothing; one whose number is
-    missing makes the result NaN: what failed must not drop out of a mean."""
+    """One quantity, moved by its error. A storey that a building does not have counts for nothing, nor does a wall that
+    is not named; one whose number is missing makes the result NaN: what failed must not drop out of a mean."""
     name = quantity.name
     numbers = _numbers(name, data) + error
     # which storeys, floors or links there are; none of a scene that failed
-    there = ~np.isnan(_numbers("max_closing" if name in LINK else "acceleration" if name in FLOOR else "drift", data))
+    if name in LINK:
+        known = "max_closing"
+    elif quantity.building is None:
+        known = "mu"  # which walls do not have
+    else:
+        known = "acceleration" if name in FLOOR else "drift"
+    there = ~np.isnan(_numbers(known, data))
     axes: tuple[int, ...] = (-1,) if name in LINK else (-2, -1)
     if quantity.building is not None:
         numbers, there = (each[..., [quantity.building], :] for each in (numbers, there))
@@ -124,7 +130,11 @@ def read_all(
             asked.wrong((key, number), f"'{said}' occurs twice", "remove one of the two")
         for part in said.quantities:
             most = max(storeys) if part.building is None else storeys[part.building]
-            if part.level > most:
+            if part.building is not None and asked.lacks(part.building, part.name):
+                buildings = [name for place, name in enumerate(names) if not asked.is_wall(place)]
+                message = f"'{said}': {names[part.building]} is a wall, which has no {part.name}"
+                asked.wrong((key, number), message, f"name one of the buildings: {', '.join(buildings)}")
+            elif part.level > most:
                 asked.wrong((key, number), f"'{said}': the highest is {most}", f"write a number from 1 to {most}")
         found[said.text] = said
     return tuple(found.values())

@@ -121,13 +121,24 @@ class Fragility(Workflow):
         self.hazard = hazard_of(self, self.measure)
 
     def _targets(self, limit: Limit, number: int) -> list[Target]:
-        """The buildings, or pairs, that a limit concerns; what is wrong with it is noted."""
+        """Return the buildings, or pairs, that a limit concerns; what is wrong with it is noted.
+
+        A wall stands in a row only where a limit on its movement names it.
+        """
         study, path = self.study, ("limits", number)
         group, names = study.model.group, places(study.model.group)
         if limit.quantity == CONTACT:
             return [Target(limit, left) for left in range(len(names) - 1)]
         first, wanted = (0,) * len(study.axes), limit.building
-        mine = [place for place, name in enumerate(names) if not wanted or wanted in (name, group[place])]
+        if wanted:
+            mine = [place for place, name in enumerate(names) if wanted in (name, group[place])]
+        else:
+            mine = [place for place in range(len(names)) if not self.is_wall(place)]
+        if any(self.lacks(place, limit.quantity) for place in mine):
+            buildings = [name for place, name in enumerate(names) if not self.is_wall(place)]
+            message = f"'{limit}': {wanted} is a wall, which has no {limit.quantity}"
+            self.wrong(path, message, f"name one of the buildings: {', '.join(buildings)}")
+            return []
         storeys = {place: study.building(first, place).storeys for place in mine}
         found = [Target(limit, place) for place in mine if storeys[place] >= limit.level]
         able = {COLLAPSE: _can_collapse, SHEAR_DEMAND: _can_be_struck}.get(limit.quantity)

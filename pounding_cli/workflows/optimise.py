@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.model.links import columns_struck, ends_on_columns
 from pounding_cli.results.dataset import contents
-from pounding_cli.results.flags import is_void, parted
+from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
-from pounding_cli.study.expression import Expression, Quantity, read_expression
+from pounding_cli.study.expression import read_expression
 from pounding_cli.study.file import get, nearest
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
@@ -228,45 +229,70 @@ def _value(factor: Factor, u: float, number: str, option: str) -> dict[str, Any]
 def _design(
     question: Optimise, plan: Plan, data: xr.Dataset, sought: pd.Series, at: dict[str, int | None]
 ) -> pd.DataFrame:
-    """What the buildings do at the optimum, and with the study as it is written: a row for each quantity.
+    """What the buildings do at the optimum, and with the study as it is written: a row for each quantity, that sought
+    first; the others are the largest over all motions, points of the sweep, storeys, floors or links.
 
     sought : the number sought at every point
     at : by the names of the columns, the numbers of these points
     """
-    spec, one = question.spec, data.sel(case=question.case, analysis=question.analysis)
+    one = data.sel(case=question.case, analysis=question.analysis)
     failed = ~np.isin(_by_point(plan, one["status"].values), OUTCOMES)
-    known, of = ~failed.any(axis=(0, 2)), failed[:, 0].size
-    impacts, quantities = np.zeros(failed.shape), dict[str, Quantity]()
-    for place, building in enumerate(plan.buildings):
-        for name in ("V_ratio", "mu", "drift", "acceleration"):
-            quantities[f"largest {name} in {building}"] = Quantity(name, "largest", place)
+    known = ~failed.any(axis=(0, 2))
+    scenes = failed[:, 0].size
+    impacts = np.zeros(failed.shape)
     if plan.links.places:
         impacts = np.nan_to_num(_by_point(plan, one["impacts"].values)).sum(axis=-1)
-        quantities |= {f"largest {name}": Quantity(name) for name in ("peak_force", "max_closing")}
     rows: list[tuple[str, str, int, np.ndarray]] = [
         (str(question.expression), question.expression.unit or "1", 0, sought.to_numpy()),
         ("contacts, all motions", "1", 0, np.where(known, impacts.sum(axis=(0, 2)), np.nan)),
-        ("scenes with contact", "1", of, np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan)),
-        ("scenes that failed", "1", of, failed.sum(axis=(0, 2))),
+        ("scenes with contact", "1", scenes, np.where(known, (impacts > 0).sum(axis=(0, 2)), np.nan)),
+        ("scenes that failed", "1", scenes, failed.sum(axis=(0, 2))),
     ]
-    for text, quantity in quantities.items():
-        values = _by_point(plan, values_of(_only(quantity), one, spec.over_motions))
-        over_sweep = values.mean(axis=0) if spec.over_sweep == "mean" else values.max(axis=0)
-        rows.append((text, VARIABLES[quantity.name].unit, 0, over_sweep))
+    for text, (name, values) in _demands(question, plan, one).items():
+        largest = np.fmax.reduce(values, axis=(0, *range(2, values.ndim)))
+        rows.append((text, VARIABLES[name].unit, 0, np.where(known, largest, np.nan)))
     flags = _by_point(plan, one["flags"].values)
     shown = [number for number in at.values() if number is not None]
-    for flag in dict.fromkeys(flag for cell in flags[:, shown].flat for flag, _ in parted(cell)):
-        has = np.vectorize(lambda cell, flag=flag: any(flag == each for each, _ in parted(cell)), otypes=[bool])(flags)
-        rows.append((f"scenes flagged: {flag}", "1", of, has.sum(axis=(0, 2))))
+    kinds = dict.fromkeys(split_flag(line)[0] for cell in flags[:, shown].flat for line in cell.splitlines())
+    for kind in kinds:
+        is_flagged = np.array([[_has_flag(cells, kind) for cells in by_point] for by_point in flags])
+        rows.append((f"scenes flagged: {kind}", "1", scenes, is_flagged.sum(axis=(0, 2))))
     frame = pd.DataFrame([row[:3] for row in rows], columns=["quantity", "unit", "of"])
+    frame["over_motions"] = [""] * len(frame)
+    if len(plan.records) > 1:
+        frame.loc[0, "over_motions"] = question.spec.over_motions
     for name, number in at.items():
         frame[name] = [np.nan if number is None else float(values[number]) for *_, values in rows]
     return frame[list(columns_of(DESIGN))]
 
 
-def _only(quantity: Quantity) -> Expression:
-    """An expression that is one quantity."""
-    return Expression(quantity.name, "", (quantity,), lambda value: value(quantity))
+def _demands(question: Optimise, plan: Plan, one: xr.Dataset) -> dict[str, tuple[str, np.ndarray]]:
+    """Return by the words of the table a variable and its values in one building or in all links; NaN where there is
+    none.  Shape (other points of the sweep, points, motions, ...).
+
+    one : the variables in the case and analysis looked at
+    """
+    found = dict[str, tuple[str, np.ndarray]]()
+    places = plan.links.places
+    for place, building in enumerate(plan.buildings):
+        if question.is_wall(place):
+            continue
+        for name in ("V_ratio", "mu", "drift", "acceleration"):
+            found[f"largest {name} in {building}"] = name, _by_point(plan, one[name].values)[..., place, :]
+        struck = [ends_on_columns(each) and columns_struck(each)[0] == place for each in places]
+        if any(struck):
+            is_blow = _by_point(plan, one["impacts"].values) > 0  # of columns that no slab struck nothing is said
+            demand = np.where(is_blow, _by_point(plan, one["shear_demand"].values), np.nan)
+            found[f"largest shear_demand in {building}"] = "shear_demand", demand[..., np.flatnonzero(struck)]
+    if places:
+        for name in ("peak_force", "max_closing"):
+            found[f"largest {name}"] = name, _by_point(plan, one[name].values)
+    return found
+
+
+def _has_flag(cells: np.ndarray, kind: str) -> list[bool]:
+    """Return of every scene whether it carries a flag of a kind; `cells` : the flags of scenes, one a line."""
+    return [any(split_flag(line)[0] == kind for line in cell.splitlines()) for cell in cells]
 
 
 def _points(search: Search, question: Optimise, sought: pd.DataFrame) -> Table:

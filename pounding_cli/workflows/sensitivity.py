@@ -235,7 +235,7 @@ def _series(
     """Expressions, or whether statements hold, at all samples: by point, case, analysis and what is asked."""
     *others, samples = (axis.names[0] for axis in plan.axes)
     wanted = {part.name for one in asked for part in one.quantities}
-    wanted |= {"status", "drift", "acceleration", "max_closing"}
+    wanted |= {"status", "drift", "mu", "acceleration", "max_closing"}
     data = data[[name for name in data if name in wanted]].drop_vars([samples, "record"])
     data = data.isel({samples: xr.DataArray(question.keys[2], dims=samples)})
     if question.drawn is not None:

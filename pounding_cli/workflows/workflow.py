@@ -10,6 +10,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import Unit
 from pounding_cli.results.tables import ANSWERS, Column, Table
 from pounding_cli.study.file import Problems, Steps
@@ -26,6 +27,13 @@ if TYPE_CHECKING:
 COLUMNS = Path(__file__).with_name("columns.csv")
 """Unit and meaning of the columns of answers; a table takes what it lacks there from the first table of its question.
 The unit is SI, "1" of a pure number, empty of a text; `*` is one that the study decides."""
+
+OF_MOVING_WALLS = (
+    *("V", "V0", "V_ratio", "drift", "drift0", "drift_ratio", "residual_drift"),
+    *("acceleration", "acceleration0", "acceleration_ratio"),
+    *("displacement", "displacement_max", "displacement_min"),
+)
+"""What a wall on the soil has values of."""
 
 _ENDS = {
     "_low": "lower end of the confidence interval: ",
@@ -70,6 +78,16 @@ class Workflow(ABC):
     def wrong(self, path: Steps, message: str, hint: str, key: bool = False) -> None:
         """Note what is wrong at a place of the section, or with the key of that place."""
         self.problems.at(self.study.root, (self.name, *path), message, hint, key)
+
+    def is_wall(self, place: int) -> bool:
+        """Return whether a wall stands at a place of the group, from 0."""
+        return isinstance(self.study.building((0,) * len(self.study.axes), place), Wall)
+
+    def lacks(self, place: int, quantity: str) -> bool:
+        """Return whether a wall stands at a place of the group that has no values of a quantity: one that moves as the
+        ground does has none at all, one on the soil behind it does not yield."""
+        wall = self.study.building((0,) * len(self.study.axes), place)
+        return isinstance(wall, Wall) and not (wall.moves and quantity in OF_MOVING_WALLS)
 
     def refuse_histories(self, of: str) -> None:
         """Note that histories are asked for of scenes that nobody knows beforehand."""

@@ -44,7 +44,7 @@ LEFT_OUT = {"fragility_curves", "optimise_points", "sensitivity_samples"}
 """Long tables from which the others follow."""
 
 WORK = ["seconds", "steps", "events", "orders", "method", "accuracy", "time_step", "points", "scenes", "scenes0"]
-PROSE = ["estimated", "effects", "dropped", "advice", "flags", "detail", "digest"]
+PROSE = ["estimated", "effects", "dropped", "advice", "flags", "flag_severity", "detail", "severity", "digest"]
 """Columns about the work done instead of its result, and texts that may be worded otherwise."""
 NOISE = ("error", "sensitivity", "residual")
 """Columns with one of these words are sizes of errors; `residual_drift` is a result."""
