@@ -81,6 +81,13 @@ def links_of(
     return links if len(problems.found) == before else None
 
 
+def build_law(
+    link: Any, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, root: Any
+) -> LinkLaw | None:
+    """Return the law of a link of a validated case; None for `none`, and where something is wrong with it."""
+    return _Builder(group, impact, laws, root, Problems("")).law(link, path)
+
+
 def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
     """What the links of a case follow from: it, floors that meet, and what stiffnesses come to; None where they depend
     on more, as links on columns do."""

@@ -38,7 +38,7 @@ Point = tuple[int, ...]
 Subject = str | tuple[str, str]
 """What an axis can touch: a section of the file, or one entry of a section."""
 
-MOST_KEPT = 20_000
+MOST_KEPT = 200_000
 """Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
 AROUND: tuple[Subject, ...] = ("records", "tail")
@@ -127,7 +127,8 @@ class Study:
         self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
         self.model: Any = self._checked()
         self.title = self.model.title or shortened(path.stem)
-        self.warnings: tuple[Problem, ...] = written.warnings if written is not None else plausible.warnings(self)
+        self.warnings: tuple[Problem, ...] = ()
+        self.warnings = written.warnings if written is not None else plausible.find_warnings(self)
 
     # What stands at a point
 
@@ -267,6 +268,10 @@ class Study:
         """The motions by name at a point of the sweep (one index an axis), cut and scaled."""
         spec = self.section(point, "records")
         return {} if spec is None else motions_of(spec, self.reader, self.at(point), self.problems, self.notes)
+
+    def buildings_changed_by(self, key: str) -> set[str]:
+        """Return the names of the building types that take a dotted key, themselves or through `like:`."""
+        return {subject[1] for subject in touched_by([key], self.root) if subject[0] == "buildings" and subject[1:]}
 
     # What people and tables ask
 
