@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -22,7 +23,7 @@ from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
 from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, unit_of, with_middles
 from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
-from pounding_cli.study.links import OwnLaw, check_contact, content, own_laws
+from pounding_cli.study.links import OwnLaw, check_contact, check_link_names, check_places, content, own_laws
 from pounding_cli.study.links import links_of as scene_links
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
@@ -253,6 +254,8 @@ class Study:
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong with them."""
         case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
+        if case is not None and group is not None and (impact is None or laws is None):
+            check_places(case, group, ("cases", name), self.at(point), self.problems)
         if case is None or impact is None or laws is None or group is None:
             return None
         root, key = self.at(point), content(case, group, impact, laws)
@@ -354,6 +357,10 @@ class Study:
         except ValidationError as error:
             problems.validation(root, error, (), schema.Study, told=("buildings", "cases"))
         self._ask(self.base)
+        if self.written is None:  # else they were looked at there
+            check_link_names(self.root, problems)
+            self._check_orphans()
+            self._check_names(root)
         if self.root.get("uncertain") is not None:
             from pounding_cli.study.vary import read_uncertain  # here: few studies have distributions
 
@@ -373,9 +380,6 @@ class Study:
                 if len(problems.found) > MOST_TOLD:
                     problems.check()
         self.problems = problems
-        if model is not None:
-            self._check_names(model, root)
-            check_keep(self, model, problems)
         problems.check()
         return model
 
@@ -392,15 +396,34 @@ class Study:
             if len(self.problems.found) > MOST_TOLD:
                 break
 
-    def _check_names(self, model: Any, root: Map) -> None:
-        """Names that the whole study must know."""
-        problems = self.problems
-        for place, case in enumerate(model.report.plot or ()):
-            if case not in model.cases:
-                problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
-        known, name = dict.fromkeys((*build.places(model.group), *model.group)), model.report.building
-        if name not in (None, *known):
-            problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
+    def _check_orphans(self) -> None:
+        """Note what is wrong with the keys of buildings whose `like:` leads nowhere, as far as it does not rest on what
+        they would inherit."""
+        sound, written = self._buildings(self.base), self.root.get("buildings")
+        for name, spec in written.items() if isinstance(written, Map) else ():
+            if name in sound or not isinstance(spec, Map):
+                continue
+            orphan = Map({key: value for key, value in spec.items() if key != "like"}, spec.mark, spec.marks)
+            outer, self.problems = self.problems, Problems(self.file)
+            self._valid(BuildingSpec, orphan, ("buildings", name), self.base)
+            found, self.problems = self.problems.found, outer
+            self.problems.extend(each for each in found if (each.line, each.column) != spec.mark and each.line)
+
+    def _check_names(self, root: Map) -> None:
+        """Note the cases and buildings under `report` and `keep` that the study does not have."""
+        problems, cases = self.problems, root.get("cases")
+        report, group = self.section(self.base, "report"), self.section(self.base, "group")
+        for place, case in enumerate((report and report.plot) or ()):
+            if isinstance(cases, Map) and case not in cases:
+                problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, cases))
+        if report is not None and report.building is not None and group is not None:
+            known, name = dict.fromkeys((*build.places(group), *group)), report.building
+            if name not in known:
+                problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
+        kept = SimpleNamespace(**{name: self.section(self.base, name) for name in ("keep", "method", "analyses")})
+        if isinstance(cases, Map) and None not in (kept.method, kept.analyses):
+            kept.cases = cases
+            check_keep(self, kept, problems)
 
 
 def load_study(path: str | Path) -> Study:
