@@ -420,10 +420,9 @@ class Study:
             known, name = dict.fromkeys((*build.places(group), *group)), report.building
             if name not in known:
                 problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
-        kept = SimpleNamespace(**{name: self.section(self.base, name) for name in ("keep", "method", "analyses")})
-        if isinstance(cases, Map) and None not in (kept.method, kept.analyses):
-            kept.cases = cases
-            check_keep(self, kept, problems)
+        keep, method = self.section(self.base, "keep"), self.section(self.base, "method")
+        if isinstance(cases, Map):
+            check_keep(self, SimpleNamespace(keep=keep, method=method or "taylor", cases=cases), problems)
 
 
 def load_study(path: str | Path) -> Study:
