@@ -191,6 +191,20 @@ def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -
     return case, tuple(laws.values()), impact.dashpot, impact.tension_cut, floors, values
 
 
+def find_losses(link: Any, kind: type[LinkLaw]) -> dict[str, float]:
+    """Return damping ratio and coefficient of restitution of a link [-]: one is given, the other follows from it.
+
+    Empty for a law that takes neither. What gives neither has that of a restitution of RESTITUTION.
+    """
+    ratio, e = getattr(link, "damping_ratio", None), getattr(link, "restitution", None)
+    if ratio is not None:
+        return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
+    if e is None and not keys_of(kind) & {*LOSSES}:
+        return {}
+    e = RESTITUTION if e is None else e
+    return {"damping_ratio": damping_ratio(e) + 0.0, "restitution": e}  # no negative zero at e = 1
+
+
 @functools.lru_cache(maxsize=500)
 def _multiples(case: Case) -> tuple[Any, ...]:
     """The stiffnesses of a case that are multiples of a storey's."""
@@ -309,7 +323,7 @@ class _Builder:
             "impact_stiffness": impact.stiffness,
             "dashpot": DashpotLaw(impact.dashpot),
             "tension_cut": impact.tension_cut if cut is None else cut,
-            **self._losses(link, kind),
+            **find_losses(link, kind),
             **{name: getattr(link, name) for name in own(kind)},
         }
         wanted = {name: typed(kind, name, values[name]) for name in kind.parameters() if name in values}
@@ -324,16 +338,6 @@ class _Builder:
             self.note((*path, conflict[0]), *conflict[1:])
             return None
         return self._made(lambda: kind(**wanted), path)
-
-    def _losses(self, link: Any, kind: type[LinkLaw]) -> dict[str, float | None]:
-        """Damping ratio and coefficient of restitution: one of them is given, the other follows."""
-        ratio, e = getattr(link, "damping_ratio", None), getattr(link, "restitution", None)
-        if ratio is not None:
-            return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
-        if e is None and not keys_of(kind) & {*LOSSES}:
-            return {}
-        e = RESTITUTION if e is None else e
-        return {"damping_ratio": damping_ratio(e) + 0.0, "restitution": e}  # no negative zero at e = 1
 
     def _made(self, make: Callable[[], LinkLaw], path: Steps) -> LinkLaw | None:
         try:

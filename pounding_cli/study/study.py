@@ -15,6 +15,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pounding_cli import records
 from pounding_cli.errors import Problem
+from pounding_cli.laws import link_laws
 from pounding_cli.model.building import Building, UnstableError
 from pounding_cli.model.links import Link
 from pounding_cli.model.separation import UBC
@@ -23,7 +24,16 @@ from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
 from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, unit_of, with_middles
 from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
-from pounding_cli.study.links import OwnLaw, check_contact, check_link_names, check_places, content, own_laws
+from pounding_cli.study.laws import LOSSES
+from pounding_cli.study.links import (
+    OwnLaw,
+    check_contact,
+    check_link_names,
+    check_places,
+    content,
+    find_losses,
+    own_laws,
+)
 from pounding_cli.study.links import links_of as scene_links
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
@@ -330,6 +340,12 @@ class Study:
         each pair of neighbours, None where no code set the yield shears.
         """
         plain: dict[str, Any] = shown(self.model)
+        for name, case in self.model.cases.items():
+            for link, keys in zip(case.links, plain["cases"][name]["links"], strict=True):
+                law = link_laws().get(link.kind)
+                if law is not None:
+                    losses = find_losses(link, law)
+                    keys |= {key: losses[key] for key in LOSSES if key in type(link).model_fields}
         plain["title"] = self.title
         plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes]
         for name, building in self.types(self.base).items():
@@ -421,8 +437,10 @@ class Study:
             if name not in known:
                 problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
         keep, method = self.section(self.base, "keep"), self.section(self.base, "method")
+        analyses = self.section(self.base, "analyses") or ()
         if isinstance(cases, Map):
-            check_keep(self, SimpleNamespace(keep=keep, method=method or "taylor", cases=cases), problems)
+            kept = SimpleNamespace(keep=keep, method=method or "taylor", cases=cases, analyses=analyses)
+            check_keep(self, kept, problems)
 
 
 def load_study(path: str | Path) -> Study:
