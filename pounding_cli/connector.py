@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.laws.pounding import damping_ratio
 from pounding_cli.points import Point, value
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, Wrong, key
+from pounding_cli.study.links import RESTITUTION
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
 
 if TYPE_CHECKING:
@@ -26,6 +28,9 @@ FINEST = 4001
 
 SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
 """The numbers of a table that fits a terminal."""
+
+DAMPING_RATIO = damping_ratio(RESTITUTION)
+"""Damping ratio of a connector whose dashpot the study does not give [-]."""
 
 _JOINT = STIFFNESS.but(example="0.2 k1", open_low=False)
 
@@ -59,7 +64,12 @@ class Connector(Model):
     """What joins the two."""
 
     stiffness: Joint = key("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
-    damping_ratio: Damping | None = key(None, "xi of its dashpot (eq. 7)", 0.1)
+    damping_ratio: Damping | None = key(
+        None,
+        f"xi of its dashpot (eq. 7); default: {DAMPING_RATIO:.3g}, which follows from the restitution "
+        f"{RESTITUTION:g} that connectors of `pound run` have unless a study gives another",
+        0.1,
+    )
     dashpot: Dashpot | None = key(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
 
 
@@ -116,7 +126,8 @@ def pair(study: Study) -> Pair:
     if second.frequency_ratio is not None:
         k2 = second.mass * second.frequency_ratio**2 * k1 / first.mass
     k = float(joint.removesuffix("k1")) * k1 if isinstance(joint, str) else joint
-    xi = study.connector.damping_ratio or 0.0
+    given = study.connector.damping_ratio
+    xi = DAMPING_RATIO if given is None else given
     dashpot = 2 * xi * math.sqrt(k * first.mass * second.mass / (first.mass + second.mass))
     dashpot = dashpot if study.connector.dashpot is None else study.connector.dashpot
     zeta = [study.damping if one.damping is None else one.damping for one in (first, second)]
@@ -206,7 +217,8 @@ def solve(study: Study) -> xr.Dataset:
 def cites(study: Study) -> dict[str, str]:
     """The references of a study."""
     found = {"spiliopoulos1996": "two connected oscillators, Figs 4 and 5", "westermo1989": "connecting buildings"}
-    return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if study.connector.damping_ratio else {})
+    has_ratio = study.connector.dashpot is None and study.connector.damping_ratio != 0
+    return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if has_ratio else {})
 
 
 def pictures(title: str, points: Sequence[Point]) -> list[Picture]:

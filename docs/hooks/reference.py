@@ -14,7 +14,7 @@ from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
 from pounding_cli.study import laws, models, motions, questions, schema
-from pounding_cli.study.plausible import shown
+from pounding_cli.study.plausible import format_value
 from pounding_cli.study.quantity import RANGES
 
 ROOT = Path(__file__).parents[2]
@@ -97,8 +97,14 @@ MODELS = {
 """Headings of the page of keys, and the mapping under each."""
 
 
-OF_STOREYS = "base yield shear over weight", "link stiffness"
-"""Plausible ranges of shares, the second of the stiffest storey's stiffness."""
+RATIOS = (
+    "base yield shear over weight",
+    "link stiffness",
+    "contact stiffness",
+    "stiffness of a Hertz contact",
+    "force of a damper",
+)
+"""Plausible ranges of ratios: to a weight, or to the stiffness of the stiffest storey."""
 
 
 def keys_page() -> str:
@@ -114,17 +120,23 @@ def keys_page() -> str:
         parts += [f"## {heading}", "\n".join(keys.table(model))]
     lines = ["| quantity | plausible | because |", "|---|---|---|"]
     for name, fits in RANGES.items():
-        ends = (f"{end:g}" if name in OF_STOREYS else shown(end, fits.units) for end in (fits.low, fits.high))
+        ends = (f"{end:g}" if name in RATIOS else format_value(end, fits.units) for end in (fits.low, fits.high))
         lines.append(f"| {name} | {' to '.join(ends)} | {fits.reason} |")
     parts += [
         "## Plausible values",
         "A value outside these ranges is [warned about](../study-file.md#warnings).",
         "\n".join(lines),
         textwrap.dedent("""\
-        A motion is also warned about where its peak in the file and its peak as used both exceed 2 g, and an
-        acceleration of at most 3 where it has no unit. The stiffness of a link is that over the stiffest storey's; the
-        period of a storey is that of the building over its number of storeys, and is not checked for buildings of one
-        storey. A gap of zero and a damping of zero are always plausible."""),
+        A motion is also warned about where its peak in the file and its peak as used both exceed 2 g. A peak asked for
+        is not checked along an axis of a sweep, which may begin low.
+
+        In a file, numbers without a unit are warned about once for each key: forces, stiffnesses, dashpots, inertias,
+        accelerations of at most 3, gaps of at least 0.1. In Python data numbers are SI.
+
+        The stiffnesses of links and contacts are those over the stiffest storey's, that of a Hertz contact at 1 cm of
+        penetration; the force of a damper is that at 1 m/s, or at which it slips, over the weight of the heaviest
+        floor. The period of a storey is that of the building over its number of storeys, and is not checked for
+        buildings of one storey. A gap of zero and a damping of zero are always plausible."""),
     ]
     return "\n\n".join(parts) + "\n"
 

@@ -15,9 +15,11 @@ from pounding_cli.numbers import counted, time_text
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast
+    from pounding_cli.errors import Problem
     from pounding_cli.model.building import Building
+    from pounding_cli.model.links import Link
     from pounding_cli.numbers import Unit
-    from pounding_cli.study import Plan
+    from pounding_cli.study import Plan, Study
     from pounding_cli.workflows.workflow import Workflow
 
 
@@ -73,7 +75,7 @@ def check(study: Path) -> None:
     from pounding_cli.reading import shortened
     from pounding_cli.study import load_study
     from pounding_cli.study.file import kind_of_file
-    from pounding_cli.workflows import TITLES, workflow_of
+    from pounding_cli.workflows import TITLES
 
     name, kind = shortened(study), kind_of_file(study)
     if kind in QUESTIONS:
@@ -81,7 +83,7 @@ def check(study: Path) -> None:
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
-    asked = [workflow_of(each)(read) for each in TITLES if each == "run" or read.root.get(each) is not None]
+    asked = _read_questions(read, [each for each in TITLES if each == "run" or read.root.get(each) is not None])
     plan, *_ = [each.plan for each in asked]
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
@@ -104,6 +106,23 @@ def check(study: Path) -> None:
         click.echo(
             f"  pound {each.name:<12}{most} about {time_text(seconds)}, timed by {counted(timed, 'scene')} of them"
         )
+
+
+def _read_questions(study: Study, names: Sequence[str]) -> list[Workflow]:
+    """Return what the sections of a study ask.  Raises `InputError` with what is wrong in all of them."""
+    from pounding_cli.errors import InputError
+    from pounding_cli.workflows import workflow_of
+
+    asked: list[Workflow] = []
+    problems: list[Problem] = []
+    for name in names:
+        try:
+            asked.append(workflow_of(name)(study))
+        except InputError as refused:
+            problems += refused.problems
+    if problems:
+        raise InputError(sorted(problems, key=lambda problem: (problem.line, problem.column)))
+    return asked
 
 
 def _questions(asked: Sequence[Workflow]) -> list[str]:
@@ -174,11 +193,32 @@ def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """The links of a case at the first point of the sweep, in words."""
     said = Counter[str]()
     for link in plan.build(case * len(plan.analyses) * len(plan.records)).links:
-        kind = "slab against columns" if link.columns else link.kind
-        stiffness = getattr(link.law, "stiffness", link.law.steepest[0])
-        stiff = f", {strength.text(stiffness, 4)}" if stiffness > 0 and not link.columns else ""
-        said[f"{kind}, gap {width.text(link.gap)}{stiff}"] += 1
+        said[_describe_link(link, width, strength)] += 1
     return "; ".join(f"{count} x {what}" for what, count in said.items()) or "no links: runs as buildings alone"
+
+
+def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
+    """Return the law of a link with its gap, stiffness and parameters in words."""
+    from pounding_cli.laws.pounding import restitution_of
+    from pounding_cli.study.plausible import format_value, units_of_size
+
+    law = link.law
+    words = [f"{'slab against columns' if link.columns else link.kind}", f"gap {width.text(link.gap)}"]
+    stiffness = getattr(law, "stiffness", law.steepest[0])
+    if stiffness > 0 and not link.columns:
+        words.append(strength.text(stiffness, 4))
+    for name, field in law.parameters().items():
+        value, unit = getattr(law, name), field.metadata["parameter"].unit
+        if name in ("gap", "stiffness", "impact_stiffness", "straight_below") or not isinstance(value, float):
+            continue
+        title = name.replace("_", " ")
+        if name == "damping_ratio":
+            words.append(f"damping ratio {100 * value:.3g} % (restitution {restitution_of(value):.3g})")
+        elif unit.startswith("N"):
+            words.append(f"{title} {format_value(value, units_of_size(unit))}")
+        else:
+            words.append(f"{title} {value:.3g}{'' if unit == '-' else f' {unit}'}")
+    return ", ".join(words)
 
 
 @click.command()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from pounding_cli.laws import link_laws
 from pounding_cli.model.effects import told as told_effects
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted, listed
@@ -97,9 +98,28 @@ def advice(results: Results) -> list[str]:
     said, struck = [], results.link("kind", "impacts")
     if results.assumed_heights:
         said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
+    said += dashpot_sentences(results)
     if STIFFNESS not in results.axes and ((struck["kind"] == "pounding") & (struck["impacts"] > 0)).any():
         said.append(ADVICE)
     return said
+
+
+def dashpot_sentences(results: Results) -> list[str]:
+    """Return the damping ratios of infills and connectors, case by case, where no axis of the sweep changes them."""
+    if any(key.split(".")[-1] in ("damping_ratio", "restitution") for key in results.axes):
+        return []
+    cases: dict[tuple[float, float], list[str]] = {}
+    for name, case in results.resolved["cases"].items():
+        for link in case["links"]:
+            law = link_laws().get(link["link"])
+            if law is not None and not law.subtracts_gap and "damping_ratio" in link:
+                names = cases.setdefault((link["damping_ratio"], link["restitution"]), [])
+                names += [name] if name not in names else []
+    return [
+        f"Dashpots of infills and connectors ({listed(names)}): damping ratio {100 * ratio:.3g} %, that of a "
+        f"restitution of {restitution:.3g}; the key is `damping_ratio`."
+        for (ratio, restitution), names in cases.items()
+    ]
 
 
 def _limits(results: Results) -> list[Section]:

@@ -196,7 +196,36 @@ def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
             beyond = closing - link.gap
             detail = f"{left} | {right}, floor {link.left_floor}, by {1000 * beyond:.3g} mm"
             flags.append(Flag(link.law.beyond_gap, detail, beyond))
-    return tuple(flags)
+    return (*flags, *flags_of_passing_floors(scene, peaks))
+
+
+PASSING_SHARE = 0.1
+"""Part of a storey height by which floors may press into each other before they count as passing through [-]."""
+
+PASSING = "floors pass through each other by more than a tenth of a storey height, as no contact does"
+"""The flag of a scene where they do."""
+
+
+def flags_of_passing_floors(scene: Scene, peaks: np.void) -> list[Flag]:
+    """Return a flag for each contact that closed its gap by more than `PASSING_SHARE` of a storey height.
+
+    Parameters
+    ----------
+    peaks : record of `peaks_type` with the largest closing of every link [m]
+    """
+    flags = []
+    for link, closing in zip(scene.links, peaks["max_closing"].tolist(), strict=True):
+        if not link.law.subtracts_gap:
+            continue
+        left, right = scene.buildings[link.left], scene.buildings[link.left + 1]
+        ends = ((left, link.left_floor), (right, link.right_floor))
+        frames = [(building, floor) for building, floor in ends if not isinstance(building, Wall)]
+        heights = [float(building.height[max(floor - 1, 0)]) for building, floor in frames]
+        beyond = closing - link.gap
+        if heights and beyond > PASSING_SHARE * min(heights):
+            place = f"{left.name} | {right.name}, floor {link.left_floor}"
+            flags.append(Flag(PASSING, f"{place}, by {1000 * beyond:.3g} mm", beyond))
+    return flags
 
 
 def is_meaningless(flag: str) -> bool:

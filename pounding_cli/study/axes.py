@@ -19,9 +19,26 @@ from pounding_cli.study.words import keys_at, quantity_at, value_at
 from pounding_cli.units import factor
 
 MOST_POINTS, MOST_AXES, MOST_VALUES = 2_000_000, 20, 10_000
-FORM = "{from: 0.2 s, to: 1.5 s, count: 14}"
 _RANGE = ("from", "to", "count", "step", "spacing")
 _BRACKET = ("values", "middle")
+
+
+def example_values(quantity: Quantity | None, *shares: float) -> list[str]:
+    """Return some parts of the example of a quantity, in its unit, e.g. `100 t` and `200 t`."""
+    number, unit = 5.0, ""
+    if quantity is not None:
+        unit = written_unit(quantity.example)
+        try:
+            number = float(quantity.example.removesuffix(unit))
+        except ValueError:  # an example in words
+            number, unit = 1.0, quantity.si
+    return [f"{share * number:g} {unit}".rstrip() for share in shares]
+
+
+def range_example(quantity: Quantity | None, more: str = "") -> str:
+    """Return how a range of a quantity is written."""
+    low, high = example_values(quantity, 0.5, 1.0)
+    return f"{{from: {low}, to: {high}{more}}}"
 
 
 class _Unwritten:
@@ -147,7 +164,8 @@ def can_vary(
     once = schema.ONCE if whole else {"title", "sweep"}
     if path[0] in once or (whole and (path[:2] == ["records", "use"] or path[-1] == "like")):
         message = f"{what} '{name}' cannot vary: it is one for the whole study"
-        problems.add(mark, message, "run one study for each value")
+        inner = find_whole_key(path, root) if whole and path[-1] != "like" and "sweep" not in path else ""
+        problems.add(mark, message, f"write the whole key, `{inner}`" if inner else "run one study for each value")
         return False
     for place, step in enumerate(path):
         above, known = get(root, *path[:place]), _known(path[:place], root, model)
@@ -155,27 +173,103 @@ def can_vary(
             continue
         if step in known and (above is None or isinstance(above, dict)):
             continue
-        before = ".".join(path[:place])
-        hint = (
-            nearest(step, known) if place else f"write the whole key, `buildings.soft.period`; {nearest(step, known)}"
-        )
-        if step in known:
-            hint = f"give '{before}' as a mapping with '{step}' in it"
-        problems.add(mark, f"{what} '{name}': no key '{step}'{f' under {before!r}' * bool(before)}", hint)
+        problems.add(mark, *_refuse_step(what, path, place, above, known, root, model))
         return False
-    below = _known(path, root, model)
-    least = {"buildings": 3, "cases": 3, "laws": 3, "tail": 1}.get(path[0], 2)
-    if len(path) < least if whole else below:
-        example = f"{name}.{below[-1] if below else 'KEY'}"
+    if _is_section(path, root, model):
+        example = _value_in_section(path, root, model)
         problems.add(mark, f"{what} '{name}' is a whole section", f"name one value in it, e.g. `{example}`")
         return False
     return True
 
 
+def _is_section(path: Sequence[str], root: Map, model: type[BaseModel]) -> bool:
+    """Return whether a path leads to a section that no single value can stand for."""
+    if model is schema.Study:
+        least = {"buildings": 3, "cases": 3, "laws": 3, "tail": 1}.get(path[0], 2)
+        return len(path) < least
+    return bool(_known([*path], root, model))
+
+
+def _refuse_step(
+    what: str, path: list[str], place: int, above: Any, known: list[str], root: Map, model: type[BaseModel]
+) -> tuple[str, str]:
+    """Return what is wrong with a dotted key whose step at `place` leads nowhere, and what to write.
+
+    above : what stands in the file above that step
+    known : keys that may stand there
+    """
+    name, step, before = ".".join(path), path[place], ".".join(path[:place])
+    message = f"{what} '{name}': no key '{step}'{f' under {before!r}' * bool(before)}"
+    if place == 0:
+        whole = find_whole_key(path, root) if model is schema.Study else ""
+        hint = f"write the whole key, `{whole}`" if whole else nearest(step, known)
+        return message, hint
+    if step in known:
+        return message, f"give '{before}' as a mapping with '{step}' in it"
+    if above is not None and not isinstance(above, dict | list):
+        owner = (
+            f" of {path[0].removesuffix('s')} '{path[1]}'" if place > 2 and path[0] in ("buildings", "cases") else ""
+        )
+        is_number = isinstance(above, int | float) or written_unit(above) != ""
+        message = f"{what} '{name}': '{path[place - 1]}'{owner} is {'a number' if is_number else 'a word'}, {above}"
+        without = ".".join((*path[: place - 1], *path[place:]))
+        hints = [key for key in (without, before) if can_vary(key, root.mark, root, Problems(""), model=model)]
+        return message, f"write {' or '.join(f'`{key}`' for key in hints)}" if hints else nearest(step, known)
+    return message, nearest(step, known)
+
+
+def find_whole_key(path: Sequence[str], root: Map) -> str:
+    """Return the dotted key of the study that the end of one stands for, `buildings.B.period` for `B.period`; "" where
+    there is none."""
+    buildings, cases, laws = (list(get(root, section) or ()) for section in ("buildings", "cases", "laws"))
+    above = [
+        *(("buildings",), ("cases",), ("laws",)),
+        *(("buildings", name) for name in buildings),
+        ("impact",),
+        *(("cases", name) for name in cases),
+        *(("records",), ("records", "scale")),
+        *(("laws", name, "parameters") for name in laws),
+    ]
+    keys = (".".join((*steps, *path)) for steps in above)
+    found = [key for key in keys if _is_known(key.split("."), root)]
+    return next((key for key in found if can_vary(key, root.mark, root, Problems(""))), (*found, "")[0])
+
+
+def _is_known(path: list[str], root: Map) -> bool:
+    """Return whether the schema knows a value at a path, whatever the file has there."""
+    if _is_section(path, root, schema.Study):
+        return False
+    for place, step in enumerate(path):
+        above = get(root, *path[:place])
+        is_item = isinstance(above, list) and step.isdigit() and int(step) < len(above)
+        if not is_item and step not in _known(path[:place], root, schema.Study):
+            return False
+    return True
+
+
+_LIKELY = ("period", "gap", "stiffness", "scale", "restitution", "force")
+"""Keys that a sweep is likely to be of."""
+
+
+def _value_in_section(path: Sequence[str], root: Map, model: type[BaseModel]) -> str:
+    """Return the dotted key of a value below a section, one that is likely to vary."""
+    steps = [*path]
+    while _is_section(steps, root, model):
+        below = _known(steps, root, model)
+        if not below:
+            return ".".join((*steps, "KEY"))
+        above = get(root, *steps)
+        written = [key for key in below if isinstance(above, dict) and key in above]
+        steps.append(next((key for key in _LIKELY if key in below), (written or below)[0]))
+    return ".".join(steps)
+
+
 def _known(path: list[str], root: Map, model: type[BaseModel]) -> list[str]:
     """The keys that may stand at a path: those of the schema; of a case, those of any link."""
     if model is schema.Study and path[:1] == ["cases"] and len(path) > 1:
-        return [*keys_at(schema.Study, (*path[:2], "links", "0", *path[4:]), root), "links"]
+        rest = path[4:] if path[2:3] == ["links"] else path[2:]
+        known = keys_at(schema.Study, (*path[:2], "links", "0", *rest), root)
+        return [*known, "links"] if len(path) == 2 else known
     return keys_at(model, path, root)
 
 
@@ -188,7 +282,8 @@ def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel]
         refuse_unknown(given, _BRACKET, f"the axis '{name}'", problems)
         mark, given = given.marks["values"][1], given["values"]
     if not isinstance(given, Items) or not 0 < len(given) <= MOST_VALUES:
-        hint = f"write `{name}: [first, second]`, at most {MOST_VALUES} values, or a range: `{name}: {FORM}`"
+        ranged = range_example(quantity, ", count: 5")
+        hint = f"write `{name}: [first, second]`, at most {MOST_VALUES} values, or a range: `{name}: {ranged}`"
         problems.add(mark, f"the axis '{name}' has no list of values, or too long a one", hint)
         return None
     return given, given.marks, unit_of(given, quantity)
@@ -296,7 +391,7 @@ def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Valu
     refuse_unknown(node, _RANGE, "a range", problems)
     if not {"from", "to"} <= node.keys() or ("count" in node) == ("step" in node):
         what = f"a range has `from`, `to` and either `count` or `step`, not {', '.join(node)}"
-        problems.add(node.mark, what, f"write e.g. `{name}: {FORM}`")
+        problems.add(node.mark, what, f"write e.g. `{name}: {range_example(quantity, ', count: 5')}`")
     elif spacing not in ("linear", "log") or (spacing == "log" and "step" in node):
         note("spacing", f"spacing: '{spacing}' is not known here", "write linear, or log beside `count:`")
     elif "count" in node and (type(count) is not int or not 2 <= count <= MOST_VALUES):

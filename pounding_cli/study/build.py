@@ -214,7 +214,8 @@ def check_group(names: Sequence[str], defined: Sequence[str], root: Any, problem
     """Whether the names of a group are sound; what is wrong is noted."""
     before, count, labels = len(problems.found), len(names), places(names)
     if not 2 <= count <= MOST_IN_GROUP:
-        hint = f"name 2 to {MOST_IN_GROUP}, e.g. `group: [stiff, soft]`; each alone is computed anyway"
+        example = ", ".join((*defined, *defined)[:2])
+        hint = f"name 2 to {MOST_IN_GROUP}, e.g. `group: [{example}]`; each alone is computed anyway"
         problems.at(root, ("group",), f"the group has {counted(count, 'building')}: pounding takes two", hint)
         return False
     for place, (name, label) in enumerate(zip(names, labels, strict=True)):

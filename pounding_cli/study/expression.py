@@ -33,7 +33,16 @@ QUANTITIES = STOREY | FLOOR | LINK
 REDUCTIONS = ("largest", "smallest", "mean")
 """What is taken of several storeys, floors or links; `largest` unless written."""
 
-FORM = "write e.g. `mu`, `mean V_ratio in stiff`, `drift in soft storey 1` or `max(V_ratio in stiff, V_ratio in soft)`"
+
+def expression_hint(buildings: Sequence[str]) -> str:
+    """Return how an expression is written, with the buildings of the study."""
+    first, last = buildings[0], buildings[-1]
+    return (
+        f"write e.g. `mu`, `mean V_ratio in {first}`, `drift in {last} storey 1` or "
+        f"`max(V_ratio in {first}, V_ratio in {last})`"
+    )
+
+
 _LONGEST = 500
 _FUNCTIONS: Mapping[str, Callable[..., np.ndarray]] = {
     "max": np.maximum, "min": np.minimum, "abs": np.abs, "sqrt": np.sqrt, "log": np.log, "exp": np.exp,
@@ -106,7 +115,7 @@ def read_expression(text: str, buildings: Sequence[str]) -> Expression:
     NotUnderstood : what is wrong, and what to write
     """
     if len(text) > _LONGEST:
-        raise NotUnderstood(f"{len(text)} characters are not an expression", FORM)
+        raise NotUnderstood(f"{len(text)} characters are not an expression", expression_hint(buildings))
     text, quantities = " ".join(text.split()), list[Quantity]()
     names = "|".join(map(re.escape, sorted(buildings, key=len, reverse=True)))
 
@@ -126,9 +135,11 @@ def read_expression(text: str, buildings: Sequence[str]) -> Expression:
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         open_bracket = said.count("(") > said.count(")")
         what = "a bracket is not closed" if open_bracket else "this is not arithmetic with the numbers of the tables"
-        raise NotUnderstood(f"'{text}': {error if isinstance(error, NotUnderstood) else what}", FORM) from None
+        raise NotUnderstood(
+            f"'{text}': {error if isinstance(error, NotUnderstood) else what}", expression_hint(buildings)
+        ) from None
     if not quantities or "#" in said:
-        raise NotUnderstood(f"'{text}': it takes nothing from the tables", FORM)
+        raise NotUnderstood(f"'{text}': it takes nothing from the tables", expression_hint(buildings))
     return Expression(text, unit, tuple(quantities), work)
 
 
@@ -202,7 +213,11 @@ def _joined(
 # Statements
 
 
-STATEMENT_FORM = "write e.g. `mu > 4`, `drift in soft > 2 cm` or `mean V_ratio in stiff < 1.1`"
+def statement_hint(buildings: Sequence[str]) -> str:
+    """Return how a statement is written, with the buildings of the study."""
+    return f"write e.g. `mu > 4`, `drift in {buildings[-1]} > 2 cm` or `mean V_ratio in {buildings[0]} < 1.1`"
+
+
 _STATEMENT = re.compile(r"(?P<expression>[^<>=]+)(?P<sign>[<>])(?P<value>[^<>=]*)\Z")
 _VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s"}
 
@@ -240,7 +255,7 @@ def read_statement(text: str, buildings: Sequence[str]) -> Statement:
     text = " ".join(text[: _LONGEST + 1].split())
     found = _STATEMENT.match(text)
     if found is None:
-        raise NotUnderstood(f"'{text}' is not compared with a value by < or >", STATEMENT_FORM)
+        raise NotUnderstood(f"'{text}' is not compared with a value by < or >", statement_hint(buildings))
     expression, written = read_expression(found["expression"], buildings), found["value"].strip()
     unit, example = expression.unit, f"{expression} {found['sign']} {_VALUES[expression.unit]}"
     if unit == "m" and written.endswith("%"):

@@ -32,7 +32,14 @@ SHARED_KEYS: dict[str, tuple[Any, Any]] = {
         ),
     ),
     "restitution": (Annotated[float, RESTITUTION] | None, key(None, "coefficient of restitution e [-]")),
-    "damping_ratio": (Annotated[float, RATIO] | None, key(None, "damping ratio [-], instead of restitution")),
+    "damping_ratio": (
+        Annotated[float, RATIO] | None,
+        key(
+            None,
+            "damping ratio of the dashpot [-], instead of restitution; also of an infill and a connector, which take "
+            "that of the restitution of `impact` unless it is given: 0.215 of 0.5",
+        ),
+    ),
     "tension_cut": (bool | None, key(None, "no force that pulls the floors together")),
 }  # fmt: skip
 

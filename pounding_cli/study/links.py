@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import functools
 import keyword
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+
+from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import contact_laws, link_laws
 from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
@@ -16,10 +18,12 @@ from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, column_flexibility
 from pounding_cli.numbers import counted
 from pounding_cli.study.build import Group
-from pounding_cli.study.file import Problems, Quoted, Steps, get, locate, nearest
-from pounding_cli.study.laws import FORMULA, LOSSES, keys_of, own, tag_of, typed
+from pounding_cli.study.file import Items, Map, Problems, Quoted, Steps, get, locate, nearest
+from pounding_cli.study.laws import FORMULA, LOSSES, keys_of, link_models, own, tag_of, typed
 from pounding_cli.study.models import Case
 from pounding_cli.study.quantity import LINK_STIFFNESS, Storey
+from pounding_cli.study.spell import GONE
+from pounding_cli.study.words import fields_of
 
 RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
@@ -67,9 +71,95 @@ def check_contact(word: str, laws: Mapping[str, OwnLaw], root: Any, problems: Pr
     written = [name for name, law in laws.items() if law(_TRIED).subtracts_gap]
     if word in (*contact_laws(), *written):
         return True
-    hint = f"write {', '.join((*contact_laws(), *written))}"
-    problems.at(root, ("impact", "law"), f"'{word[:60]}' is not a law of contact", hint)
+    problems.at(root, ("impact", "law"), *refuse_contact(word, written))
     return False
+
+
+def refuse_contact(word: str, laws: Iterable[str]) -> tuple[str, str]:
+    """Return what is wrong with a law of contact that nobody knows, and what to write; laws : those of the study."""
+    return f"'{word[:60]}' is not a law of contact", f"write {', '.join((*contact_laws(), *laws))}"
+
+
+def check_places(case: Case, group: Group, path: Steps, root: Any, problems: Problems) -> None:
+    """Note the pairs and floors of links that the group does not have."""
+    _Builder(group, None, {}, root, problems).check_places(case, (*path, "links"))
+
+
+def refuse_law(word: str, laws: Iterable[str]) -> tuple[str, str]:
+    """Return what is wrong with a link whose law nobody knows, and what to write; laws : those of the study."""
+    known = (*link_laws(), *laws, "none")
+    return f"link: '{word[:60]}' is not known", f"{nearest(word, known)}; a law of your own stands under `laws`"
+
+
+def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
+    """Return what is wrong with the number of a pair of neighbours that a group lacks, and what to write."""
+    message = f"pair: {pair}, but the group has {counted(pairs, 'pair')} of neighbours"
+    return message, f"write a number from 1 to {pairs}, or leave it out"
+
+
+def refuse_building(name: str, buildings: Iterable[str]) -> tuple[str, str]:
+    """Return what is wrong with a building that a stiffness is a multiple of, and what to write."""
+    return f"no building '{name}' is defined", nearest(name, buildings)
+
+
+def check_link_names(root: Map, problems: Problems) -> None:
+    """Note the laws, buildings, pairs and keys of links that the study does not have, whatever else is wrong in it.
+
+    root : the tree of the study as written
+    """
+    sections = (get(root, name) for name in ("laws", "cases", "impact"))
+    laws, cases, impact = ([*each] if isinstance(each, Map) else [] for each in sections)
+    is_known = get(root, "impact", "law") in (None, *contact_laws(), *laws)
+    _check_multiple(root, ("impact", "stiffness"), problems)
+    contact = get(root, "impact", "law")
+    if impact and isinstance(contact, str) and not is_known:
+        problems.at(root, ("impact", "law"), *refuse_contact(contact, laws))
+    keys = dict.fromkeys(key for model in link_models().values() for key in fields_of(model))
+    for name in cases:
+        case = root["cases"][name]
+        several = isinstance(case, Map) and isinstance(case.get("links"), Items)
+        for path in [("cases", name, "links", n) for n in range(len(case["links"]))] if several else [("cases", name)]:
+            _check_entry(root, path, laws, is_known, keys, problems)
+
+
+def _check_entry(
+    root: Map, path: Steps, laws: Sequence[str], is_contact_known: bool, keys: Iterable[str], problems: Problems
+) -> None:
+    """Note the names that a link as written has and the study does not.
+
+    is_contact_known : whether the law of contact that `impact` names is one; keys : of all laws
+    """
+    entry = get(root, *path)
+    word = entry if isinstance(entry, str) else get(entry, "link")
+    is_known = not isinstance(word, str) or word in (*link_laws(), *laws, "none")
+    if not is_known:
+        problems.at(root, path if isinstance(entry, str) else (*path, "link"), *refuse_law(word, laws))
+    if not isinstance(entry, Map):
+        return
+    if not is_known or (word == Pounding.name and not is_contact_known):
+        for key in entry:
+            if key not in (*keys, *GONE):  # the keys of a law that is known are looked at where it is read
+                problems.at(root, (*path, key), f"unknown key '{key}'", nearest(key, keys), key=True)
+    _check_multiple(root, (*path, "stiffness"), problems)
+    group, pair = get(root, "group"), entry.get("pair")
+    pairs = len(group) - 1 if isinstance(group, list) else 0
+    if type(pair) is int and 0 < pairs < pair <= MAX_PAIR:
+        problems.at(root, (*path, "pair"), *refuse_pair(pair, pairs))
+
+
+MAX_PAIR = 19
+"""Largest number of a pair of neighbours."""
+
+
+def _check_multiple(root: Map, path: Steps, problems: Problems) -> None:
+    """Note a stiffness that is a multiple of a storey of a building that is not defined."""
+    buildings = get(root, "buildings")
+    try:
+        value = LINK_STIFFNESS.read(get(root, *path))
+    except PydanticCustomError:
+        return  # told where it is read
+    if isinstance(value, Storey) and isinstance(buildings, Map) and value.building not in (None, *buildings):
+        problems.at(root, path, *refuse_building(str(value.building), buildings))
 
 
 def links_of(
@@ -79,6 +169,13 @@ def links_of(
     before = len(problems.found)
     links = _Builder(group, impact, laws, root, problems).links(case, path)
     return links if len(problems.found) == before else None
+
+
+def build_law(
+    link: Any, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, root: Any
+) -> LinkLaw | None:
+    """Return the law of a link of a validated case; None for `none`, and where something is wrong with it."""
+    return _Builder(group, impact, laws, root, Problems("")).law(link, path)
 
 
 def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
@@ -92,6 +189,20 @@ def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -
         return None
     floors = tuple(tuple(common.items()) for common in group.common)
     return case, tuple(laws.values()), impact.dashpot, impact.tension_cut, floors, values
+
+
+def find_losses(link: Any, kind: type[LinkLaw]) -> dict[str, float]:
+    """Return damping ratio and coefficient of restitution of a link [-]: one is given, the other follows from it.
+
+    Empty for a law that takes neither. What gives neither has that of a restitution of RESTITUTION.
+    """
+    ratio, e = getattr(link, "damping_ratio", None), getattr(link, "restitution", None)
+    if ratio is not None:
+        return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
+    if e is None and not keys_of(kind) & {*LOSSES}:
+        return {}
+    e = RESTITUTION if e is None else e
+    return {"damping_ratio": damping_ratio(e) + 0.0, "restitution": e}  # no negative zero at e = 1
 
 
 @functools.lru_cache(maxsize=500)
@@ -120,13 +231,9 @@ class _Builder:
         path, known = (*path, "links"), (*link_laws(), *self.laws, "none")
         for n, link in enumerate(case.links):
             if link.kind not in known:
-                hint = f"{nearest(link.link, known)}; a law of your own stands under `laws`"
-                self.note((*path, n, "link"), f"link: '{link.link[:60]}' is not known", hint)
-        pairs, found = len(self.group.common), list[Link]()
-        for n, link in enumerate(case.links):
-            if (link.pair or 0) > pairs:
-                message = f"pair: {link.pair}, but the group has {counted(pairs, 'pair')} of neighbours"
-                self.note((*path, n, "pair"), message, f"write a number from 1 to {pairs}, or leave it out")
+                self.note((*path, n, "link"), *refuse_law(link.link, self.laws))
+        self._check_pairs(case, path)
+        found = list[Link]()
         for place, common in enumerate(self.group.common):
             mine = [(n, link) for n, link in enumerate(case.links) if link.pair in (None, place + 1)]
             listed = {floor for _, link in mine if isinstance(link.floors, tuple) for floor in link.floors}
@@ -144,6 +251,21 @@ class _Builder:
                     found.append(Link(place, floor, right, laws[n]))
             found += self._at_columns(mine, place, path)
         return tuple(found)
+
+    def _check_pairs(self, case: Any, path: Steps) -> None:
+        """Note the pairs that the group does not have."""
+        pairs = len(self.group.common)
+        for n, link in enumerate(case.links):
+            if (link.pair or 0) > pairs:
+                self.note((*path, n, "pair"), *refuse_pair(link.pair, pairs))
+
+    def check_places(self, case: Any, path: Steps) -> None:
+        """Note the pairs and floors of links that the group does not have."""
+        self._check_pairs(case, path)
+        for place in range(len(self.group.common)):
+            for n, link in enumerate(case.links):
+                if link.pair in (None, place + 1):
+                    self._floors(link, place, set(), (*path, n))
 
     def _floors(self, link: Any, place: int, listed: set[int], path: Steps) -> list[int]:
         """The floors of a link between a pair of neighbours.
@@ -201,7 +323,7 @@ class _Builder:
             "impact_stiffness": impact.stiffness,
             "dashpot": DashpotLaw(impact.dashpot),
             "tension_cut": impact.tension_cut if cut is None else cut,
-            **self._losses(link, kind),
+            **find_losses(link, kind),
             **{name: getattr(link, name) for name in own(kind)},
         }
         wanted = {name: typed(kind, name, values[name]) for name in kind.parameters() if name in values}
@@ -210,23 +332,12 @@ class _Builder:
                 wanted[name] = self.group.stiffness(value)
             except KeyError:
                 at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
-                known = nearest(value.building, self.group.types)
-                self.note(at, f"no building '{value.building}' is defined", known)
+                self.note(at, *refuse_building(value.building, self.group.types))
                 return None
         if conflict := kind.conflict(**{name: value for name, value in wanted.items() if isinstance(value, float)}):
             self.note((*path, conflict[0]), *conflict[1:])
             return None
         return self._made(lambda: kind(**wanted), path)
-
-    def _losses(self, link: Any, kind: type[LinkLaw]) -> dict[str, float | None]:
-        """Damping ratio and coefficient of restitution: one of them is given, the other follows."""
-        ratio, e = getattr(link, "damping_ratio", None), getattr(link, "restitution", None)
-        if ratio is not None:
-            return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
-        if e is None and not keys_of(kind) & {*LOSSES}:
-            return {}
-        e = RESTITUTION if e is None else e
-        return {"damping_ratio": damping_ratio(e) + 0.0, "restitution": e}  # no negative zero at e = 1
 
     def _made(self, make: Callable[[], LinkLaw], path: Steps) -> LinkLaw | None:
         try:

@@ -111,7 +111,8 @@ def _of(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
     declared = law.parameters()[name].metadata["parameter"]
     ends = declared.low, declared.high, declared.open_low and not absent, declared.open_high
     unit = "" if declared.unit == "-" else declared.unit.removesuffix("/rad")
-    return Quantity(name.replace("_", " "), unit, example, *ends)
+    usual = RANGES["floor mass"] if unit == "kg" else None
+    return Quantity(name.replace("_", " "), unit, example, *ends, usual=usual)
 
 
 def _about(law: Any, name: str) -> str:

@@ -24,7 +24,7 @@ from pounding_cli.records.units import UNITS, acceleration_unit
 from pounding_cli.study.base import Model, Name, Wrong, key, tagged, word_or
 from pounding_cli.study.file import Problems, Steps, nearest
 from pounding_cli.study.laws import RATIO
-from pounding_cli.study.quantity import ACCELERATION, TIME, Quantity, Whole, refuse
+from pounding_cli.study.quantity import ACCELERATION, RANGES, TIME, Quantity, Whole, refuse
 
 # Models of the section `records`
 
@@ -39,7 +39,8 @@ def _unit(text: str) -> str:
 PERIOD = TIME.but(name="period", example="0.5 s", low=0.01, open_low=False, high=60)
 Period = Annotated[float, PERIOD]
 Acceleration = Annotated[float, ACCELERATION]
-Velocity = Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True)]
+PEAK_VELOCITY = RANGES["peak velocity asked for"]
+Velocity = Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True, usual=PEAK_VELOCITY)]
 Number = Annotated[int, Whole(1, 1000)]
 TimeStep = Annotated[float, TIME.but(name="time step", example="0.01 s")]
 Window = Annotated[float | str, TIME.but(name="window", example="10 s", words=("duration", "table1", "whole"))]

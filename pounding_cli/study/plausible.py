@@ -1,167 +1,584 @@
-"""What a study may say but hardly means: warnings of values that are not plausible (`quantity.py` has the ranges)."""
+"""Warn about implausible values, numbers without a unit and links that do nothing (`quantity.py` has the ranges)."""
 
 from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel
 
-from pounding_cli.errors import Problem
-from pounding_cli.laws import link_laws
+from pounding_cli.errors import InputError, Problem
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.building import Building
+from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted, listed
+from pounding_cli.study.axes import Axis, sweep_maps
 from pounding_cli.study.build import Group, tell_left_out
-from pounding_cli.study.file import Problems, Steps, get
+from pounding_cli.study.file import Map, Mark, Problems, Steps, get, locate
+from pounding_cli.study.links import OwnLaw, build_law
+from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case, StiffnessAt
 from pounding_cli.study.motions import Used
-from pounding_cli.study.quantity import FORCES, NUMBER, RANGES, STIFFNESSES, Plausible, Quantity, Text, lacks_unit
+from pounding_cli.study.quantity import FORCES, NUMBER, RANGES, Plausible, Quantity, Text, lacks_unit
 from pounding_cli.study.words import fields_of, leaves
 from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
-    from pounding_cli.study.study import Point, Study
+    from pounding_cli.study.study import Point, Study, Subject
 
-_MOST_IN_G = 3.0
-# Of a number without unit: recorded peaks reach 3 g.
+MAX_CORNERS = 256
+"""Combinations of the ends of several axes at which values are compared with each other."""
 
-_AS_MEANT = "the study runs as it is"
-_PARTED = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*\Z")
+MAX_OPTIONS = 50
+"""Options of an uncertain choice that are looked at."""
+
+TAIL = 0.01
+"""Probability beyond which the values of a distribution without an end are not looked at."""
+
+MAX_IN_G = 3.0
+"""Largest number without a unit that may have been meant in g: recorded peaks reach 3 g."""
+
+MIN_IN_CM = 0.1
+"""Smallest number without a unit that may have been a gap in cm: of gaps in m hardly one is as wide."""
+
+AS_MEANT = "the study runs as it is"
+_NUMBER_AND_UNIT = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*\Z")
 
 
-def warnings(study: Study) -> tuple[Problem, ...]:
-    """What is allowed in a study but should be known, in the order of its lines: at the first point of the sweep, and
-    where one axis moves away from it."""
-    notes, seen = study.notes, set[Any]()
+def find_warnings(study: Study) -> tuple[Problem, ...]:
+    """Return what is allowed in a study but should be known, in the order of its lines.
 
-    def is_new(name: str, point: Point, *subjects: Any) -> bool:
-        """Whether something was not yet looked at where nothing that it depends on differs."""
-        key = name, study.key(point, subjects)
-        return key not in seen and not seen.add(key)  # type: ignore[func-returns-value]
-
-    for point in _points(study):
-        root, group = study.at(point), study.group(point)
-        assert group is not None  # the study was validated
-        for name in study.model.buildings:
-            if is_new(name, point, ("buildings", name)):
-                doubt_building(study.building_spec(point, name), study.type(point, name), root, name, notes)
-        if is_new("group", point, "buildings", "group"):
-            tell_left_out(group.buildings, root, ("group",), notes)
-        for name in study.model.cases:
-            if is_new(name, point, "buildings", "group", "impact", ("cases", name)):
-                doubt_case(study.case(point, name), study.section(point, "impact"), group, root, name, notes)
-        if is_new("motions", point, "records"):
-            doubt_values(study.section(point, "records"), root, ("records",), notes)
-            doubt_motions(study.motions(point), root, notes)
+    Looked at are the first point of the sweep, the points where one axis moves away from it, the ends of uncertain and
+    searched keys, and the points where every axis is at an end. A key is warned of once, at its worst value.
+    """
+    view = _with_uncertain_keys(study)
+    warner = _Warner(view)
+    for point in _points_along_axes(view, len(study.axes)):
+        warner.look_at(point)
+    warner.look_at_corners(_corners(view, len(study.axes)))
+    notes = study.notes
+    notes.extend(warner.doubts.merged())
+    warn_held_period(study, notes)
     if study.model.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
         notes.at(study.root, ("impact", "dashpot"), message, hint)
-    return few(notes.found)
+    return tuple(sorted(notes.found, key=lambda note: (note.file, note.line, note.column)))
 
 
-def _points(study: Study) -> Iterator[Point]:
-    """The first point of a sweep, and those that differ from it in one value."""
-    first = (0,) * len(study.axes)
+# Where in the sweep
+
+
+def _with_uncertain_keys(study: Study) -> Study:
+    """Return the study with a further axis for every uncertain or searched key: the ends of its range, its options.
+
+    A study that is not sound at one of them is returned as it is: who draws such a sample is told then.
+    """
+    factors = []
+    problems = Problems(study.file)
+    if study.root.get("uncertain") is not None or get(study.root, "optimise", "over") is not None:
+        from pounding_cli.study import vary  # here: few studies have distributions
+
+        if study.root.get("uncertain") is not None:
+            factors += vary.read_uncertain(study.root, problems)
+        if isinstance(get(study.root, "optimise", "over"), Map):
+            factors += vary.read_searched(study.root, problems)
+        factors = [factor for factor in factors if factor.key != vary.MOTION]
+    if not factors or problems.found:
+        return study
+    axes = [_axis_of_ends(factor) for factor in factors]
+    try:
+        return type(study)(study.path, study.text, study.root, (*study.axes, *axes), study.reader, written=study)
+    except InputError:
+        return study
+
+
+def _axis_of_ends(factor: Any) -> Axis:
+    """Return an axis of the ends of the range of an uncertain key, or of its options."""
+    if factor.options:
+        count = min(factor.options, MAX_OPTIONS)
+        shares = [(number + 0.5) / factor.options for number in range(count)]
+    else:
+        low, high = factor.drawn.ends
+        shares = [0.0 if np.isfinite(low) else TAIL, 1.0 if np.isfinite(high) else 1.0 - TAIL]
+    columns = [member.values(shares) for member in factor.members]
+    marks = tuple(member.mark for member in factor.members)
+    names = tuple(member.key for member in factor.members)
+    units = tuple(member.unit for member in factor.members)
+    return Axis(names, list(zip(*columns, strict=True)), [marks] * len(shares), units)
+
+
+def _first_point(study: Study, swept: int) -> Point:
+    """Return the first point of the sweep; the study's own values of the axes after the first `swept` ones."""
+    return (0,) * swept + (-1,) * (len(study.axes) - swept)
+
+
+def _points_along_axes(study: Study, swept: int) -> Iterator[Point]:
+    """Yield the first point of a sweep, and those that differ from it in one axis."""
+    first = _first_point(study, swept)
     yield first
     for place, axis in enumerate(study.axes):
-        yield from ((*first[:place], index, *first[place + 1 :]) for index in range(1, len(axis)))
+        for index in range(first[place] + 1, len(axis)):
+            yield (*first[:place], index, *first[place + 1 :])
 
 
-def few(problems: Iterable[Problem]) -> tuple[Problem, ...]:
-    """Warnings in the order of their lines; of those in one line that differ in their numbers alone, as along a swept
-    axis, the first, which counts the others."""
-    alike: dict[Any, list[Problem]] = {}
-    for each in problems:
-        alike.setdefault((each.file, each.line, re.sub(r"[\d.e+-]+", "#", each.message)), []).append(each)
-    kept = [
-        replace(first, message=f"{first.message}; and {len(more)} more like it") if more else first
-        for first, *more in alike.values()
-    ]
-    return tuple(sorted(kept, key=lambda note: (note.file, note.line, note.column)))
+def _corners(study: Study, swept: int) -> Iterator[Point]:
+    """Yield the points where every axis is at an end of its values, at most MAX_CORNERS.
+
+    What is compared with each other grows or falls with each value, so that the worst combinations stand there.
+    """
+    ends: list[tuple[int, ...]] = []
+    for axis in study.axes[:swept]:
+        sizes = [next((value for value in values if not isinstance(value, str)), 0.0) for values in axis.values]
+        order = sorted(range(len(sizes)), key=sizes.__getitem__)
+        both = (order[0], order[-1]) if len(axis) > 1 and 2 ** len(ends) < MAX_CORNERS else (0,)
+        ends.append(both)
+    rest = _first_point(study, swept)[swept:]
+    if swept > 1:
+        yield from ((*corner, *rest) for corner in product(*ends))
 
 
-def doubt_building(spec: Any, building: Any, root: Any, name: str, notes: Problems) -> None:
-    """Note what is unlikely about a building type: masses, heights, period, damping, yield shears."""
+# Warnings of one key
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A warning of one value.
+
+    is_bare : whether the value has no unit
+    excess : power of ten by which it is beyond what is plausible; 0 where it is plausible
+    """
+
+    problem: Problem
+    is_bare: bool
+    excess: float
+
+
+@dataclass
+class Doubts:
+    """Collects warnings of values by the keys that they are of.
+
+    needs_units : whether a number should have its unit, as in a file; in Python data numbers are SI
+    """
+
+    file: str
+    needs_units: bool = True
+    by_key: dict[Steps, list[Doubt]] = field(default_factory=dict)
+    _keys: dict[Mark, Steps] = field(default_factory=dict)
+
+    def add(
+        self, root: Any, path: Steps, key: Steps, message: str, hint: str, is_bare: bool = False, excess: float = 0.0
+    ) -> None:
+        """Note a warning of the value at `path`, one of those of `key`.
+
+        A value that several buildings or cases take from one place of the file counts for the first of them.
+        """
+        mark = locate(root, path)
+        if get(root, *path) is not None:
+            key = self._keys.setdefault(mark, key)
+        noted = Problems(self.file)
+        noted.add(mark, message, hint)
+        (problem,) = noted.found
+        doubts = self.by_key.setdefault(key, [])
+        if problem not in [doubt.problem for doubt in doubts]:
+            doubts.append(Doubt(problem, is_bare, excess))
+
+    def merged(self) -> Iterator[Problem]:
+        """Yield one warning a key: that of its worst value, which counts the others."""
+        for doubts in self.by_key.values():
+            worst = max(doubts, key=lambda doubt: (doubt.is_bare, doubt.excess))
+            others = len(doubts) - 1
+            more = f"; and {others} more like it" if others else ""
+            yield replace(worst.problem, message=worst.problem.message + more)
+
+
+class _Warner:
+    """Looks at a study point by point; what nothing has changed of since is not looked at again."""
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+        self.doubts = Doubts(study.file, needs_units=not study.from_data)
+        self.seen = set[Any]()
+
+    def look_at(self, point: Point) -> None:
+        """Note what is doubtful at a point."""
+        study = self.study
+        root = study.at(point)
+        group = study.group(point)
+        if group is None:  # unsound together with other values: told where the sweep is expanded
+            return
+        for name in study.model.buildings:
+            if self._is_new(name, point, ("buildings", name)):
+                spec, building = study.building_spec(point, name), study.type(point, name)
+                assert spec is not None
+                assert building is not None
+                warn_building(spec, building, root, name, self.doubts)
+        if self._is_new("group", point, "buildings", "group"):
+            self._warn_left_out(group, root)
+        for name in study.model.cases:
+            if self._is_new(name, point, "buildings", "group", "impact", "laws", ("cases", name)):
+                case, impact, laws = study.case(point, name), study.impact(point), study.laws(point)
+                if case is not None and impact is not None and laws is not None:
+                    warn_case(case, impact, group, laws, root, name, self.doubts)
+        if self._is_new("motions", point, "records"):
+            warn_motions(study, point, root, self.doubts)
+
+    def look_at_corners(self, corners: Iterable[Point]) -> None:
+        """Note what several values make doubtful together, of keys that no value makes so by itself."""
+        alone = self.doubts
+        together = dict[Steps, list[Doubt]]()
+        for point in corners:
+            self.doubts = Doubts(alone.file, alone.needs_units, _keys=dict(alone._keys))
+            self.look_at(point)
+            axes = zip(self.study.axes, point, strict=True)
+            where = ", ".join(axis.told(index) for axis, index in axes if index >= 0)
+            for key, doubts in self.doubts.by_key.items():
+                for doubt in doubts if key not in alone.by_key else ():
+                    message = f"{doubt.problem.message} (where {where})"
+                    problem = replace(doubt.problem, message=message)
+                    together.setdefault(key, []).append(replace(doubt, problem=problem))
+        alone.by_key |= together
+        self.doubts = alone
+
+    def _is_new(self, name: str, point: Point, *subjects: Subject) -> bool:
+        """Return whether something was not yet looked at where nothing that it depends on differs."""
+        key = name, self.study.key(point, subjects)
+        is_new = key not in self.seen
+        self.seen.add(key)
+        return is_new
+
+    def _warn_left_out(self, group: Group, root: Any) -> None:
+        """Note the floors whose blows on columns are left out."""
+        notes = Problems(self.study.file)
+        tell_left_out(group.buildings, root, ("group",), notes)
+        for problem in notes.found:
+            key: Steps = ("group", problem.line, problem.column)
+            self.doubts.by_key.setdefault(key, []).append(Doubt(problem, False, 0.0))
+
+
+# Buildings, links and motions
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What values of a key are compared with.
+
+    fits : plausible range of value * share
+    share : reciprocal of what they are compared with [1/SI unit of the value]
+    name : of the value, in words
+    than : what they are compared with, in words
+    """
+
+    fits: Plausible
+    share: float
+    name: str
+    than: str
+
+    def ratio_in_words(self, value: float) -> str:
+        """Return the ratio in words, e.g. `0.2 times that of the stiffest storey`."""
+        return f"{value * self.share:.2g} {self.than}"
+
+
+def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, doubts: Doubts) -> None:
+    """Note what is implausible about a building type: masses, heights, period, damping, yield shears, isolators."""
     path: Steps = ("buildings", name)
-    doubt_values(spec, root, path, notes)
+    warn_values(spec, root, path, doubts)
     if spec.wall is not None:
         return
-    storeys, at = building.storeys, (*path, "period")
+    _warn_period(spec, building, root, path, doubts)
+    if isinstance(spec.yield_shear, tuple):
+        fits = RANGES["base yield shear over weight"]
+        compared = Comparison(fits, 1 / building.weight, "yield shear", "of the building's weight")
+        shear = spec.yield_shear[0]
+        share = compared.ratio_in_words(shear)
+        message = f"the lowest storey yields at {format_value(shear, FORCES)}, {share}: {fits.reason}"
+        at: Steps = (*path, "yield_shear", 0)
+        if not fits.holds(shear * compared.share):
+            text = _text_at(root, at)
+            is_bare = doubts.needs_units and _is_bare(text, FORCE_OF_STOREY)
+            hint = _hint(text, shear, fits, compared.share, "N" if is_bare else "")
+            doubts.add(root, at, at[:-1], message, hint, is_bare, excess=fits.excess(shear * compared.share))
+    _warn_base(building, root, path, doubts)
+
+
+FORCE_OF_STOREY = Quantity("force", "N", "900 kN")
+
+
+def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: Steps, doubts: Doubts) -> None:
+    """Note a period that is implausible for so many storeys."""
+    storeys = building.storeys
+    at: Steps = (*path, "period")
+    period = spec.period
     if spec.stiffness is not None:
         at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAt) else 0)
-    period = spec.period if spec.stiffness is None else float(building.periods[0])
-    checked = [(RANGES["period of a storey"], 1 / storeys)] * (storeys > 1) + [(RANGES["period"], 1.0)]
-    for fits, share in [each for each in checked if not each[0].holds(period * each[1])][:1]:
-        what = f"a period of {_rounded(period)} s for {counted(storeys, 'storey')}: {fits.reason}"
-        is_given = at[-1] == "period"
-        notes.at(root, at, what, _hint(_text(root, at), period, fits, share) if is_given else "check its unit")
-    if isinstance(spec.yield_shear, tuple):
-        shear, share, fits = spec.yield_shear[0], 1 / building.weight, RANGES["base yield shear over weight"]
-        if not fits.holds(shear * share):
-            at = (*path, "yield_shear", 0)
-            what = f"the lowest storey yields at {shown(shear, FORCES)}, {shear * share:.2g} of the building's weight"
-            notes.at(root, at, f"{what}: {fits.reason}", _hint(_text(root, at), shear, fits, share))
-
-
-def doubt_case(case: Case | None, impact: Any, group: Group, root: Any, name: str, notes: Problems) -> None:
-    """Note what is unlikely about the links of a case: gaps, and stiffnesses beside those of the storeys."""
-    assert case is not None  # the study was validated
-    doubt_values(case, root, ("cases", name), notes)
-    stiffest, fits = max(float(each.stiffness.max()) for each in group.buildings), RANGES["link stiffness"]
-    for n, link in enumerate(case.links):
-        law, given = link_laws().get(link.kind), getattr(link, "stiffness", None)
-        if law is None or "stiffness" not in law.parameters() or (given is None and law.stiffness_default):
+        period = float(building.periods[0])
+    assert period is not None  # a building has one or the other
+    compared = [(RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
+    compared.append((RANGES["period"], 1.0))
+    for fits, share in compared:
+        if fits.holds(period * share):
             continue
-        at: Steps = ("impact", "stiffness") if given is None else ("cases", name, "links", n, "stiffness")
-        stiffness = group.stiffness(given or impact.stiffness)
-        if not fits.holds(stiffness / stiffest):
-            share = f"{stiffness / stiffest:.2g} times that of the stiffest storey"
-            message = f"the stiffness of the link is {shown(stiffness, STIFFNESSES)}, {share}: {fits.reason}"
-            notes.at(root, at, message, f"write e.g. `20 x stiffest storey`; otherwise leave it, {_AS_MEANT}")
+        message = f"a period of {_rounded(period)} s for {counted(storeys, 'storey')}: {fits.reason}"
+        hint = _hint(_text_at(root, at), period, fits, share) if at[-1] == "period" else "check its unit"
+        key = at if at[-1] == "period" else at[:-1]
+        doubts.add(root, at, key, message, hint, excess=fits.excess(period * share))
+        return
 
 
-def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
-    """Note peaks of the ground that are unlikely: as used, or more than 2 g both in the file and as used."""
-    fits, uses = RANGES["peak of a motion"], [each.use for each in used.values()]
+def _warn_base(building: Building, root: Any, path: Steps, doubts: Doubts) -> None:
+    """Note a base so soft that the building would float on it."""
+    base = building.foundation
+    if base is None or not base.sways:
+        return
+    fits = RANGES["period on a moving base"]
+    weight = building.weight + base.mass * GRAVITY
+    if base.isolation is None:
+        at: Steps = (*path, "foundation", "sway_stiffness")
+        period = 2 * np.pi * float(np.sqrt(weight / GRAVITY / base.sway_stiffness))
+    else:
+        at = (*path, "foundation", "isolation")
+        reach = base.isolation.capacity if np.isfinite(base.isolation.capacity) else 0.1
+        period, _ = base.isolation.effective(weight, reach)
+    if not fits.holds(period):
+        message = f"{building.name} has a period of {_rounded(period)} s on its base: {fits.reason}"
+        text = _text_at(root, at)
+        is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER}\s*", text))
+        hint = f"did you mean {text} kN/m? otherwise write `{text} N/m`" if is_bare else "check its stiffness"
+        doubts.add(root, at, at, message, hint, is_bare, excess=fits.excess(period))
+
+
+def warn_case(
+    case: Case, impact: Any, group: Group, laws: Mapping[str, OwnLaw], root: Any, name: str, doubts: Doubts
+) -> None:
+    """Note what is implausible about the links of a case: gaps, links that do nothing, contacts that floors pass."""
+    for number, link in enumerate(case.links):
+        path: Steps = ("cases", name, "links", number)
+        law = build_law(link, group, impact, laws, path, root)
+        compared = _compare_link(law, group) if law is not None else {}
+        given = getattr(link, "stiffness", None)
+        if given is not None and "stiffness" in compared:
+            _warn_compared(group.stiffness(given), root, (*path, "stiffness"), compared["stiffness"], doubts)
+        own_values = {key: each for key, each in compared.items() if key != "stiffness"}
+        warn_values(link, root, path, doubts, own_values, skip=("stiffness",))
+        if law is not None and _takes_impact_stiffness(law, link):
+            contact = _compare_contact(group)
+            _warn_compared(group.stiffness(impact.stiffness), root, ("impact", "stiffness"), contact, doubts)
+
+
+def _takes_impact_stiffness(law: LinkLaw, link: Any) -> bool:
+    """Return whether a link strikes with the stiffness that `impact` has."""
+    takes = law.parameters()
+    if "impact_stiffness" in takes:
+        return True
+    return "stiffness" in takes and not law.stiffness_default and getattr(link, "stiffness", None) is None
+
+
+def _compare_contact(group: Group) -> Comparison:
+    """Return what the spring of a contact is compared with."""
+    than = "times that of the stiffest storey"
+    return Comparison(RANGES["contact stiffness"], 1 / _stiffest_storey(group), "stiffness of the contact", than)
+
+
+def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
+    """Return what the parameters of a link are compared with: stiffnesses with a storey's, forces with weights."""
+    stiffest = _stiffest_storey(group)
+    weight = GRAVITY * max(float(each.mass.max()) for each in _frames(group))
+    parameters = law.parameters()
+    found = {}
+    if "stiffness" in parameters:
+        found["stiffness"] = _compare_contact(group)
+        if law.stiffness_default:
+            than = "times that of the stiffest storey"
+            found["stiffness"] = Comparison(RANGES["link stiffness"], 1 / stiffest, "stiffness of the link", than)
+    if "hertz_stiffness" in parameters:
+        share = law.steepest[0] / law.hertz_stiffness / stiffest  # type: ignore[attr-defined]
+        than = "times as stiff at 1 cm of penetration as the stiffest storey"
+        fits = RANGES["stiffness of a Hertz contact"]
+        found["hertz_stiffness"] = Comparison(fits, share, "hertz_stiffness", than)
+    force = RANGES["force of a damper"]
+    for key in ("damping_coefficient", "force_at_1_m_s"):
+        if key in parameters:
+            than = "times the weight of the heaviest floor at 1 m/s"
+            found[key] = Comparison(replace(force, units=DAMPER_UNITS[key]), 1 / weight, key, than)
+    if "slip_force" in parameters:
+        found["slip_force"] = Comparison(force, 1 / weight, "slip_force", "times the weight of the heaviest floor")
+    return found
+
+
+DAMPER_UNITS: dict[str, Mapping[str, float]] = {
+    "damping_coefficient": {"kN s/m": 1e3, "MN s/m": 1e6, "N s/m": 1.0},
+    "force_at_1_m_s": FORCES,
+}
+"""Units in which people write the parameters of dampers."""
+
+
+def _frames(group: Group) -> Sequence[Building]:
+    """Return the buildings of a group that are no walls; all where there are walls only."""
+    return [each for each in group.buildings if not isinstance(each, Wall)] or group.buildings
+
+
+def _stiffest_storey(group: Group) -> float:
+    """Return the stiffness of the stiffest storey of a group [N/m]."""
+    return max(float(each.stiffness.max()) for each in _frames(group))
+
+
+def _warn_compared(value: float, root: Any, path: Steps, compared: Comparison, doubts: Doubts) -> None:
+    """Note a stiffness of a link that has no unit, or is implausible beside a storey's."""
+    text = _text_at(root, path)
+    is_bare = doubts.needs_units and _is_bare(text, BARE_STIFFNESS)
+    fits = compared.fits
+    ratio = value * compared.share
+    if fits.holds(ratio) and not is_bare:
+        return
+    size = f"{format_value(value, fits.units)}, {compared.ratio_in_words(value)}"
+    reason = "" if fits.holds(ratio) else f": {fits.reason}"
+    message = f"the {compared.name} is {size}{reason}"
+    hint = f"write e.g. `20 x stiffest storey`; otherwise leave it, {AS_MEANT}"
+    if is_bare:
+        message = f"{path[-1]}: {text} has no unit: it is {size}{reason}"
+        wide = replace(fits, low=RANGES["link stiffness"].low)
+        hint = _hint_for_bare(text, value, wide, compared.share, "N/m", "stiffest storey")
+    doubts.add(root, path, path, message, hint, is_bare, fits.excess(ratio))
+
+
+BARE_STIFFNESS = Quantity("stiffness", "N/m", "200 kN/mm")
+
+
+def warn_motions(study: Study, point: Point, root: Any, doubts: Doubts) -> None:
+    """Note accelerations without a unit, and peaks of the ground that are implausible, asked for or as used."""
+    spec = study.section(point, "records")
+    warn_values(spec, root, ("records",), doubts)
+    used = study.motions(point)
+    at: Steps = ("records", "scale", "pga")
+    asked = getattr(spec.scale, "pga", None)
+    is_swept = any("records.scale.pga" in holder for holder in sweep_maps(study.root))
+    fits = RANGES["peak asked for"]
+    if asked is not None and not is_swept:
+        if at not in doubts.by_key and not fits.holds(asked):
+            message = f"{fits.name} is {format_value(asked, fits.units)}: {fits.reason}"
+            doubts.add(root, at, at, message, _hint(_text_at(root, at), asked, fits), excess=fits.excess(asked))
+        return
+    if not any(key[:2] == at[:2] for key in doubts.by_key):  # else the peaks are what follows from that value
+        _warn_peaks(used, root, doubts)
+
+
+def _warn_peaks(used: Mapping[str, Used], root: Any, doubts: Doubts) -> None:
+    """Note peaks of the ground that are implausible as used, or above 2 g both in the file and as used."""
+    fits = RANGES["peak of a motion"]
+    uses = [each.use for each in used.values()]
     unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
         assumed = any("assumed" in use.source for use in unlikely)
         unit = "no unit is stated, so g is assumed: write e.g. `unit: m/s2` beside `file:`" if assumed else ""
-        hint = f"{unit or 'check `unit:` of its file and `scale:`'}; otherwise leave it, {_AS_MEANT}"
-        told = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
-        place = "scale" if any(use.scale != 1 for use in unlikely) else "use"
-        notes.at(root, ("records", place), f"unlikely peaks: {told}: {fits.reason}", hint)
+        hint = f"{unit or 'check `unit:` of its file and `scale:`'}; otherwise leave it, {AS_MEANT}"
+        peaks = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
+        at: Steps = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
+        excess = max(fits.excess(use.pga) for use in unlikely)
+        doubts.add(root, at, at, f"unlikely peaks: {peaks}: {fits.reason}", hint, excess=excess)
+
+
+# A mass that varies
+
+
+def warn_held_period(study: Study, notes: Problems) -> None:
+    """Note every mass that varies in a building with a `period`: its stiffness follows the mass."""
+    model = study.model
+    for key, mark, beside in _varied_masses(study.root):
+        names = [
+            name
+            for name in dict.fromkeys(model.group)
+            if name in study.buildings_changed_by(key)
+            and model.buildings[name].period is not None
+            and f"buildings.{name}.period" not in beside
+        ]
+        if not names:
+            continue
+        has_code_strength = "inelastic" in model.analyses and model.buildings[names[0]].yield_shear is None
+        held = f"the period of {names[0]} is" if len(names) == 1 else f"the periods of {listed(names)} are"
+        message = f"where the mass varies, {held} held: the stiffness follows the mass"
+        if has_code_strength:
+            message += ", and the yield shears follow the weight"
+        hint = _hint_to_hold(study, names[0], has_code_strength)
+        likewise = f" (of {names[0]}; likewise in the others)" if len(names) > 1 else ""
+        notes.add(mark, message, f"{hint}{likewise}; otherwise leave it, {AS_MEANT}")
+
+
+def _varied_masses(root: Map) -> Iterator[tuple[str, Mark, frozenset[str]]]:
+    """Yield the keys of masses that vary, where each stands, and the keys that move with it."""
+    for section in (("sweep",), ("uncertain",), ("optimise", "over")):
+        node = get(root, *section)
+        for holder in node if isinstance(node, list) else [node]:
+            for key in holder if isinstance(holder, Map) else ():
+                section_of_key, _, rest = key.partition(".")
+                if section_of_key == "buildings" and rest.split(".")[1:2] == ["mass"]:
+                    beside = frozenset(holder) if isinstance(node, list) else frozenset[str]()
+                    yield key, holder.marks[key][0], beside
+
+
+def _hint_to_hold(study: Study, name: str, has_code_strength: bool) -> str:
+    """Return what to write to hold the stiffness of a building, and its yield shears."""
+    tree = get(study.at(study.base)(), "buildings", name)
+    default = BuildingSpec.model_fields["mass"].default
+    mass = get(tree, "mass")
+    period = get(tree, "period")
+    hint = (
+        f"to hold the stiffness, write `stiffness: {{period: {period}, mass: {default if mass is None else mass}}}` "
+        "in place of `period`"
+    )
+    building = study.type(study.base, name)
+    if has_code_strength and building is not None:
+        shears = ", ".join(f"{shear / 1e3:.5g} kN" for shear in building.yield_shear.tolist())
+        hint += f"; to hold the yield shears too, `yield_shear: [{shears}]` in place of `yield`"
+    return hint
 
 
 # Values and their ranges
 
 
-def doubt_values(spec: BaseModel, root: Any, path: Steps, notes: Problems) -> None:
-    """Note values that a validated mapping, or one below it, gives and that are not plausible; of a list the first."""
+def warn_values(
+    spec: BaseModel,
+    root: Any,
+    path: Steps,
+    doubts: Doubts,
+    compared: Mapping[str, Comparison] | None = None,
+    skip: Sequence[str] = (),
+) -> None:
+    """Note values that a validated mapping, or one below it, gives and that are implausible or have no unit.
+
+    compared : what the values of some of its keys are compared with
+    skip : keys that are not looked at
+    """
     for key, (name, quantity) in _quantities(type(spec)).items():
-        value, at = getattr(spec, name), (*path, key)
-        if name not in spec.model_fields_set or (written := get(root, *at)) is None:
+        value = getattr(spec, name)
+        at = (*path, key)
+        written = get(root, *at)
+        if name not in spec.model_fields_set or written is None or key in skip:
             continue
-        several: Any = [((), value)]
-        if isinstance(value, tuple):
-            several = [((n,) if isinstance(written, list) else (), each) for n, each in enumerate(value)]
-        elif isinstance(value, dict) and isinstance(written, dict):
-            several = [((word,), each) for word, each in zip(written, value.values(), strict=False)]
-        for below, each in several:
+        for below, each in _scalars_of(value, written):
             here = (*at, *below)
             if isinstance(each, BaseModel):
-                doubt_values(each, root, here, notes)
-            elif quantity is not None and isinstance(each, float) and doubt(key, quantity, each, root, here, notes):
-                break
+                warn_values(each, root, here, doubts)
+            elif quantity is not None and isinstance(each, float):
+                _warn_value(key, quantity, each, root, here, at, doubts, (compared or {}).get(key))
+
+
+def _scalars_of(value: Any, written: Any) -> list[tuple[Steps, Any]]:
+    """Return the values of a key, each with its place below it: those of a list, of a mapping, or the one."""
+    if isinstance(value, tuple):
+        return [((n,) if isinstance(written, list) else (), each) for n, each in enumerate(value)]
+    if isinstance(value, dict) and isinstance(written, dict):
+        return [((word,), each) for word, each in zip(written, value.values(), strict=False)]
+    return [((), value)]
 
 
 @functools.cache
 def _quantities(model: type[BaseModel]) -> dict[str, tuple[str, Quantity | None]]:
-    """Of every key of a mapping its attribute, and the quantity that it takes."""
+    """Return of every key of a mapping its attribute, and the quantity that it takes."""
     names = {info.alias or name: name for name, info in model.model_fields.items()}
     found = {}
     for key, (hint, _) in fields_of(model).items():
@@ -173,40 +590,126 @@ def _quantities(model: type[BaseModel]) -> dict[str, tuple[str, Quantity | None]
     return found
 
 
-def doubt(key: str, quantity: Quantity, value: float, root: Any, path: Steps, notes: Problems) -> bool:
-    """Note a value that is not plausible, with what may have been meant; whether it is one."""
-    text, fits = _text(root, path), quantity.usual
-    if quantity.si == "m/s2" and 0 < value <= _MOST_IN_G and lacks_unit(text, quantity):
+def _warn_value(
+    key: str,
+    quantity: Quantity,
+    value: float,
+    root: Any,
+    path: Steps,
+    of: Steps,
+    doubts: Doubts,
+    compared: Comparison | None = None,
+) -> None:
+    """Note a value that is implausible or has no unit, with what may have been meant.
+
+    of : the key that it is a value of
+    compared : what it is compared with, in place of the plausible range of the quantity
+    """
+    text = _text_at(root, path)
+    is_bare = _is_bare(text, quantity)
+    if is_bare and quantity.si == "m/s2" and 0 < value <= MAX_IN_G:
         message = f"{key}: {text} has no unit: it is {value:.4g} m/s2 = {value / GRAVITY:.3f} g"
-        notes.at(root, path, message, f"write `{text} g`, or `{text} m/s2` if that is meant")
-        return True
-    if fits is None or fits.holds(value):
-        return False
-    notes.at(root, path, f"{fits.name} is {shown(value, fits.units)}: {fits.reason}", _hint(text, value, fits))
-    return True
+        doubts.add(root, path, of, message, f"write `{text} g`, or `{text} m/s2` if that is meant", is_bare=True)
+        return
+    if is_bare and quantity.name == "gap" and MIN_IN_CM <= value <= 1.0 and doubts.needs_units:
+        message = f"{key}: {text} has no unit: it is {value:.4g} m = {100 * value:.4g} cm"
+        doubts.add(root, path, of, message, f"write `{text} cm`, or `{text} m` if that is meant", is_bare=True)
+        return
+    fits = quantity.usual if compared is None else compared.fits
+    share = 1.0 if compared is None else compared.share
+    is_plausible = fits is None or fits.holds(value * share)
+    is_bare = is_bare and doubts.needs_units and customary_unit(quantity.si) != ""
+    if is_plausible and not is_bare:
+        return
+    units = units_of_size(quantity.si) if fits is None else fits.units
+    size = format_value(value, units)
+    if compared is not None:
+        size += f", {compared.ratio_in_words(value)}"
+    reason = "" if is_plausible or fits is None else f": {fits.reason}"
+    if is_bare:
+        message = f"{key}: {text} has no unit: it is {size}{reason}"
+        hint = _hint_for_bare(text, value, fits, share, quantity.si)
+    else:
+        assert fits is not None  # it is not plausible
+        message = f"{fits.name if compared is None else compared.name} is {size}{reason}"
+        hint = _hint(text, value, fits, share)
+    doubts.add(root, path, of, message, hint, is_bare, 0.0 if fits is None else fits.excess(value * share))
 
 
-def shown(value: float, units: Mapping[str, float]) -> str:
-    """A value in the unit a person would use: the largest that it is at least one of, seconds from 0.01 s on."""
+def customary_unit(si: str) -> str:
+    """Return the unit in which people write a quantity of SI unit `si`; "" where that is the SI unit itself.
+
+    Forces, stiffnesses, dashpots and inertias are written in kN and t; masses, lengths and times have ranges that tell
+    the unit.
+    """
+    if si.startswith("N"):
+        return f"k{si}"
+    return si.replace("kg", "t", 1) if si.startswith("kg ") else ""
+
+
+def units_of_size(si: str) -> dict[str, float]:
+    """Return the units in which people write a quantity of SI unit `si`, with their factors to it."""
+    if si.startswith("N"):
+        return {f"{prefix}{si}": factor for prefix, factor in (("k", 1e3), ("M", 1e6), ("G", 1e9), ("", 1.0))}
+    return {customary_unit(si): 1e3, si: 1.0}
+
+
+def _is_bare(text: str, quantity: Quantity) -> bool:
+    """Return whether a text is a number without the unit that it should have."""
+    return text != "" and lacks_unit(text, quantity)
+
+
+def format_value(value: float, units: Mapping[str, float]) -> str:
+    """Return a value in the unit a person would use: the largest that it is at least one of, seconds from 0.01 s on."""
     sizes = sorted(units.items(), key=lambda unit: unit[1])
     fitting = [unit for unit in sizes if value >= unit[1] * (0.01 if unit[0] == "s" else 1 - 1e-12)]
     unit, factor = (fitting or sizes[:1])[-1]
     return f"{_rounded(value / factor)} {unit}"
 
 
-def _hint(text: str, value: float, fits: Plausible, share: float = 1.0) -> str:
-    """The same number in another unit, else with its decimal point elsewhere, `share` of which is plausible."""
-    number = float(parted[1]) if (parted := _PARTED.match(text)) else 0.0
-    meant = [
-        f"{number:.4g} {unit}"
+def _meant(text: str, value: float, fits: Plausible, share: float) -> list[str]:
+    """Return the number of a text in the other units in which it would be plausible, the likeliest first."""
+    parted = _NUMBER_AND_UNIT.match(text)
+    written = parted[1] if parted else "0"
+    number = float(written)
+    return [
+        f"{written} {unit}"
         for unit, factor in fits.units.items()
         if number > 0 and not np.isclose(number * factor, value) and fits.holds(number * factor * share)
     ]
-    meant += [shown(value * f, fits.units) for f in (0.1, 10.0, 0.01, 100.0) if fits.holds(value * f * share)]
-    return f"did you mean {meant[0]}? otherwise leave it, {_AS_MEANT}" if meant else f"leave it if meant, {_AS_MEANT}"
 
 
-def _text(root: Any, path: Steps) -> str:
+def _hint(text: str, value: float, fits: Plausible, share: float = 1.0, si: str = "") -> str:
+    """Return the same number in another unit, else with its decimal point elsewhere, `share` of which is plausible.
+
+    si : the unit in which a number without one was read
+    """
+    meant = _meant(text, value, fits, share)
+    meant += [format_value(value * f, fits.units) for f in (0.1, 10.0, 0.01, 100.0) if fits.holds(value * f * share)]
+    otherwise = f"otherwise write `{text} {si}`" if si else f"otherwise leave it, {AS_MEANT}"
+    return f"did you mean {meant[0]}? {otherwise}" if meant else f"leave it if meant, {AS_MEANT}"
+
+
+def _hint_for_bare(text: str, value: float, fits: Plausible | None, share: float, si: str, multiple: str = "") -> str:
+    """Return the units in which a number without one would be plausible.
+
+    fits : plausible range of value * share; None where none is known
+    multiple : what the number may be a multiple of, in place of a unit
+    """
+    if fits is None:
+        return f"write `{text} {customary_unit(si)}`, or `{text} {si}` if that is meant"
+    meant = [each for each in _meant(text, value, fits, share) if not each.endswith("MN/mm")]
+    number = _NUMBER_AND_UNIT.match(text)
+    if multiple and number and fits.holds(float(number[1])):
+        meant.insert(0, f"{text} x {multiple}")
+    units = " or ".join(f"`{each}`" for each in meant)
+    if units:
+        return f"write {units}, or `{text} {si}` if that is meant"
+    return f"write its unit, `{text} {si}` if that is meant"
+
+
+def _text_at(root: Any, path: Steps) -> str:
+    """Return what the file has at a path, as text; "" where it has nothing."""
     value = get(root, *path)
     return "" if value is None else str(value)
 

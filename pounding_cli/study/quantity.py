@@ -18,6 +18,8 @@ TIMES = {"s": 1.0, "ms": 1e-3}
 FORCES = {"kN": 1e3, "MN": 1e6, "N": 1.0}
 WEIGHTS = {"W": 1.0, "%": 0.01}
 STIFFNESSES = {"kN/mm": 1e6, "kN/m": 1e3, "MN/mm": 1e9, "N/m": 1.0}
+HERTZ_STIFFNESSES = {"kN/m^1.5": 1e3, "kN/mm^1.5": 1e3 * 1000**1.5, "N/mm^1.5": 1000**1.5, "N/m^1.5": 1.0}
+VELOCITIES = {"cm/s": 0.01, "m/s": 1.0}
 ACCELERATIONS = {"g": GRAVITY, "m/s2": 1.0}
 
 
@@ -41,7 +43,17 @@ class Plausible:
         """Whether a value is plausible; nothing at all (no gap, no damping) is."""
         return value == 0 or self.low <= value <= self.high
 
+    def excess(self, value: float) -> float:
+        """Return by how many powers of ten a value lies beyond the range; 0 within it."""
+        if self.holds(value):
+            return 0.0
+        if value <= 0:
+            return math.inf
+        below = self.low / value if self.low > 0 else 0.0
+        return math.log10(max(below, value / self.high))
 
+
+_PASSING = "floors pass through each other where a contact is softer than storeys; studies take 5 to 1000 times"
 _RANGES = (
     (1e-4, 1.0, LENGTHS, "gap", "gaps are millimetres to decimetres; the largest a code asks for is near 1 m"),
     (5e3, 1e7, MASSES, "floor mass", "floors weigh 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block"),
@@ -50,7 +62,16 @@ _RANGES = (
     (0.02, 0.5, TIMES, "period of a storey", "frames and walls have 0.05 to 0.2 s a storey"),
     (0.006, 0.3, {"%": 0.01}, "damping ratio", "structures have 1 to 10 % of critical; dampers reach 30 %"),
     (0.005, 3.0, FORCES, "base yield shear over weight", "codes design for 2 to 30 %, 100 % with overstrength"),
-    (1e-5, 1e4, STIFFNESSES, "link stiffness", "far below that of a storey a link does nothing, far above it is rigid"),
+    (3e-4, 1e4, STIFFNESSES, "link stiffness", "far below that of a storey a link does nothing, far above it is rigid"),
+    (1.0, 1e4, STIFFNESSES, "contact stiffness", _PASSING),
+    (0.1, 1e4, HERTZ_STIFFNESSES, "stiffness of a Hertz contact", _PASSING),
+    (2e-3, 100.0, FORCES, "force of a damper", "far below a floor's weight it does nothing, far above it is rigid"),
+    (0.0, 10.0, TIMES, "period on a moving base", "isolated buildings have 2 to 5 s"),
+    (0.005, 5.0, VELOCITIES, "peak velocity asked for", "damage begins near 5 cm/s, recorded peaks reach 3 m/s"),
+    (
+        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATIONS, "peak asked for",
+        "damage begins near 0.05 g, recorded peaks reach 3 g",
+    ),
     (
         0.001 * GRAVITY, 5 * GRAVITY, ACCELERATIONS, "peak of a motion",
         "few motions were ever recorded with more than 2 g; below 0.001 g they are not felt",
@@ -77,7 +98,8 @@ def lacks_unit(value: Any, quantity: Quantity | None) -> bool:
     if quantity is None or not quantity.si or isinstance(value, list | dict | bool) or value in quantity.words:
         return False
     try:
-        return bool(quantity.read(value)) and not written_unit(str(value))
+        number = quantity.read(value)
+        return isinstance(number, int | float) and number != 0 and not written_unit(str(value))
     except PydanticCustomError:
         return False  # said where it is read
 

@@ -165,7 +165,7 @@ class FragilitySpec(Model):
 
 def _read_text(value: Any) -> str:
     if not isinstance(value, str):
-        raise refuse("this is not an expression", "write e.g. `largest mu in soft`")
+        raise refuse("this is not an expression", "write e.g. `largest mu`")
     return value
 
 

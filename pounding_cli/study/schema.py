@@ -102,8 +102,8 @@ class Study(Model):
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = key(
         None,
         "axes: dotted keys with the values they take, a list, a range `{from: 1 cm, to: 5 cm, count: 5}`, or low, "
-        "middle and high of an unknown value, `{values: [1e9, 5e9, 2e10], middle: 5e9}`: figures and the answer show "
-        "the middle one; the keys of one list entry move together",
+        "middle and high of an unknown value, `{values: [2 cm, 5 cm, 9 cm], middle: 5 cm}`: figures and the answer "
+        "show the middle one; the keys of one list entry move together",
     )
     uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = key(
         None,

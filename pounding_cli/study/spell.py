@@ -163,7 +163,10 @@ def _whole(entry: Any, case: Map | None, impact: Any, own: Iterable[str]) -> tup
         rule["link"] = full
         if isinstance(full, str) and kind_of(full) not in (*link_laws(), "none", *own):
             mark = entry.marks["link"]  # that nobody knows this law is told where links are built
-            rule = Map({"link": full, "gap": 0.0}, entry.mark, {"link": mark, "gap": mark})
+            places = {key: entry[key] for key in ("floors", "pair", "at") if key in entry}
+            marks = {key: entry.marks[key] for key in places}
+            unknown = {"link": full, "gap": 0.0, **places}
+            rule = Map(unknown, entry.mark, {"link": mark, "gap": mark, **marks})
     return rule, spoken
 
 

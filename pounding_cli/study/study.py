@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,6 +15,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from pounding_cli import records
 from pounding_cli.errors import Problem
+from pounding_cli.laws import link_laws
 from pounding_cli.model.building import Building, UnstableError
 from pounding_cli.model.links import Link
 from pounding_cli.model.separation import UBC
@@ -22,7 +24,16 @@ from pounding_cli.reading import shortened
 from pounding_cli.study import build, plausible, schema
 from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, unit_of, with_middles
 from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
-from pounding_cli.study.links import OwnLaw, check_contact, content, own_laws
+from pounding_cli.study.laws import LOSSES
+from pounding_cli.study.links import (
+    OwnLaw,
+    check_contact,
+    check_link_names,
+    check_places,
+    content,
+    find_losses,
+    own_laws,
+)
 from pounding_cli.study.links import links_of as scene_links
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
@@ -38,7 +49,7 @@ Point = tuple[int, ...]
 Subject = str | tuple[str, str]
 """What an axis can touch: a section of the file, or one entry of a section."""
 
-MOST_KEPT = 20_000
+MOST_KEPT = 200_000
 """Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
 AROUND: tuple[Subject, ...] = ("records", "tail")
@@ -127,7 +138,8 @@ class Study:
         self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
         self.model: Any = self._checked()
         self.title = self.model.title or shortened(path.stem)
-        self.warnings: tuple[Problem, ...] = written.warnings if written is not None else plausible.warnings(self)
+        self.warnings: tuple[Problem, ...] = ()
+        self.warnings = written.warnings if written is not None else plausible.find_warnings(self)
 
     # What stands at a point
 
@@ -252,6 +264,8 @@ class Study:
     def links(self, point: Point, name: str) -> tuple[Link, ...] | None:
         """The links of a case; None where something is wrong with them."""
         case, group, impact, laws = self.case(point, name), self.group(point), self.impact(point), self.laws(point)
+        if case is not None and group is not None and (impact is None or laws is None):
+            check_places(case, group, ("cases", name), self.at(point), self.problems)
         if case is None or impact is None or laws is None or group is None:
             return None
         root, key = self.at(point), content(case, group, impact, laws)
@@ -267,6 +281,10 @@ class Study:
         """The motions by name at a point of the sweep (one index an axis), cut and scaled."""
         spec = self.section(point, "records")
         return {} if spec is None else motions_of(spec, self.reader, self.at(point), self.problems, self.notes)
+
+    def buildings_changed_by(self, key: str) -> set[str]:
+        """Return the names of the building types that take a dotted key, themselves or through `like:`."""
+        return {subject[1] for subject in touched_by([key], self.root) if subject[0] == "buildings" and subject[1:]}
 
     # What people and tables ask
 
@@ -322,6 +340,12 @@ class Study:
         each pair of neighbours, None where no code set the yield shears.
         """
         plain: dict[str, Any] = shown(self.model)
+        for name, case in self.model.cases.items():
+            for link, keys in zip(case.links, plain["cases"][name]["links"], strict=True):
+                law = link_laws().get(link.kind)
+                if law is not None:
+                    losses = find_losses(link, law)
+                    keys |= {key: losses[key] for key in LOSSES if key in type(link).model_fields}
         plain["title"] = self.title
         plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in self.axes]
         for name, building in self.types(self.base).items():
@@ -349,6 +373,10 @@ class Study:
         except ValidationError as error:
             problems.validation(root, error, (), schema.Study, told=("buildings", "cases"))
         self._ask(self.base)
+        if self.written is None:  # else they were looked at there
+            check_link_names(self.root, problems)
+            self._check_orphans()
+            self._check_names(root)
         if self.root.get("uncertain") is not None:
             from pounding_cli.study.vary import read_uncertain  # here: few studies have distributions
 
@@ -368,9 +396,6 @@ class Study:
                 if len(problems.found) > MOST_TOLD:
                     problems.check()
         self.problems = problems
-        if model is not None:
-            self._check_names(model, root)
-            check_keep(self, model, problems)
         problems.check()
         return model
 
@@ -387,15 +412,35 @@ class Study:
             if len(self.problems.found) > MOST_TOLD:
                 break
 
-    def _check_names(self, model: Any, root: Map) -> None:
-        """Names that the whole study must know."""
-        problems = self.problems
-        for place, case in enumerate(model.report.plot or ()):
-            if case not in model.cases:
-                problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, model.cases))
-        known, name = dict.fromkeys((*build.places(model.group), *model.group)), model.report.building
-        if name not in (None, *known):
-            problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
+    def _check_orphans(self) -> None:
+        """Note what is wrong with the keys of buildings whose `like:` leads nowhere, as far as it does not rest on what
+        they would inherit."""
+        sound, written = self._buildings(self.base), self.root.get("buildings")
+        for name, spec in written.items() if isinstance(written, Map) else ():
+            if name in sound or not isinstance(spec, Map):
+                continue
+            orphan = Map({key: value for key, value in spec.items() if key != "like"}, spec.mark, spec.marks)
+            outer, self.problems = self.problems, Problems(self.file)
+            self._valid(BuildingSpec, orphan, ("buildings", name), self.base)
+            found, self.problems = self.problems.found, outer
+            self.problems.extend(each for each in found if (each.line, each.column) != spec.mark and each.line)
+
+    def _check_names(self, root: Map) -> None:
+        """Note the cases and buildings under `report` and `keep` that the study does not have."""
+        problems, cases = self.problems, root.get("cases")
+        report, group = self.section(self.base, "report"), self.section(self.base, "group")
+        for place, case in enumerate((report and report.plot) or ()):
+            if isinstance(cases, Map) and case not in cases:
+                problems.at(root, ("report", "plot", place), f"plot: no case '{case}'", nearest(case, cases))
+        if report is not None and report.building is not None and group is not None:
+            known, name = dict.fromkeys((*build.places(group), *group)), report.building
+            if name not in known:
+                problems.at(root, ("report", "building"), f"no building '{name}' in the group", nearest(name, known))
+        keep, method = self.section(self.base, "keep"), self.section(self.base, "method")
+        analyses = self.section(self.base, "analyses") or ()
+        if isinstance(cases, Map):
+            kept = SimpleNamespace(keep=keep, method=method or "taylor", cases=cases, analyses=analyses)
+            check_keep(self, kept, problems)
 
 
 def load_study(path: str | Path) -> Study:

@@ -13,7 +13,9 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.axes import (
     can_vary,
+    example_values,
     in_unit,
+    range_example,
     read_numbers,
     refuse_bare,
     refuse_unknown,
@@ -42,13 +44,22 @@ NEEDED = {
 
 _MORE = {"uniform": ("spacing",), "normal": ("from", "to"), "lognormal": ("from", "to"), "triangular": ()}
 CHOICE, RANGE = "choice", "{from: 0.3, to: 0.6}"
-EXAMPLES = {
-    "uniform": "{uniform: {from: 0.3, to: 0.6}}",
-    "normal": "{normal: {mean: 0.5, sd: 0.1, from: 0.2, to: 0.8}}",
-    "lognormal": "{lognormal: {median: 0.5, spread: 0.2}}",
-    "triangular": "{triangular: {from: 0.3, mode: 0.5, to: 0.6}}",
-    CHOICE: "{choice: [0.4, 0.5]}",
-}
+DISTRIBUTIONS = (*NEEDED, CHOICE)
+"""How a key may vary."""
+
+
+def distribution_example(name: str, quantity: Quantity | None) -> str:
+    """Return how a distribution of a quantity is written."""
+    least, low, most_likely, value = example_values(quantity, 0.1, 0.5, 0.8, 1.0)
+    fields = {
+        "uniform": f"{{from: {low}, to: {value}}}",
+        "normal": f"{{mean: {value}, sd: {least}}}",
+        "lognormal": f"{{median: {value}, spread: 0.2}}",
+        "triangular": f"{{from: {low}, mode: {most_likely}, to: {value}}}",
+        CHOICE: f"[{low}, {value}]",
+    }
+    return f"{{{name}: {fields[name]}}}"
+
 
 _LEAST = 1e-12
 """Probability beyond the last values of a distribution without an end: seven standard deviations from the mean."""
@@ -180,7 +191,7 @@ def read_uncertain(root: Map, problems: Problems) -> list[Factor]:
     entries = zip(node, node.marks, strict=True) if is_list else [(node, root.marks["uncertain"][1])]
     for entry, at in entries:
         mine = list[Factor]()
-        for key, mark in _keys("uncertain", entry, at, root, problems, EXAMPLES["uniform"]):
+        for key, mark in _keys("uncertain", entry, at, root, problems, distribution_example("uniform", None)):
             if key in seen:
                 problems.add(mark, f"'{key}' is also {said_place(seen[key])}", "remove one of the two")
             elif key == MOTION and entry[key] in (ANY, BOOTSTRAP):
@@ -241,9 +252,13 @@ def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False) -
     if is_range and not (isinstance(node, Map) and CHOICE in node):
         node = Map({"uniform": node}, at, {"uniform": (at, at)})
     name = next(iter(node)) if isinstance(node, Map) and len(node) == 1 else ""
-    if name not in EXAMPLES:
-        known = f"{RANGE} or {EXAMPLES[CHOICE]}" if is_range else f"one distribution: {', '.join(EXAMPLES)}"
-        place, example = node.marks[name][0] if name else at, EXAMPLES[CHOICE if is_range else "uniform"]
+    if name not in DISTRIBUTIONS:
+        choice = distribution_example(CHOICE, quantity)
+        known = (
+            f"{range_example(quantity)} or {choice}" if is_range else f"one distribution: {', '.join(DISTRIBUTIONS)}"
+        )
+        place = node.marks[name][0] if name else at
+        example = choice if is_range else distribution_example("uniform", quantity)
         problems.add(place, f"'{key}' takes {known}", f"write e.g. `{key}: {example}`")
         return []
     below, at = node[name], node.marks[name][1]
@@ -253,7 +268,7 @@ def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False) -
         hint = f"write the values to choose from: `{key}: {{choice: [...]}}`"
         problems.add(at, f"'{key}' takes no number that could be drawn from a range", hint)
         return []
-    example = f"write `{key}: {RANGE if is_range else EXAMPLES[name]}`"
+    example = f"write `{key}: {range_example(quantity) if is_range else distribution_example(name, quantity)}`"
     drawn = _distribution(key, name, below, at, quantity, problems, example)
     if drawn is None:
         return []
@@ -268,7 +283,7 @@ def _chosen(
     before = len(problems.found)
     if not isinstance(options, Items) or len(options) < 2:
         what = f"'{key}': a choice is a list of two values or more"
-        problems.add(at, what, f"write `{key}: {EXAMPLES[CHOICE]}`")
+        problems.add(at, what, f"write `{key}: {distribution_example(CHOICE, quantity)}`")
         return []
     alike = [same(option, quantity) for option in options]
     for number, place in enumerate(options.marks):

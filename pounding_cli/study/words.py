@@ -139,13 +139,13 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
             keys, field = keys_at(model, path, root), at(model, path)[1]
             hint = f"write {{key: value}} with the keys {', '.join(keys)}"
             if not keys or keys == ["links"] or (len(path) == 1 and field is not None and field.examples):
-                hint = _example(model, path[:1] if keys == ["links"] else path)
+                hint = _example(model, path[:1] if keys == ["links"] else path, root)
             return f"{owner}{said(given)} is not a mapping", hint, False
         case "too_short":
             # Pydantic counts sound entries only: what is wrong with the others is told.
             is_so = context.get("actual_length") == len(given or ())
-            return f"'{name}' is empty" * is_so, _example(model, path) or "write at least one value", False
-    return f"{owner}{item['msg']}", _example(model, path), False
+            return f"'{name}' is empty" * is_so, _example(model, path, root) or "write at least one value", False
+    return f"{owner}{item['msg']}", _example(model, path, root), False
 
 
 def _walk(root: Any, path: Steps) -> tuple[Any, str]:
@@ -184,14 +184,21 @@ def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
     if "link" in known and law is not None and name in own(law):
         contact = " here or under `impact`" if law.subtracts_gap else ""
         return f"'{name}' is missing", f"a {law.name} needs it{contact}: {own(law)[name].words}", False
-    return f"'{name}' is missing", _example(model, path), False
+    return f"'{name}' is missing", _example(model, path, root), False
 
 
-def _example(model: type[BaseModel], path: Steps) -> str:
-    """What the schema says about the field at `path`, with its example."""
+def _example(model: type[BaseModel], path: Steps, root: Any) -> str:
+    """Return what the schema says about the field at `path`, with its example, in names of the study."""
     field = at(model, path)[1]
     if field is None or not field.description:
         return ""
-    flow = dumped(field.examples[0]) if field.examples else ""
     words = [str(step) for step in path if not str(step).startswith("(")]
-    return f"write {field.description}" + (f", e.g. `{words[-1]}: {flow}`" if flow else "")
+    example = field.examples[0] if field.examples else None
+    names = [*(get(root, "buildings") or ())] if isinstance(get(root, "buildings"), dict) else []
+    if words[-1:] == ["group"] and names:
+        example = (names * 2)[:2]
+    flow = "" if example is None else dumped(example)
+    description = field.description
+    if isinstance(cases := get(root, "cases"), dict) and cases:
+        description = description.replace("cases: {near:", f"cases: {{{next(iter(cases))}:")
+    return f"write {description}" + (f", e.g. `{words[-1]}: {flow}`" if flow else "")

@@ -72,7 +72,7 @@ class Optimise(Workflow):
         key = "least" if self.sign > 0 else "most"
         expressions = read_all(read_expression, self, key, texts)
         if not texts:
-            hint = "write e.g. `optimise: {least: largest V_ratio in stiff}`"
+            hint = f"write e.g. `optimise: {{least: largest V_ratio in {study.model.group[0]}}}`"
             self.wrong((), "`optimise:` lacks 'least' or 'most'", hint, key=True)
         self.factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
         if not self.factors and not problems.found:

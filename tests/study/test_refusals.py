@@ -104,6 +104,43 @@ def test_everything_wrong_is_told_at_once_in_the_order_of_the_lines():
     assert [line for line, _, _ in refused(study)] == [7, 10, 12, 14]
 
 
+MISTAKEN = """\
+records: {use: [elcentro], duration: 3 s}
+buildings:
+  A: {storeys: 3, period: 0.36 s, heigth: 3 m}
+  B: {like: AA, period: 0.6 s, mas: 3 t}
+group: [A, C]
+impact: {law: hertzz, stiffness: 20 x stiffest storey of D, restitutoin: 0.5}
+cases:
+  c: {link: bumper, gap: 1 cm, stifness: 1 kN/mm}
+  d: {link: pounding, gapp: 1 cm}
+  e: {gap: 1 cm, links: [{link: connector, stiffnes: 1 kN/mm}, {link: pundig, pair: 4}, pumper]}
+analyses: [elastic, plastic]
+report: {plot: [f], building: Z}
+keep: {histories: {cases: [g]}}
+sweep: {impact.restitutoin: [0.4, 0.5]}
+"""
+
+
+def test_names_keys_and_laws_are_told_in_one_pass():
+    """Fails if a name of a building or case, a key or a law of a link is told only when the others are corrected."""
+    told = refused(MISTAKEN)
+    wrong = (
+        *("heigth", "'AA'", "'mas'", "'C'", "hertzz", "'D'", "unknown key 'restitutoin'", "bumper", "stifness", "gapp"),
+        *("stiffnes'", "pundig", "pair: 4", "pumper", "plastic", "'f'", "'Z'", "'g'", "axis 'impact.restitutoin'"),
+    )
+    for word in wrong:
+        assert any(word in words.partition("\n")[0] for _, _, words in told), word
+    assert len(told) == len(wrong)
+
+
+def test_floors_are_looked_at_beside_an_unknown_law():
+    """Fails if a floor that no pair has is told only when the law of contact is corrected."""
+    (study,) = {study for study, _ in WRONG if study.startswith("title: Test")}
+    study = study.replace("restitution: 0.5", "law: hertzz").replace("gap: 5 cm", "gap: 5 cm, floors: 9")
+    assert [line for line, _, _ in refused(study)] == [10, 12]
+
+
 @pytest.mark.parametrize(
     ("change", "place", "word"),
     [
