@@ -247,7 +247,7 @@ def commit(dofs, elements, terms, r, series):
             if el.guard >= COLLAPSE_LOW:
                 r.status = COLLAPSED
                 continue
-            _pin(el, r.end > INSTANT)
+            _pin(el, r.end)
             was_open = el.closed == 0
             if el.smooth and el.guard == LOW:
                 r.across = r.h
@@ -267,8 +267,12 @@ def commit(dofs, elements, terms, r, series):
 
 
 @njit(**PART)
-def _pin(el, later):
-    """What is exactly known of an element that meets its guard; `later`: after the step's start."""
+def _pin(el, end):
+    """Keep what is exactly known of an element that meets its guard at s = `end`.
+
+    A force that passes zero inside a step is zero there. One that has the wrong sign as the step begins has jumped to
+    its value at the event before, as an infill's does at its thickness: it is what it is, and not zero.
+    """
     guard = el.guard
     if guard == LOW or guard == HIGH:
         el.exact = el.low if guard == LOW else el.high
@@ -278,8 +282,8 @@ def _pin(el, later):
         el.r0 = el.r1 = el.slow if guard == SLOWER else el.fast
         el.pinned = RATE
     elif guard == LEVELS:
-        el.pinned = RATE_AND_SLOPE if later else RATE
-    else:
+        el.pinned = RATE_AND_SLOPE if end > INSTANT else RATE
+    elif end > 0.0:
         el.pinned = ITS_FORCE
 
 
