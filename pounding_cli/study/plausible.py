@@ -13,6 +13,7 @@ from pydantic import BaseModel
 
 from pounding_cli.errors import Problem
 from pounding_cli.laws import link_laws
+from pounding_cli.laws.joints import STABLE_AT_REST, Viscous
 from pounding_cli.numbers import counted, listed
 from pounding_cli.study.build import Group, tell_left_out
 from pounding_cli.study.file import Problems, Steps, get
@@ -111,6 +112,7 @@ def doubt_case(case: Case | None, impact: Any, group: Group, root: Any, name: st
     """Note what is unlikely about the links of a case: gaps, and stiffnesses beside those of the storeys."""
     assert case is not None  # the study was validated
     doubt_values(case, root, ("cases", name), notes)
+    warn_stiff_dampers(case, group, root, name, notes)
     stiffest, fits = max(float(each.stiffness.max()) for each in group.buildings), RANGES["link stiffness"]
     for n, link in enumerate(case.links):
         law, given = link_laws().get(link.kind), getattr(link, "stiffness", None)
@@ -122,6 +124,28 @@ def doubt_case(case: Case | None, impact: Any, group: Group, root: Any, name: st
             share = f"{stiffness / stiffest:.2g} times that of the stiffest storey"
             message = f"the stiffness of the link is {shown(stiffness, STIFFNESSES)}, {share}: {fits.reason}"
             notes.at(root, at, message, f"write e.g. `20 x stiffest storey`; otherwise leave it, {_AS_MEANT}")
+
+
+MAX_STEPS_PER_SECOND = 20_000
+"""Steps for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
+
+
+def warn_stiff_dampers(case: Case, group: Group, root: Any, name: str, notes: Problems) -> None:
+    """Warn about viscous dampers of a case whose slope at rest takes more steps than is usual."""
+    lightest = min(float(building.mass.min()) for building in group.buildings)
+    for n, link in enumerate(case.links):
+        if link.kind != Viscous.name:
+            continue
+        slope = link.force_at_1_m_s * link.straight_below ** (link.exponent - 1.0)
+        steps = slope / (STABLE_AT_REST * lightest)
+        if steps > MAX_STEPS_PER_SECOND:
+            dashpot = (
+                f"near rest the viscous damper is a dashpot of {slope:.2g} N s/m, beside a floor of {lightest:.3g} kg"
+            )
+            cost = f"it takes up to {steps:.1g} steps for each second in which the floors hardly move"
+            fewer = "write `straight_below: 1 mm/s` for fewer, or an `exponent` nearer 1"
+            hint = f"{fewer}; otherwise leave it, {_AS_MEANT}"
+            notes.at(root, ("cases", name, "links", n, "exponent"), f"{dashpot}: {cost}", hint)
 
 
 def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
