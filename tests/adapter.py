@@ -44,6 +44,8 @@ def sketch(results: pound.Results) -> Figure:
 
 FLOORS = "shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift"
 LINKS = "peak_force", "max_closing", "impulse", "contact_time", "impacts"
+LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "max_closing"
+FORCES = "shear", "peak_force"
 
 
 @dataclass(frozen=True)
@@ -131,15 +133,23 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
 
 
 def difference(one: Any, other: Any, names: Sequence[str] = (*FLOORS[:6], *LINKS[:4])) -> float:
-    """Largest difference of two runs, over the largest of its kind in the scene [-]; inf where the outcomes differ."""
+    """Largest difference of two runs, over the largest of its kind in the scene [-]; inf where the outcomes differ. A
+    number below 1e-8 of the scene's largest length or force counts as zero."""
     if getattr(one, "status", "done") != getattr(other, "status", "done"):
         return float("inf")
     worst = 0.0
     for name in names:
         a, b = (np.asarray(getattr(each, name), dtype=float) for each in (one, other))
-        size = max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0))
+        alike = next((kinds for kinds in (LENGTHS, FORCES) if name in kinds), ())
+        nothing = 1e-8 * max((_largest(each, kind) for each in (one, other) for kind in alike), default=0.0)
+        size = max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0), nothing)
         worst = max(worst, float(np.abs(a - b).max(initial=0.0) / size) if size > 0 else 0.0)
     return worst
+
+
+def _largest(run: Any, name: str) -> float:
+    """Return the largest absolute value of a number of a run, 0 where there is none."""
+    return float(np.fmax.reduce(np.abs(np.asarray(getattr(run, name, ()), dtype=float)).ravel(), initial=0.0))
 
 
 def scenes(study: Path) -> Iterator[tuple[str, pound.Scene, float]]:

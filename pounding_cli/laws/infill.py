@@ -10,35 +10,83 @@ from typing import Any
 
 from pounding_cli.laws.guards import FORCE, HIGH, LOW, START
 from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
-from pounding_cli.laws.pounding import DASHPOT, DashpotLaw
+from pounding_cli.laws.pounding import DASHPOT, DashpotLaw, reduced_mass
 
 THINNEST = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
 
-K, CUBIC, ROOT, K_BEYOND, F0_BEYOND, THICKNESS, CUTS = range(7)
-"""Parameters: spring [N/m], cubic [N/m3] and dashpot over sqrt(stiffness) [sqrt(kg)] of the material; spring [N/m] and
-force at v = 0 [N] of the line beyond its thickness [m]; 1 where no force pulls."""
+HELD_WITHIN, HELD_AT_LEAST = 1e-7, 1e-10
+"""Width of the jump of eq. (9) as printed, for floors that pass it slowly: part of the thickness, and at least [m].
 
-OPEN, INSIDE, BEYOND = 0, 1, 2
-"""Branches; the same from 3 on without a force."""
+A push between the two forces at the jump holds the floors there. They would swing through it ever faster, an endless
+number of times; a spring across this width holds them instead."""
+
+K, CUBIC, ROOT, K_BEYOND, F0_BEYOND, THICKNESS, CUTS, HELD_RATE = range(8)
+"""Parameters: spring [N/m], cubic [N/m3] and dashpot over sqrt(stiffness) [sqrt(kg)] of the material; spring [N/m] and
+force at v = 0 [N] of the line beyond its thickness [m]; 1 where no force pulls; rate [m/s] below which floors at the
+jump are held."""
+
+OPEN, INSIDE, HELD, BEYOND = range(4)
+"""Branches; the last three from 4 on without a force."""
+
+WITHOUT_FORCE = 3
+"""Places from a branch to the same without a force."""
+
+
+def width_of_jump(thickness: float) -> float:
+    """Return the width of the jump of eq. (9) as printed, where it is passed slowly [m]."""
+    return max(HELD_WITHIN * thickness, HELD_AT_LEAST)
+
+
+def set_inside(e: Any) -> None:
+    """Set the force inside the thickness."""
+    line(e, e.p[K], 0.0, 0.0, 0.0, e.p[THICKNESS])
+    e.cubic, e.root = e.p[CUBIC], e.p[ROOT]
+
+
+def set_beyond(e: Any) -> None:
+    """Set the force beyond the thickness."""
+    dashpot = e.p[ROOT] * math.sqrt(e.p[K_BEYOND])
+    line(e, e.p[K_BEYOND], dashpot, e.p[F0_BEYOND], e.p[THICKNESS], math.inf)
+
+
+def set_held(e: Any) -> None:
+    """Set a spring from the force before the jump to that behind it, across the width of the jump."""
+    thickness = e.p[THICKNESS]
+    width = width_of_jump(thickness)
+    before = e.p[K] * thickness + e.p[CUBIC] * thickness**3
+    behind = e.p[K_BEYOND] * thickness + e.p[F0_BEYOND]
+    spring = (behind - before) / width
+    force_at_zero = 0.5 * (before + behind) - spring * thickness
+    dashpot = e.p[ROOT] * math.sqrt(e.p[K_BEYOND])
+    line(e, spring, dashpot, force_at_zero, thickness - 0.5 * width, thickness + 0.5 * width)
 
 
 def next_branch(e: Any, guard: int) -> None:
-    """Open, inside its thickness, beyond it; where the tension is cut, the last two without a force too."""
-    pulls = e.branch >= 3
+    """Open, inside its thickness, held at a jump there, beyond it; where the tension is cut, the last three without a
+    force too."""
     if guard == START or (guard == LOW and e.low == 0.0):
         opened(e)
         return
-    beyond = guard == HIGH and e.branch != OPEN
+    pulls = e.branch > BEYOND
+    branch = e.branch - WITHOUT_FORCE if pulls else e.branch
     if guard == FORCE:
         pulls = not pulls
-        beyond = e.low > 0.0
-    if beyond:
-        line(e, e.p[K_BEYOND], e.p[ROOT] * math.sqrt(e.p[K_BEYOND]), e.p[F0_BEYOND], e.p[THICKNESS], math.inf)
+    elif branch == OPEN:
+        branch = INSIDE
+    elif branch == HELD:
+        branch = BEYOND if guard == HIGH else INSIDE
+    elif abs(e.r1) < e.p[HELD_RATE]:
+        branch = HELD
     else:
-        line(e, e.p[K], 0.0, 0.0, 0.0, e.p[THICKNESS])
-        e.cubic, e.root = e.p[CUBIC], e.p[ROOT]
-    e.branch = (BEYOND if beyond else INSIDE) + (2 if pulls else 0)
+        branch = BEYOND if guard == HIGH else INSIDE
+    if branch == INSIDE:
+        set_inside(e)
+    elif branch == HELD:
+        set_held(e)
+    else:
+        set_beyond(e)
+    e.branch = branch + WITHOUT_FORCE if pulls else branch
     e.cuts = 1 if e.p[CUTS] > 0.0 else 0
     e.acts = 0 if pulls else 1
 
@@ -100,10 +148,13 @@ class Infill(LinkLaw):
         d = self.gap
         cubic = (self.impact_stiffness - self.stiffness) / (3 * d**2)
         root = 2 * self.damping_ratio * math.sqrt(self.dashpot.mass(left_mass, right_mass))
-        offset = 0.0
+        jump = self.impact_stiffness * d - (cubic * d**3 + self.stiffness * d)
+        offset = held_rate = 0.0
         if self.law is InfillLaw.CONTINUOUS:  # F(d) + s_imp (v - d)
-            offset = cubic * d**3 + self.stiffness * d - self.impact_stiffness * d
-        return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cut)
+            offset = -jump
+        else:  # at which floors swing through half the width of the jump
+            held_rate = math.sqrt(0.5 * jump * width_of_jump(d) / reduced_mass(left_mass, right_mass))
+        return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cut), held_rate
 
     @property
     def steepest(self) -> tuple[float, float]:
@@ -112,7 +163,7 @@ class Infill(LinkLaw):
 
     def stored(self, closing: float, force: float) -> float:
         """Its elastic force integrated from zero [J]."""
-        k, cubic, _, impact, offset, d, _ = self.numbers(1.0, 1.0)
+        k, cubic, _, impact, offset, d, *_ = self.numbers(1.0, 1.0)
         inside, beyond = min(max(closing, 0.0), d), max(closing - d, 0.0)
         energy = 0.5 * k * inside**2 + 0.25 * cubic * inside**4
         return energy + (impact * d + offset) * beyond + 0.5 * impact * beyond**2

@@ -69,6 +69,10 @@ class Damper(Joint):
         return 0.0, self.damping_coefficient
 
 
+STABLE_AT_REST = 10.0
+"""Step of DOP853 with a viscous damper near rest, over mass and slope there [-]."""
+
+
 def flow(e: Any, guard: int) -> None:
     """The one branch of a fluid viscous damper, whose force is straight where the power is 1. Parameters: force at
     1 m/s [N], power of the rate [-], rate below which the force is straight, to the power 4."""

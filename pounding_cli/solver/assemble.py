@@ -35,7 +35,11 @@ COARSEST, FINEST = 1e-4, 1e-16
 """Most and least that a series may leave out, relative to the acceleration [-]."""
 
 SMOOTHER, FINEST_SMOOTH = 0.01, 1e-13
-"""Error that a step by DOP853 may have, over what a series may leave out, and its least [-]."""
+"""Error that a step by DOP853 may have, over what a series may leave out, and its least [-]: less could not be told
+from rounding, and where less is asked the steps become as much shorter as it would make them."""
+
+ORDER_OF_DOP853 = 8
+"""Power of the step by which its error falls."""
 
 LEAST_STATE = 1e-6
 """Size of a displacement [m], velocity [m/s] or history variable below which DOP853 resolves nothing."""
@@ -47,6 +51,9 @@ MOST_STEPS, MOST_EVENTS = 20_000_000, 5_000_000
 """Bounds of a run, after which it ends with a status that says so."""
 
 NOTHING_KEPT = Watch(np.zeros(0), np.zeros((0, 0, 3)), np.zeros((0, 0, 2)), np.zeros((0, 3)), np.zeros((0, 0)))
+
+WHOLE = 1e-9
+"""Part of a time step of the motion [-] by which a tail may miss whole time steps and still have them."""
 
 Weights = dict[int, float]
 """Weight of every degree of freedom in the deformation of an element."""
@@ -312,7 +319,26 @@ def term_matrix(layout: Layout) -> np.ndarray:
 def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """(acceleration at each segment's start [m/s2], its slope [m/s3]); a tail is still ground. Scenes of one motion
     share the arrays; nothing writes to them."""
-    return _segments(scene.motion, math.ceil(max(scene.tail, 0.0) / scene.motion.dt - 1e-9))
+    return _segments(scene.motion, _tail_segments(scene))
+
+
+def _tail_segments(scene: Scene) -> int:
+    """Return the number of segments of a scene's tail; the last may be shorter than a time step of its motion."""
+    return math.ceil(scene.tail / scene.motion.dt - WHOLE)
+
+
+def last_segment(scene: Scene) -> float:
+    """Return the length of a scene's last segment [s]: a tail ends where it is asked to."""
+    dt, count = scene.motion.dt, _tail_segments(scene)
+    if count == 0 or abs(scene.tail - count * dt) <= WHOLE * dt:
+        return dt
+    return scene.tail - (count - 1) * dt
+
+
+def run_time(scene: Scene) -> float:
+    """Return the time that a run of a scene covers, its motion and its tail [s]."""
+    dt = scene.motion.dt
+    return (segments(scene)[0].size - 1) * dt + last_segment(scene)
 
 
 @functools.lru_cache(maxsize=16)
@@ -336,6 +362,7 @@ def records_of(
     initial: tuple[Sequence[np.ndarray], Sequence[np.ndarray]] | None,
     times: np.ndarray | None,
     bounds: tuple[int, int],
+    least_steps: int = 1,
 ) -> Data:
     """The records of runs of one layout, a row a scene; parameters as of `solve.prepare`."""
     n, m, count = layout.number, layout.elements.size, len(scenes)
@@ -349,7 +376,10 @@ def records_of(
     r["n"], r["m"], r["drags"], r["columns"] = n, m, layout.drags, 2 * len(layout.struck)
     r["dt"], r["tolerance"] = [scene.motion.dt for scene in scenes], tolerance
     r["least"] = [_least_acceleration(*each) for each in zip(scenes, dofs, elements, strict=True)]
-    r["smooth_tolerance"] = max(SMOOTHER * tolerance, FINEST_SMOOTH)
+    r["most_h"], r["rest"] = r["dt"] / least_steps, [last_segment(scene) for scene in scenes]
+    smooth_tolerance = SMOOTHER * tolerance
+    r["smooth_tolerance"] = max(smooth_tolerance, FINEST_SMOOTH)
+    r["smaller"] = min(1.0, smooth_tolerance / FINEST_SMOOTH) ** (1.0 / ORDER_OF_DOP853)
     r["max_order"], r["has_lean"] = max_order(tolerance), max(layout.feet) >= 0
     r["most_steps"], r["most_events"] = bounds
     r["always_smooth"] = always_smooth

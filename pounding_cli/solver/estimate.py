@@ -42,9 +42,20 @@ TIGHTER = 1e-3
 FINEST = 1e-14
 """No run is asked for more than this: doubles hold little more."""
 
-SCATTER = (2.0, 4.0)
-"""Accuracies of two more runs over that of the finer one, where rounding may decide: their only use is that they round
-otherwise. Two runs of an ill-conditioned scene may agree by chance, four hardly do."""
+SCATTER = ((2.0, 2), (4.0, 3))
+"""Of two more runs, where rounding may decide: accuracy over that of the finer one, and steps in a time step of the
+motion at least. Their only use is that they round otherwise. Two runs of an ill-conditioned scene may agree by chance,
+four hardly do."""
+
+OTHER_STEPS = 2
+"""Steps in a time step of the motion, at least, of a run that would else be the one it judges, to the last digit."""
+
+NOTHING = 1e-8
+"""Part of the scene's size below which a number counts as zero [-]."""
+
+ROUNDING = 1e-10
+"""Part of the largest force below which a link that presses does so by rounding, a thousand times stiffer than the
+storeys [-]."""
 
 GRAZING = 1e-10
 """What rounding may come to, over the sensitivity: a contact that grazes changes by the root of a small change, so that
@@ -73,7 +84,10 @@ def change(first: Response, second: Response) -> float:
     """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-], as
     `difference`."""
     a, b = first.peaks, second.peaks
-    return _largest(first, second, [(a[name], b[name], a[name]) for name in ("shear", "drift")])
+    sizes = scene_sizes(first, second)
+    shears = a["shear"], b["shear"], np.maximum(a["shear"], NOTHING * sizes["shear"])
+    drifts = a["drift"], b["drift"], np.maximum(a["drift"], NOTHING * sizes["drift"])
+    return _largest(first, second, [shears, drifts])
 
 
 def difference(first: Response, second: Response) -> float:
@@ -82,21 +96,48 @@ def difference(first: Response, second: Response) -> float:
 
     Shears, drifts (and with them ductilities), accelerations, sways and rockings are relative to themselves,
     displacements to the floor's largest either way, drifts at the end to the storey's largest, and the forces,
-    closings, impulses and contact times of links to the largest of their kind in the scene. Counts are left out, and
-    so are energies, whose error is the ledger's residual.
+    closings, impulses and contact times of links to the largest of their kind in the scene. A number below 1e-8 of the
+    scene's size, `scene_sizes`, counts as zero, and a link that presses by rounding as one that does not. Counts are
+    left out, and so are energies, whose error is the ledger's residual.
     """
     a, b = first.peaks, second.peaks
+    sizes = scene_sizes(first, second)
     reach = np.maximum(a["displacement_max"], -a["displacement_min"])
     scales = {"displacement_max": reach, "displacement_min": reach, "residual_drift": a["drift"]}
-    for name in ("peak_force", "max_closing", "impulse", "contact_time"):
+    for name in ("peak_force", "max_closing", "impulse"):
         scales[name] = np.full_like(a[name], np.abs(a[name]).max(initial=0.0))
     for name in ("shear", "drift", "acceleration", "sway", "rocking", "shear_below", "shear_above"):
         scales[name] = a[name]
-    found = [(a[name], b[name], scale) for name, scale in scales.items()]
+    found = [(a[name], b[name], np.maximum(scale, NOTHING * sizes.get(name, 0.0))) for name, scale in scales.items()]
+    presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
+    time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
+    found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
     if first.collapse_storey:
         time, other = (np.array([each.collapse_time]) for each in (first, second))
         found.append((time, other, time))
     return _largest(first, second, found)
+
+
+LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing"
+FORCES = "shear", "shear_below", "shear_above", "peak_force"
+
+
+def scene_sizes(first: Response, second: Response) -> dict[str, float]:
+    """Return the size of the scene of two responses for each of its numbers, in the number's unit: the largest length,
+    force, acceleration and rotation in either, and the impulse of the largest force over the longest contact."""
+    both = first.peaks, second.peaks
+    largest = {name: _largest_of(both, name) for name in (*LENGTHS, *FORCES, "acceleration", "rocking", "contact_time")}
+    length = max(largest[name] for name in LENGTHS)
+    force = max(largest[name] for name in FORCES)
+    sizes = dict.fromkeys(LENGTHS, length) | dict.fromkeys(FORCES, force)
+    sizes["acceleration"], sizes["rocking"] = largest["acceleration"], largest["rocking"]
+    sizes["impulse"] = force * largest["contact_time"]
+    return sizes
+
+
+def _largest_of(both: Iterable[np.void], name: str) -> float:
+    """Return the largest absolute value of a number in two responses; walls that move as the ground does have none."""
+    return max(float(np.fmax.reduce(np.abs(peaks[name]).ravel(), initial=0.0)) for peaks in both)
 
 
 def _largest(first: Response, second: Response, triples: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
@@ -162,8 +203,10 @@ def _looked_at_closely(scene: Scene, response: Response, accuracy: float) -> Res
         tight = finer(tight)
         second = solver.solve(scene, tight, method)
         error = difference(response, second) if second.has_result else error
+    if error == 0.0 and not fixed:
+        error = difference(response, solver.solve(scene, tight, method, least_steps=OTHER_STEPS))
     if not fixed and (error > accuracy or min(error, sensitivity * GRAZING) > DECIDES * accuracy):
-        others = (solver.solve(scene, tight * times, method) for times in SCATTER)
+        others = (solver.solve(scene, tight * times, method, least_steps=steps) for times, steps in SCATTER)
         error = np.nanmax([error, *(difference(response, other) for other in others)])
     flags = list(response.flags)
     if sensitivity > ILL_CONDITIONED:

@@ -83,6 +83,9 @@ def ends_of_elements(dofs, elements, terms, r):
         left, right = dofs[el.left], dofs[el.right]
         v, of_v = left.u1 - el.offset - el.hold * right.u1, abs(left.u1 - el.offset) + abs(el.hold * right.u1)
         rate, of_rate = left.v1 - el.hold * right.v1, abs(left.v1) + abs(el.hold * right.v1)
+        if e >= r.n:  # what floors have come to stays in their sums as they pass zero
+            of_v = max(of_v, max(left.u_max, -left.u_min))
+            of_rate = max(of_rate, left.fastest)
         for x in range(el.first, el.last):
             u, w = terms[x].weight * dofs[terms[x].dof].u1, terms[x].weight * dofs[terms[x].dof].v1
             v, of_v = v + u, of_v + abs(u)
@@ -122,7 +125,7 @@ def rate_series(dofs, elements, terms, r, e):
             part = terms[x].weight * dofs[terms[x].dof].w[k]
             total, size = total + part, size + abs(part)
         p[k] = told(total, size, rounding)
-    if el.pinned >= RATE:
+    if el.pinned >= RATE or el.r0 == 0.0:
         p[0] = el.r0
     if el.pinned == RATE_AND_SLOPE:
         p[1] = 0.0
@@ -216,6 +219,23 @@ def _may_meet(el, guard, is_link):
     return el.cuts != 0 if guard == FORCE else el.crosses != 0
 
 
+@njit(**PART)
+def _moves_by_rounding(dofs, el, r):
+    """Whether a link, whose rate stands in r.p, moves in this step by no more than the last digits of its floors: such
+    floors would strike each other without end."""
+    left, right = dofs[el.left], dofs[el.right]
+    least_v = LAST_DIGITS * max(max(left.u_max, -left.u_min), max(right.u_max, -right.u_min))
+    least_rate = LAST_DIGITS * max(left.fastest, right.fastest)
+    if abs(el.v0) > least_v or abs(el.r0) > least_rate:
+        return False
+    if r.smooth:  # the polynomials of a step by DOP853 multiply rounding on their way
+        return abs(el.v1) <= least_v and abs(el.r1) <= least_rate
+    size = 0.0
+    for k in range(r.order + 1):
+        size += abs(r.p[k])
+    return size <= least_rate and abs(el.v0) + r.h * size <= least_v
+
+
 @njit(**CALLED)
 def first_event(dofs, elements, terms, r, series):
     """Whether an element leaves its branch in [0, 1]; where the first does goes to r.end."""
@@ -228,6 +248,8 @@ def first_event(dofs, elements, terms, r, series):
         for guard in range(COLLAPSE_HIGH + 1):
             if _may_meet(el, guard, e >= r.n):
                 rate_series(dofs, elements, terms, r, e)
+                if e >= r.n and _moves_by_rounding(dofs, el, r):
+                    break
                 at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
                 if el.eased and r.still:
                     at = max(at, FROM_REST)
@@ -247,7 +269,7 @@ def commit(dofs, elements, terms, r, series):
             if el.guard >= COLLAPSE_LOW:
                 r.status = COLLAPSED
                 continue
-            _pin(el, r.end > INSTANT)
+            _pin(el, r.end)
             was_open = el.closed == 0
             if el.smooth and el.guard == LOW:
                 r.across = r.h
@@ -267,8 +289,12 @@ def commit(dofs, elements, terms, r, series):
 
 
 @njit(**PART)
-def _pin(el, later):
-    """What is exactly known of an element that meets its guard; `later`: after the step's start."""
+def _pin(el, end):
+    """Keep what is exactly known of an element that meets its guard at s = `end`.
+
+    A force that passes zero inside a step is zero there. One that has the wrong sign as the step begins has jumped to
+    its value at the event before, as an infill's does at its thickness: it is what it is, and not zero.
+    """
     guard = el.guard
     if guard == LOW or guard == HIGH:
         el.exact = el.low if guard == LOW else el.high
@@ -278,8 +304,8 @@ def _pin(el, later):
         el.r0 = el.r1 = el.slow if guard == SLOWER else el.fast
         el.pinned = RATE
     elif guard == LEVELS:
-        el.pinned = RATE_AND_SLOPE if later else RATE
-    else:
+        el.pinned = RATE_AND_SLOPE if end > INSTANT else RATE
+    elif end > 0.0:
         el.pinned = ITS_FORCE
 
 

@@ -221,8 +221,9 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, mem
     for segment in range(ground.size):
         elapsed = 0.0
         h = whole
-        while r.status == DONE and elapsed < r.dt * (1.0 - 1e-12):
-            h = min(h, r.dt - elapsed)
+        length = r.rest if segment + 1 == ground.size else r.dt
+        while r.status == DONE and elapsed < length * (1.0 - 1e-12):
+            h = min(h, length - elapsed)
             if abs(h - whole) < 1e-9 * whole:
                 h = whole
             r.g0 = ground[segment] + slopes[segment] * elapsed

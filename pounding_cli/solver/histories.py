@@ -10,7 +10,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import segments
+from pounding_cli.solver.assemble import run_time, segments
 from pounding_cli.solver.outcome import ENDS, stored_in_storeys
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import Prepared, prepare
@@ -42,8 +42,7 @@ FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
 
 def output_times(scene: Scene, every: float) -> np.ndarray:
     """The times of a history [s]: from 0 in steps of `every` [s], the last not after the end of motion and tail."""
-    whole = segments(scene)[0].size * scene.motion.dt
-    return every * np.arange(int(np.floor(whole / every + 1e-9)) + 1)
+    return every * np.arange(int(np.floor(run_time(scene) / every + 1e-9)) + 1)
 
 
 History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]

@@ -44,9 +44,10 @@ DOF = _dtype(
     # u0 at the step's start; u1, v1, a1 at its end; a0 and a1 are total accelerations; du, dv, da chord deviations
     # push: sum of forces of links, order by order
     # allowed: 1 / what a term of the series may leave out; scale: recent acceleration
+    # fastest: largest speed so far [m/s]
     # apart: nine lines of the cache a record: eight (512 bytes) lie in the same places of it and slow the walks
     f8=f"inv_mass drag below push allowed lean u0 a0 w:{ORDERS} inside:{PLACES_INSIDE} u1 v1 a1 du dv da mass loaded"
-    " scale u_max u_min a_max apart:11",
+    " scale u_max u_min a_max fastest apart:10",
     u8="foot",
 )
 ELEMENT = _dtype(
@@ -82,8 +83,11 @@ SERIES = _dtype(
 )
 RUN = _dtype(
     # begun: when the motion began [s]; still: 1 before
+    # most_h: longest step of the run [s]; rest: length of the last segment, where a tail ends between samples [s]
+    # smaller: part of the step that the tolerance of DOP853 allows, where finer is asked than it can be [-]
     # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
-    f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset across input drag dashpots time begun",
+    f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset across input drag dashpots time begun"
+    " most_h rest smaller",
     i8="n m drags columns trials active max_order order steps events orders instant status smooth always_smooth"
     " follows has_lean most_steps most_events output still",
     # p: room for one polynomial and its derivative

@@ -42,10 +42,10 @@ NEAR = 1e-9
 
 
 @njit(**PART)
-def begin_step(r, elapsed, g, slope, output):
-    """Length of the next step, and the ground in it; whether it reaches the end of the segment."""
-    h = r.dt - elapsed
-    whole = h <= r.longest
+def begin_step(r, elapsed, length, g, slope, output):
+    """Length of the next step, and the ground in it; whether it reaches the end of a segment of this length [s]."""
+    h = length - elapsed
+    whole = h <= r.longest * (1.0 + 1e-9)
     if not whole:
         h /= np.ceil(h / r.longest - 1e-9)
     if output < h - NEAR * r.dt:
@@ -65,6 +65,7 @@ def advance(dofs, elements, r):
         d.scale = max(FORGET * d.scale, abs(d.a0), abs(d.a1))
         d.u0 = d.u1
         d.w[0] = d.v1
+        d.fastest = max(d.fastest, abs(d.v1))
         if d.u0 != 0.0 or d.w[0] != 0.0:
             r.still = 0
     for e in range(r.m):
@@ -149,12 +150,13 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
             keep(dofs, elements, r, watch)
         pinned = False
         for segment in range(ends[scene] - first):
-            elapsed, r.longest, r.follows = 0.0, r.dt, 0
-            while r.status == DONE and elapsed < r.dt:
+            elapsed, r.longest, r.follows = 0.0, r.most_h, 0
+            length = r.rest if first + segment + 1 == ends[scene] else r.dt
+            while r.status == DONE and elapsed < length:
                 output = np.inf
                 if r.output < watch.times.size:
                     output = watch.times[r.output] - (segment * r.dt + elapsed)
-                whole = begin_step(r, elapsed, ground[first + segment], slopes[first + segment], output)
+                whole = begin_step(r, elapsed, length, ground[first + segment], slopes[first + segment], output)
                 planned, shortened, smooth = r.h, False, r.smooth
                 if smooth:
                     if rooms is not None:
@@ -193,7 +195,7 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
                 if happened:
                     commit(dofs, elements, terms, r, series)
                     pinned = True
-                    r.longest = r.dt
+                    r.longest = r.most_h
                 if whole and not shortened and r.end == 1.0:
                     break
             if r.status != DONE:

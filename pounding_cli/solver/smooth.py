@@ -19,7 +19,7 @@ from pounding_cli.solver.events import ends_of_elements, integral, rate_series
 from pounding_cli.solver.options import CALLED, PART, bare
 from pounding_cli.solver.polynomial import value
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
-from pounding_cli.solver.series import push, push_by_storey
+from pounding_cli.solver.series import LAST_DIGITS, push, push_by_storey, told
 
 _TABLES = {
     name: np.array(values)
@@ -170,7 +170,7 @@ def take_smooth(dofs, elements, terms, r, series, room):
         _state_at(dofs, elements, terms, r, states, stage)
         if stage == STAGES:
             error = _error(r, states)
-            factor = max(LEAST, min(MOST, SAFETY * max(error, 1e-300) ** (-0.125)))
+            factor = max(LEAST, min(MOST, SAFETY * r.smaller * max(error, 1e-300) ** (-0.125)))
             if not error < 1.0:
                 r.h *= factor
                 r.g1 *= factor
@@ -232,10 +232,12 @@ def _fit_force(el, r, s, state, formula, storey):
         if storey:
             r.values[place] -= el.c * rate
     for k in range(POINTS):
-        f = 0.0
+        f = size = 0.0
         for place in range(POINTS):
-            f += FIT[k, place] * r.values[place]
-        s.f[k] = f
+            term = FIT[k, place] * r.values[place]
+            f += term
+            size += abs(term)
+        s.f[k] = told(f, size, LAST_DIGITS)  # events ask for the first coefficient that is not zero
 
 
 @njit(**PART)

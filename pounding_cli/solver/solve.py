@@ -40,6 +40,7 @@ def solve(
     bounds: tuple[int, int] = (MOST_STEPS, MOST_EVENTS),
     *,
     time_step: float | None = None,
+    least_steps: int = 1,
 ) -> Response:
     """The response of a scene.
 
@@ -52,13 +53,15 @@ def solve(
         rest
     bounds : most steps, most events
     time_step : of a method that takes one (`methods.METHODS`) [s]
+    least_steps : in a time step of the motion, of a method that chooses its steps: runs of one accuracy that have other
+        steps round otherwise
 
     Raises
     ------
     InputError : unknown method, a setting that it does not take or that is not above zero, or a scene that it does not
         run
     """
-    run = prepare([scene], accuracy, method, initial, bounds, time_step=time_step)
+    run = prepare([scene], accuracy, method, initial, bounds, time_step=time_step, least_steps=least_steps)
     run.integrate()
     return run.responses()[0]
 
@@ -189,6 +192,7 @@ def prepare(
     *,
     time_step: float | None = None,
     times: np.ndarray | None = None,
+    least_steps: int = 1,
 ) -> Prepared:
     """Scenes of one layout, laid out for their runs; `times` [s]: what is kept of one scene over time. Other parameters
     and errors as of `solve`."""
@@ -199,7 +203,7 @@ def prepare(
             hint = "write `method: taylor`, which runs every scene"
             raise InputError(Problem(f"method {chosen.name} does not run this scene: {reason}", hint))
     layout = layout_of(scenes[0])
-    data = records_of(scenes, layout, accuracy, chosen, initial, times, bounds)
+    data = records_of(scenes, layout, accuracy, chosen, initial, times, bounds, least_steps)
     before = 0.0 if initial is None else _held_at_start(layout, data, scenes[0].links)
     return Prepared(scenes, layout, data, chosen, accuracy, setting if chosen.takes_step else nan, before)
 

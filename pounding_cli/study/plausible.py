@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.laws.joints import STABLE_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
@@ -368,6 +369,26 @@ def warn_case(
         if law is not None and _takes_impact_stiffness(law, link):
             contact = _compare_contact(group)
             _warn_compared(group.stiffness(impact.stiffness), root, ("impact", "stiffness"), contact, doubts)
+        if isinstance(law, Viscous):
+            _warn_stiff_damper(law, group, root, path, doubts)
+
+
+MAX_STEPS_PER_SECOND = 20_000
+"""Steps for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
+
+
+def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: Steps, doubts: Doubts) -> None:
+    """Note a viscous damper whose slope at rest takes more steps than is usual."""
+    lightest = min(float(building.mass.min()) for building in _frames(group))
+    slope = law.force_at_1_m_s * law.straight_below ** (law.exponent - 1.0)
+    steps = slope / (STABLE_AT_REST * lightest)
+    if steps <= MAX_STEPS_PER_SECOND:
+        return
+    dashpot = f"near rest the viscous damper is a dashpot of {slope:.2g} N s/m, beside a floor of {lightest:.3g} kg"
+    cost = f"it takes up to {steps:.1g} steps for each second in which the floors hardly move"
+    hint = f"write `straight_below: 1 mm/s` for fewer, or an `exponent` nearer 1; otherwise leave it, {AS_MEANT}"
+    at: Steps = (*path, "exponent")
+    doubts.add(root, at, at, f"{dashpot}: {cost}", hint, excess=float(np.log10(steps / MAX_STEPS_PER_SECOND)))
 
 
 def _takes_impact_stiffness(law: LinkLaw, link: Any) -> bool:

@@ -11,6 +11,9 @@ from typing import Any
 
 import yaml
 
+DECIMAL = "residual", "sensitive", "peak_force", "max_closing"
+"""Keys whose numbers are decimal: YAML takes 1e-8 for a word."""
+
 SCENES = Path(__file__).parent / "scenes"
 
 
@@ -47,6 +50,15 @@ class HardStudy:
 
 def read(path: Path) -> HardStudy:
     """One file.  Raises ValueError where its head does not say what it shows and expects."""
+    shows, given = expectation_of(path, {field.name for field in fields(Expectation)})
+    return HardStudy(path, shows, Expectation(**given))
+
+
+def expectation_of(path: Path, known: set[str]) -> tuple[str, dict[str, Any]]:
+    """Return what the head of a study says that it shows, and what it expects.
+
+    Raises ValueError where it says neither, or expects something that is not known.
+    """
     head = []
     for line in path.read_text(encoding="utf-8").splitlines():
         if not line.startswith("# "):
@@ -55,11 +67,11 @@ def read(path: Path) -> HardStudy:
     if len(head) < 2 or not head[-1].startswith("expect: "):
         raise ValueError(f"{path}: begin with a comment that says what it shows, then `# expect: {{...}}`")
     given = yaml.safe_load(head[-1])["expect"]
-    unknown = set(given) - {field.name for field in fields(Expectation)}
+    unknown = set(given) - known
     if unknown:
         raise ValueError(f"{path}: nothing is known of {sorted(unknown)}")
-    numbers: dict[str, Any] = {k: float(v) if k in ("residual", "sensitive") else v for k, v in given.items()}
-    return HardStudy(path, " ".join(head[:-1]), Expectation(**numbers))
+    numbers = {key: float(value) if key in DECIMAL else value for key, value in given.items()}
+    return " ".join(head[:-1]), numbers
 
 
 def studies() -> list[HardStudy]:

@@ -65,3 +65,37 @@ def _link(random: np.random.Generator, gap: float) -> dict[str, Any]:
     stiffness = f"{10 ** random.uniform(-2, 0):.6g} x stiffest storey"
     link = {"link": kind, "gap": max(gap, 1e-3) if kind == "infill" else gap}
     return link if kind == "pounding" else link | {"stiffness": stiffness}
+
+
+def random_cut_infill(number: int) -> tuple[Scene, float]:
+    """Return two or three buildings with infills as eq. (9) is printed that do not pull, and the accuracy asked [-]."""
+    random = np.random.default_rng([number, 9])
+    buildings = [_building(random) for _ in range(random.choice([2, 2, 3]))]
+    thickness = float(random.choice([1e-6, 1e-4, 1e-3, 1e-3, 1e-2, 0.03]))
+    infill = {"link": "infill", "law": "printed", "stiffness": f"{10 ** random.uniform(-2, 0.3):.6g} x mean storey"}
+    links = [infill, {"link": "pounding"}] if random.random() < 0.2 else [infill]
+    impact = {
+        "stiffness": f"{10 ** random.uniform(0.7, 2.5):.6g} x stiffest storey",
+        "restitution": float(random.choice([0.001, 0.01, 0.1, 0.3, 0.5])),
+        "tension_cut": True,
+    }
+    dt = float(random.choice([0.01, 0.02, 0.1, 0.5]))
+    samples = min(round(random.uniform(1.0, 4.0) / dt), 300) + 2
+    ground = random.normal(size=samples) * random.uniform(0.3, 6.0)
+    ground[0] = 0.0
+    case = {"gap": thickness, "links": links}
+    return Scene(buildings, ground, dt, case, "elastic", {"impact": impact}), float(random.choice(ACCURACIES[1:]))
+
+
+def random_touch(number: int) -> tuple[Scene, float]:
+    """Return two buildings that move nearly alike, in touch by a law without a series, and an accuracy of 1e-9 [-]."""
+    random = np.random.default_rng([number, 264])
+    one = _building(random) | {"damping": 0.0, "storey_law": "bouc-wen", "hardening": 0.05}
+    one.pop("foundation", None)
+    other = one | {"period": one["period"] * (1.0 + 10 ** random.uniform(-7, -2))}
+    contact = {"link": "hertz-damp", "hertz_stiffness": 10 ** random.uniform(9, 11), "restitution": 0.3}
+    joint = {"link": "connector", "stiffness": "0.1 x mean storey"}
+    links = [contact, joint] if random.random() < 0.5 else [contact]
+    ground = random.normal(size=60) * random.uniform(0.5, 5.0)
+    ground[0] = 0.0
+    return Scene([one, other], ground, 0.02, {"gap": 0.0, "links": links}, "inelastic"), 1e-9
