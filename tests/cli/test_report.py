@@ -239,6 +239,7 @@ def test_a_gap_that_never_closes_is_no_effect_of_the_page(folder, pound):
     rest = re.search(r"nothing in the study calls for: ([^.]*)", page)[1].split(" Cases")[0]
     assert "tension cut-off" in rest
     assert "stiff" not in rest
+    assert not re.search("links(?! of the kinds)", rest)
     assert "stiff | soft: the gap never closes in 2 of 4 runs, in which no force acts across it." in page
 
 

@@ -104,8 +104,10 @@ def test_links_that_never_act_are_named_by_their_neighbours_and_are_no_effect():
     (response,) = Task(1e-6, "taylor")([pound.scene(row, STRONG, links=links)])
     assert [each.links for each in response.dropped if each.links] == [" | ".join(names)]
     assert [DroppedEffect.parse(str(each)) for each in response.dropped] == list(response.dropped)
-    told = [name for name, *_ in summarize_effects(Counter(response.effects), Counter(response.dropped))]
-    assert not [name for name in told if "links" in name and name != "pounding links"]
+    rows = summarize_effects(Counter(response.effects), Counter(response.dropped))
+    told = {name: reason for name, *_, reason in rows}
+    assert [name for name in told if "links" in name] == ["pounding links"]
+    assert "links, " not in told["all others"]
 
 
 @pytest.mark.parametrize(
