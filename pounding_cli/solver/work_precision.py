@@ -42,8 +42,9 @@ class WorkPrecision:
     """All runs on all scenes; errors by QUANTITIES are the largest over storeys, floors or links, relative [-].
 
     runs : a row for one method at one setting on one scene: place, method, setting, status, seconds inside the solver,
-        least of the repeats [s], steps, events, `error_V`..., NaN when it did not end, impacts in all and those of the
-        reference, energy_residual [-], NaN where the method keeps none, advice
+        least of the repeats [s], seconds_noise, how far their median lies above it [s], steps, events, `error_V`...,
+        NaN when it did not end, impacts in all and those of the reference, energy_residual [-], NaN where the method
+        keeps none, advice
     references : a row a scene: place, differences of the two reference methods `V`..., and of their counts of impacts
     left_out : what was not run, and why
     spent, compiling : wall time of the runs, and of compiling before them [s]
@@ -141,6 +142,7 @@ def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iter
         errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
             "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
+            "seconds_noise": float(np.median(seconds)) - min(seconds),
             "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
             "impacts": int(found.links.impacts.sum()) if done else np.nan,
             "impacts_reference": int(reference.links.impacts.sum()),
