@@ -56,7 +56,7 @@ def accuracy_report(found: WorkPrecision, title: str, command: str) -> Report:
     notes = [
         "Errors: worst over storeys, floors or links and over the scenes, relative; time: mean of a scene, the least "
         "of its repeats, without compiling. Miscounted: scenes with other impacts than the reference.",
-        "Settings whose times differ by less than their noise (the spread of their repeats, at least "
+        "Settings whose times differ by less than their noise (as repeats show it, at least "
         f"{100 * LEAST_NOISE:g} %) count as equally fast: of these the most accurate is named.",
         _reference(found),
         *(f"Did not end: {text}." for text in _lost(runs)),

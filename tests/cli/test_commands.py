@@ -17,7 +17,7 @@ from click.testing import CliRunner
 
 import pounding_cli
 from pounding_cli.cli.main import cli
-from pounding_cli.report.accuracy import cheapest
+from tests.adapter import cheapest
 
 from .conftest import TWO
 
