@@ -14,13 +14,13 @@ from functools import lru_cache
 import numpy as np
 
 from pounding_cli.errors import InputError
-from pounding_cli.model.effects import effects_of
+from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.results.solved import Row, encode
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.estimate import assess
-from pounding_cli.solver.response import BASES, DONE, LINKS, NEVER_CLOSES, STOREYS, Flag, Response, no_peaks
+from pounding_cli.solver.response import BASES, DONE, LINKS, STOREYS, Flag, Response, no_peaks
 
 HARDER = 0.01
 """Accuracy and time step of a second try over those of the first [-]."""
@@ -86,8 +86,8 @@ class Task:
             advice = "this is an internal error: please report it with the study file"
             return [self.without(scenes[0], f"error: {type(error).__name__}: {error}", advice)]
         for number, scene in enumerate(scenes):
-            if _may_stay_open(scene) and (said := _stays_open(scene, responses[number])):
-                responses[number] = replace(responses[number], dropped=(*responses[number].dropped, *said))
+            if _may_stay_open(scene) and (open_gaps := find_open_gaps(scene, responses[number])):
+                responses[number] = replace(responses[number], dropped=(*responses[number].dropped, *open_gaps))
         return responses
 
     def _run(self, scenes: Sequence[Scene]) -> list[Response]:
@@ -200,14 +200,17 @@ def _left_open(scene: Scene, closings: np.ndarray) -> np.ndarray:
     return np.array([link.law.free_below for link in scene.links]) - closings
 
 
-def _stays_open(scene: Scene, response: Response) -> list[str]:
-    """In words how much of their gap stays open between neighbours, where none of them closed."""
-    if not response.has_result or response.peaks["impacts"].any():
+def find_open_gaps(scene: Scene, response: Response) -> list[DroppedEffect]:
+    """Return the links of every pair of neighbours that never met, with what stays open of their gap."""
+    if not response.has_result:
         return []
-    left_open, said = _left_open(scene, response.peaks["max_closing"]), []
+    left_open = _left_open(scene, response.peaks["max_closing"])
+    impacts = response.peaks["impacts"]
+    open_gaps = []
     for place in dict.fromkeys(link.left for link in scene.links):
-        least = min(width for width, link in zip(left_open.tolist(), scene.links, strict=True) if link.left == place)
-        if math.isfinite(least):
-            names = f"{scene.buildings[place].name} | {scene.buildings[place + 1].name}"
-            said.append(f"links {names}: {NEVER_CLOSES}, {least * 1000:.3g} mm of it stay open")
-    return said
+        own = [number for number, link in enumerate(scene.links) if link.left == place]
+        least = float(left_open[own].min())
+        if math.isfinite(least) and not impacts[own].any():
+            neighbours = f"{scene.buildings[place].name} | {scene.buildings[place + 1].name}"
+            open_gaps.append(DroppedEffect.of_open_gap(neighbours, least))
+    return open_gaps

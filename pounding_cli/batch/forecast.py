@@ -10,7 +10,7 @@ import numpy as np
 
 from pounding_cli.batch.solve import BESIDE
 from pounding_cli.errors import InputError
-from pounding_cli.model.effects import effects_of
+from pounding_cli.model.effects import DroppedEffect, effects_of
 
 if TYPE_CHECKING:
     from pounding_cli.model.scene import Scene
@@ -31,12 +31,12 @@ class Forecast:
     """What will run.
 
     scenes : "of a building alone" or "of the group" -> number of scenes
-    kept : effect -> scenes of the group with it; dropped: effect and reason -> scenes of the group without it
+    kept : effect -> scenes of the group with it; dropped : effect with its reason -> scenes of the group without it
     """
 
     scenes: dict[str, int]
     kept: Counter[str] = field(default_factory=Counter)
-    dropped: Counter[str] = field(default_factory=Counter)
+    dropped: Counter[DroppedEffect] = field(default_factory=Counter)
 
 
 def forecast(plan: Plan) -> Forecast:

@@ -189,38 +189,64 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
+    from pounding_cli.report import find_no_sweep
     from pounding_cli.report import report as of
     from pounding_cli.report.claims import compare_claims, verdicts
     from pounding_cli.report.style import OF_PAPERS, for_paper
 
-    if paper and no_figures:
-        hint = "leave one of them out"
-        raise InputError(Problem("--figures-for-paper and --no-figures contradict each other", hint))
+    choices = _list_choices(quantities, rows)
+    _refuse_contradictions(paper, no_figures, formats, choices)
     chosen = () if no_figures else formats or (OF_PAPERS if paper else None)
     opened = [(folder, open_file(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
-    wanted = _wanted(**rows)
-    if wanted and not any(results.axes for _, results in opened):
-        what = f"{wanted[0][0]}={wanted[0][1]} chooses what figures over a sweep show, and the study sweeps nothing"
-        raise InputError(Problem(what, "leave it out", str(opened[0][1].path)))
-    asked = [_asked(results, quantities, wanted if results.axes else []) for _, results in opened]
-    for (folder, results), over_sweep in zip(opened, asked, strict=True):
+    without_sweep = {
+        path: reason for path, (_, each) in zip(files, opened, strict=True) if (reason := find_no_sweep(each))
+    }
+    if choices and len(without_sweep) == len(files):
+        message = f"{choices[0]} chooses what figures over a sweep show, and {next(iter(without_sweep.values()))}"
+        hint = "leave it out; -o, --format, --figures-for-paper, --no-figures and --quiet apply to every file"
+        raise InputError(Problem(message, hint, str(files[0])))
+    reports = []
+    for path, (_, results) in zip(files, opened, strict=True):
+        asked = _asked(results, quantities, _wanted(**rows)) if choices and path not in without_sweep else None
+        reports.append(of(results, asked))
+    for each in reports:
+        each.sections  # noqa: B018  # all that is asked for is refused before anything is written
+    for (folder, results), made in zip(opened, reports, strict=True):
         with for_paper() if paper else nullcontext():
-            written = of(results, asked=over_sweep).save(folder, chosen, not paper)
+            written = made.save(folder, chosen, not paper)
         if not quiet:
             click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
             for key, verdict in verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
+    if choices:
+        for reason in without_sweep.values():
+            click.echo(f"{reason}: {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
         page, _ = compare_claims({folder.name: results for folder, results in opened}, output or Path("comparison"))
         if not quiet:
             click.echo(str(page))
 
 
+def _list_choices(quantities: tuple[str, ...], rows: dict[str, Sequence[str]]) -> list[str]:
+    """List the options, as they were given, that choose what figures over a sweep show."""
+    choices = [f"--quantity {name}" for name in quantities]
+    return choices + [f"--{name} {value}" for name, values in rows.items() for value in values]
+
+
+def _refuse_contradictions(paper: bool, no_figures: bool, formats: Sequence[str], choices: Sequence[str]) -> None:
+    """Raise `InputError` where an option says how figures look and another leaves them out."""
+    of_figures = ["--figures-for-paper"] * paper + [f"--format {name}" for name in formats] + list(choices)
+    if no_figures and of_figures:
+        message = f"{of_figures[0]} and --no-figures contradict each other"
+        raise InputError(Problem(message, "leave one of them out"))
+
+
 def _asked(results: Results, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> Asked:
-    """What is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
+    """Return what is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
     from pounding_cli.report.sweep import Asked
 
-    places, at = dict[str, Any](), dict[str, Any]()
+    places = dict[str, Any]()
+    at = dict[str, Any]()
     for given, text in wanted:
         key = _key(given, [*_PLACES, *results.axes], "the sweep")
         if key in places or key in at:

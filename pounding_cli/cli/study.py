@@ -182,9 +182,9 @@ def _isolators(group: Sequence[Building], width: Unit) -> list[str]:
 
 def _effects(found: Forecast) -> Iterator[str]:
     """In how many scenes each effect is simulated, and why it is left out in the others."""
-    from pounding_cli.model.effects import told
+    from pounding_cli.model.effects import summarize_effects
 
-    for name, here, out, why in told(found.kept, found.dropped):
+    for name, here, out, why in summarize_effects(found.kept, found.dropped):
         said = [f"simulated in {round(here)}"] * bool(here) + [f"left out in {round(out)}: {why}"] * bool(out)
         yield f"  {name:<30} {'; '.join(said)}"
 

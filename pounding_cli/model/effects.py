@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,17 +18,62 @@ EXPECTED = ("yielding storeys", "foundation motions", "P-Delta")
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is told."""
 
 
-def told(kept: Mapping[str, float], dropped: Mapping[str, float]) -> Iterator[tuple[str, float, float, str]]:
-    """What is told of many scenes: an effect, in how many it was simulated, in how many left out, and why; those that
-    no scene has and nobody expects in one row.
+OVERRULED = ("the analysis is elastic", "without a dashpot no link can pull")
+"""Reasons to leave out an effect that the study asks for: it is never counted among those that nothing calls for."""
 
-    kept : effect -> scenes with it; dropped : "effect: reason" -> scenes without it
+NEVER_CLOSES = "the gap never closes"
+"""The reason of links that never act, which the width that stays open follows."""
+
+
+@dataclass(frozen=True)
+class DroppedEffect:
+    """An effect that a scene leaves out, or links of it that never act.
+
+    effect : its name, such as "P-Delta"; LINKS of links that never act
+    reason : in words
+    links : the neighbours whose links these are, such as "stiff | soft"; "" of an effect
+    """
+
+    effect: str
+    reason: str
+    links: str = ""
+
+    LINKS: ClassVar[str] = "links"
+
+    @classmethod
+    def of_open_gap(cls, neighbours: str, width: float) -> DroppedEffect:
+        """The links of neighbours of which `width` of the gap stays open [m]."""
+        return cls(cls.LINKS, f"{NEVER_CLOSES}, {width * 1000:.3g} mm of it stay open", neighbours)
+
+    @classmethod
+    def parse(cls, line: str) -> DroppedEffect:
+        """Read a line that `str` wrote; names of buildings may have any characters."""
+        head, _, reason = line.rpartition(": ")
+        if reason.startswith(NEVER_CLOSES):
+            return cls(cls.LINKS, reason, head.removeprefix(f"{cls.LINKS} "))
+        return cls(head, reason)
+
+    def __str__(self) -> str:
+        return f"{self.effect} {self.links}".rstrip() + f": {self.reason}"
+
+
+def summarize_effects(
+    kept: Mapping[str, float], dropped: Mapping[DroppedEffect, float]
+) -> Iterator[tuple[str, float, float, str]]:
+    """Yield of many scenes every effect, the scenes that simulate it, those that leave it out, and the reason; effects
+    that nothing in the study calls for, and nobody expects, share the last row.
+
+    kept : effect -> scenes with it
+    dropped : effect with its reason -> scenes without it; links that never act are no effect and are passed over
     """
     without: dict[str, dict[str, float]] = {name: {} for name in kept}
-    for line, count in dropped.items():
-        name, _, reason = line.partition(": ")
-        without.setdefault(name, {})[reason] = count
-    rest = [name for name in without if name not in kept and name not in EXPECTED]
+    for each, count in dropped.items():
+        if not each.links:
+            without.setdefault(each.effect, {})[each.reason] = count
+    rest = [
+        name for name, reasons in without.items()
+        if name not in kept and name not in EXPECTED and reasons.keys().isdisjoint(OVERRULED)
+    ]  # fmt: skip
     for name, reasons in without.items():
         if name not in rest:
             words = [f"{reason} ({round(n)})" if len(reasons) > 1 else reason for reason, n in reasons.items()]
@@ -44,13 +90,14 @@ class Effects:
 
     yielding : storeys can leave their elastic branch
     collapse : a drift is looked for at which a storey counts as collapsed
-    kept, dropped : all of them in words; what is dropped comes with the reason
+    kept : the names of those that are simulated
+    dropped : those that are left out
     """
 
     yielding: bool
     collapse: bool
     kept: tuple[str, ...]
-    dropped: tuple[str, ...]
+    dropped: tuple[DroppedEffect, ...]
 
 
 def effects_of(scene: Scene) -> Effects:
@@ -64,13 +111,14 @@ def _effects_of(
     buildings: tuple[Building, ...], links: tuple[tuple[str, bool, bool, bool], ...], analysis: Analysis
 ) -> Effects:
     """Of links the kind, whether they have a dashpot, whether their tension is cut, whether that is asked."""
-    kept, dropped = list[str](), list[str]()
+    kept = list[str]()
+    dropped = list[DroppedEffect]()
 
     def decide(needed: bool, effect: str, reason: str) -> bool:
         if needed:
             kept.append(effect)
         else:
-            dropped.append(f"{effect}: {reason}")
+            dropped.append(DroppedEffect(effect, reason))
         return needed
 
     inelastic = analysis == Analysis.INELASTIC
@@ -82,10 +130,11 @@ def _effects_of(
     decide(any(building.foundation is not None for building in buildings), "foundation motions", "every base is fixed")
     loads = (building.gravity_load for building in buildings)
     decide(any(load is not None and load.any() for load in loads), "P-Delta", "no building has it")
+    can_collapse = any(np.isfinite(building.collapse_drift).any() for building in buildings)
     collapse = decide(
-        inelastic and any(np.isfinite(building.collapse_drift).any() for building in buildings),
+        inelastic and can_collapse,
         "collapse",
-        "no storey can lose its resistance, and none is asked for" if inelastic else "the analysis is elastic",
+        "the analysis is elastic" if can_collapse else "no storey can lose its resistance, and none is asked for",
     )
     decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(building.beta > 0 for building in buildings), "stiffness-proportional damping", "beta is 0")

@@ -3,22 +3,40 @@
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from pounding_cli.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from pounding_cli.report.document import Report
+    from pounding_cli.report.sweep import Asked
     from pounding_cli.results.results import Results
 
 
-def report(results: Results, **asked: Any) -> Report:
-    """The report of a results file.
+def report(results: Results, asked: Asked | None = None) -> Report:
+    """Return the report of a results file.
 
-    asked : of a run, what is drawn over the sweep (`sweep.Asked`)
+    Parameters
+    ----------
+    results : of any command
+    asked : of `pound run` over a sweep: which figures are drawn; the usual ones unless given
 
     Raises
     ------
-    InputError : what is asked for is not there
+    InputError : what is asked for is not there, or the file has no figures over a sweep
     """
     module = importlib.import_module(f"pounding_cli.report.{results.workflow}")
-    make = getattr(module, f"{results.workflow}_report")
-    return make(results, **asked) if results.workflow == "run" else make(results)
+    make: Callable[..., Report] = getattr(module, f"{results.workflow}_report")
+    if asked is None:
+        return make(results)
+    if reason := find_no_sweep(results):
+        raise InputError(Problem(f"there are no figures over a sweep to choose: {reason}", "leave `asked` out"))
+    return make(results, asked)
+
+
+def find_no_sweep(results: Results) -> str:
+    """Return why a results file has no figures over a sweep; "" where it has some."""
+    if results.workflow != "run":
+        return f"{results.path.name} holds the answer of `pound {results.workflow}`"
+    return "" if results.axes else f"the study of {results.path.name} sweeps nothing"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from pounding_cli.laws import link_laws
-from pounding_cli.model.effects import told as told_effects
+from pounding_cli.model.effects import DroppedEffect, summarize_effects
 from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, counted, listed
 from pounding_cli.report.document import Picture, Report, Section
@@ -193,6 +193,7 @@ def _simulated(results: Results, shown: Evidence) -> Section:
     scene = results.scene()
     scenes = counted(int(results.attrs["scenes"]), "different scene was", "different scenes were")
     said = [f"{counted(len(scene), 'run')}; {scenes} solved, buildings alone included, each once."]
+    said += _open_gaps(scene)
     tables, failed = [_cases(shown), _effects(scene)], failed_scenes(scene)
     if len(failed):
         said.append("The means and tables leave failed runs out.")
@@ -226,11 +227,25 @@ def _cases(shown: Evidence) -> Table:
 def _effects(scene: pd.DataFrame) -> Table:
     """The effects: in how many runs each was simulated, in how many left out, and why."""
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
-    dropped = Counter(line for cell in scene["dropped"] for line in cell.splitlines())
+    dropped = Counter(_dropped_effects(scene))
     rows = [
-        [name, str(here or NOTHING), str(out or NOTHING), why] for name, here, out, why in told_effects(kept, dropped)
+        [name, str(here or NOTHING), str(out or NOTHING), why]
+        for name, here, out, why in summarize_effects(kept, dropped)
     ]
     return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
+
+
+def _dropped_effects(scene: pd.DataFrame) -> Iterator[DroppedEffect]:
+    """Yield the effects that runs left out, one entry a run."""
+    for cell in scene["dropped"]:
+        yield from map(DroppedEffect.parse, cell.splitlines())
+
+
+def _open_gaps(scene: pd.DataFrame) -> list[str]:
+    """Say of every pair of neighbours in how many runs their gap stays open, so that their links never act."""
+    runs = Counter(each.links for each in _dropped_effects(scene) if each.links)
+    of_all = f"of {counted(len(scene), 'run')}, in which no force acts across it"
+    return [f"{neighbours}: the gap never closes in {count} {of_all}." for neighbours, count in runs.items()]
 
 
 def _study(results: Results) -> Section:

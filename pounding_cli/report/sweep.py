@@ -176,9 +176,10 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
     asked, every = asked or Asked(), swept_axes(results)
     free = [axis for axis in every if len(axis.points) > 1 and asked.at.keys().isdisjoint(axis.keys)]
     free = sorted(sorted(free, key=lambda axis: -len(axis.points))[:2], key=lambda axis: len(axis.points))
-    if asked.quantities and not free:
-        hint = "leave --quantity out, or one of the swept keys free"
-        raise InputError(Problem(f"no swept key is left to draw {asked.quantities[0]} over", hint))
+    _check_places(asked, shown)
+    if asked != Asked() and not free:
+        message = "no swept key with two values is left to draw figures over"
+        raise InputError(Problem(message, "leave one of the swept keys out of --where, or all options of the figures"))
     index: dict[str, Any] = {axis.keys[0]: np.argsort(axis.coordinates, kind="stable").tolist() for axis in free}
     axes, cut, found = [axis.take(index[axis.keys[0]]) for axis in free], dict[str, Any](), list[Picture]()
     for axis in (axis for axis in every if axis.keys[0] not in index):
@@ -189,6 +190,7 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
             raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
         index[axis.keys[0]] = meant[0]
         cut |= points[meant[0]]
+    drawn = set[str]()
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_curves)
     for name, building, wanted in _figures(shown, asked) if axes else ():
         places, panels = dict(asked.places) | ({"building": building} if building else {}), Panels()
@@ -199,7 +201,23 @@ def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None
             drawing = partial(draw, shown, building, axes, panels, _said(shown, places, cut))
             text, heading = "Means over the motions at their largest place, case by case.", name.replace("-", ", ")
             found.append(Picture(f"{name}-{kind}", f"{heading}: over the sweep", text, drawing, kind == "map"))
+            drawn.update(quantity for quantity, *_ in panels)
+    missing = [name for name in asked.quantities if name not in drawn] or ["V_ratio or mu_ratio"] * (not drawn)
+    if missing and asked != Asked():
+        where = ", ".join(f"{name} {place}" for name, place in asked.places.items()) or "any case"
+        raise InputError(Problem(f"there is no number of {missing[0]} in {where}", "choose another place or quantity"))
     return found
+
+
+def _check_places(asked: Asked, shown: Evidence) -> None:
+    """Raise `InputError` for a place that no figure can have, whatever its quantity."""
+    for name, place in asked.places.items():
+        if place == WORST and name not in ("case", "building"):
+            hint = f"write one {name}; `{WORST}` stands for a case or a building"
+            raise InputError(Problem(f"there is no worst {name}", hint))
+    analysis = asked.places.get("analysis", shown.analyses[0])
+    if analysis not in shown.analyses:
+        raise InputError(Problem(f"there is no analysis {analysis!r}", f"write one of: {', '.join(shown.analyses)}"))
 
 
 def _figures(shown: Evidence, asked: Asked) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:

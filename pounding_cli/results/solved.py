@@ -46,7 +46,9 @@ def row_type(buildings: int, storeys: int, links: int) -> np.dtype:
 def encode(response: Response) -> Row:
     """A response as a row; its end state is not kept."""
     r = response
-    texts = [each if isinstance(each, str) else "\n".join(each) for each in (getattr(r, name) for name in TEXTS)]
+    texts = [
+        each if isinstance(each, str) else "\n".join(map(str, each)) for each in (getattr(r, name) for name in TEXTS)
+    ]
     size = len(r.storeys), max(r.storeys), r.peaks["impacts"].size
     numbers = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
     return json.dumps([texts, size]), np.array(numbers, float).tobytes() + r.peaks.tobytes()

@@ -7,18 +7,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pounding_cli.numbers import counted
 
+if TYPE_CHECKING:
+    from pounding_cli.model.effects import DroppedEffect
+
 DONE, COLLAPSED = "done", "collapsed"
 """The outcomes of runs that tell something of their scene."""
 
 OUTCOMES = (DONE, COLLAPSED)
-
-NEVER_CLOSES = "the gap never closes"
-"""In a sentence of `Response.dropped`: of neighbours that never meet."""
 
 STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
 BASES = ("sway", "rocking", "isolator_displacement")
@@ -70,7 +71,8 @@ class Response:
         missing over the largest of them, or over what storeys held at their peaks if that is more [-]
     flags : sentences about the scene, each a `Flag`, e.g. "infill compressed beyond its thickness: stiff | soft, floor
         5, by 3 mm"
-    effects, dropped : effects simulated; effects left out, each with its reason
+    effects : names of the effects that were simulated
+    dropped : effects left out, and links whose gap never closed, each with its reason
     orders : Taylor orders computed in all (0 for other methods)
     error_estimate, sensitivity : see `estimate.assess` [-]; nan where not assessed
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
@@ -91,7 +93,7 @@ class Response:
     energy: dict[str, float] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
     effects: tuple[str, ...] = ()
-    dropped: tuple[str, ...] = ()
+    dropped: tuple[DroppedEffect, ...] = ()
     orders: int = 0
     error_estimate: float = float("nan")
     sensitivity: float = float("nan")

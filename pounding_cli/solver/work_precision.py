@@ -42,8 +42,9 @@ class WorkPrecision:
     """All runs on all scenes; errors by QUANTITIES are the largest over storeys, floors or links, relative [-].
 
     runs : a row for one method at one setting on one scene: place, method, setting, status, seconds inside the solver,
-        least of the repeats [s], steps, events, `error_V`..., NaN when it did not end, impacts in all and those of the
-        reference, energy_residual [-], NaN where the method keeps none, advice
+        least of the repeats [s], seconds_noise, as of `noise_of_least` [s], steps, events, `error_V`...,
+        NaN when it did not end, impacts in all and those of the reference, energy_residual [-], NaN where the method
+        keeps none, advice
     references : a row a scene: place, differences of the two reference methods `V`..., and of their counts of impacts
     left_out : what was not run, and why
     spent, compiling : wall time of the runs, and of compiling before them [s]
@@ -126,6 +127,12 @@ def measure(
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 
+def noise_of_least(seconds: Sequence[float]) -> float:
+    """Return how well the least of some repeats can be repeated [s]: by how much those of every other one differ; 0 of
+    one time, which tells nothing."""
+    return abs(min(seconds[::2]) - min(seconds[1::2])) if len(seconds) > 1 else 0.0
+
+
 def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
     """Runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
     begin, last, before, settings = time.perf_counter(), 0.0, 0.0, METHODS[name].setting.tried
@@ -141,6 +148,7 @@ def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iter
         errors = errors_of(found, reference) if done else dict.fromkeys(QUANTITIES, np.nan)
         yield {
             "method": name, "setting": setting, "status": found.status, "seconds": min(seconds),
+            "seconds_noise": noise_of_least(seconds),
             "steps": found.steps, "events": found.events, **{f"error_{q}": error for q, error in errors.items()},
             "impacts": int(found.links.impacts.sum()) if done else np.nan,
             "impacts_reference": int(reference.links.impacts.sum()),

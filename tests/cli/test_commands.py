@@ -17,6 +17,7 @@ from click.testing import CliRunner
 
 import pounding_cli
 from pounding_cli.cli.main import cli
+from tests.adapter import cheapest
 
 from .conftest import TWO
 
@@ -343,12 +344,36 @@ def test_editors_know_the_keys_of_the_law_that_stands_there(pound):
 # accuracy
 
 
+@pytest.mark.parametrize(
+    ("lines", "named"),
+    [
+        # within 10 % of the fastest the most accurate; 15 % are a difference
+        ([("taylor", 1e-3, 1.926, 0, 9e-4), ("taylor", 1e-5, 1.937, 0, 9e-8), ("taylor", 1e-6, 2.3, 0, 1e-9)], 1e-5),
+        # repeats that spread by 30 % tell no difference of 15 %
+        ([("taylor", 1e-3, 2.0, 0.6, 9e-4), ("taylor", 1e-6, 2.3, 0, 1e-9)], 1e-6),
+        # of two methods likewise, each at its own best setting
+        ([("taylor", 1e-3, 2.0, 0, 9e-4), ("dop853", 1e-4, 2.1, 0, 1e-5), ("newmark", 0.1, 1.0, 0, 0.5)], 1e-4),
+        # no setting is named for what it gains over another that is no faster than a third
+        ([("taylor", 1e-3, 2.0, 0, 9e-4), ("taylor", 1e-5, 2.15, 0, 1e-5), ("taylor", 1e-6, 2.3, 0, 1e-9)], 1e-5),
+        ([("taylor", 1e-3, 2.0, 0, 0.5)], None),
+    ],
+)
+def test_of_settings_that_are_equally_fast_the_most_accurate_is_named(lines, named):
+    """Fails if the noise of the timing decides."""
+    frame = pd.DataFrame(lines, columns=["method", "setting", "seconds", "seconds_noise", "error_V"])
+    frame = frame.assign(scenes=1, error_mu=0.0, error_acceleration=0.0, error_force=0.0)
+    best = cheapest(frame, 1e-3, 1)
+    assert (best["setting"].iloc[0] if len(best) else None) == named
+    assert best["method"].is_unique
+
+
 def test_accuracy_measures_methods(folder, pound):
     (folder / "two.yaml").write_text(TWO.replace(", taft", "").replace("3 s}", "1 s}").replace(", inelastic", ""))
     words = ("accuracy", "two.yaml", "--methods", "taylor,central-difference", "--cases", "touching", "--budget", "1s")
     code, out, _ = pound(*words)
     assert code == 0
     assert "For 0.1 % use" in out
+    assert "count as equally fast" in " ".join(out.split())
     written = Path("results/two-accuracy")
     assert {path.name for path in written.iterdir()} == {
         "report.html", "tables", "accuracy-elastic.png", "accuracy-elastic.svg",

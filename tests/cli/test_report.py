@@ -34,16 +34,19 @@ def words(page: Path) -> str:
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory) -> Path:
-    """A folder with two.h5, swept.h5 over restitutions, and maps.h5 over these and gaps too narrow for a connector."""
+    """A folder with two.h5, swept.h5 over restitutions, maps.h5 over these and gaps too narrow for a connector, and
+    gap.h5 with the answer of `pound gap`."""
     folder = tmp_path_factory.mktemp("report")
+    with_apart = FOUR.replace("analyses:", "  apart: {link: none}\nanalyses:")
     studies = {
-        "two": "",
-        "swept": "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n",
-        "maps": "sweep: {cases.connected.gap: [1 mm, 2 mm, 3 mm], impact.restitution: [0.4, 0.6]}\n",
+        "two": FOUR,
+        "swept": with_apart + "sweep: {impact.restitution: [0.4, 0.5, 0.65]}\n",
+        "maps": FOUR + "sweep: {cases.connected.gap: [1 mm, 2 mm, 3 mm], impact.restitution: [0.4, 0.6]}\n",
     }
-    for name, more in studies.items():
-        (folder / f"{name}.yaml").write_text(FOUR + more)
+    for name, text in studies.items():
+        (folder / f"{name}.yaml").write_text(text)
         pounding_cli.run(folder / f"{name}.yaml", folder / f"{name}.h5", engine="serial")
+    pounding_cli.run(folder / "two.yaml", folder / "gap.h5", engine="serial", workflow="gap")
     return folder
 
 
@@ -99,6 +102,11 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
     both = ["report", made / "two.h5", made / "swept.h5", "-q", "--format", "svg", "-o", "both"]
     assert pound(*both, "--case", "touching", "--where", "storey=2")[0] == 0
     assert [*Path("both/swept").glob("*-sweep.svg")]
+    code, _, err = pound(
+        "report", made / "gap.h5", made / "swept.h5", "--building", "soft", "--format", "svg", "-o", "more"
+    )
+    assert code == 0
+    assert "gap.h5 holds the answer of `pound gap`: --building soft does not apply to it" in err
 
 
 def test_cells_without_meaning_are_hatched(made):
@@ -122,7 +130,7 @@ def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
     report(pounding_cli.open_results(made / "swept.h5")).print()
 
 
-@pytest.mark.parametrize(("most", "quantities"), [(500, "3 of 15"), (10, None)])
+@pytest.mark.parametrize(("most", "quantities"), [(650, "3 of 15"), (10, None)])
 def test_a_page_carries_no_more_numbers_than_it_may(made, folder, pound, monkeypatch, most, quantities):
     """Of a large sweep means and the largest over the height, of fewer quantities; none where not one has room."""
     monkeypatch.setattr("pounding_cli.report.widgets.MOST_VALUES", most)
@@ -188,7 +196,18 @@ def test_keys_that_move_together_are_fixed_together(folder, pound):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["two.h5", "--quantity", "mu_ratio"], "swept"), (["swept.h5", "--quantity", "mue"], "mu_ratio"),
+        (["two.h5", "--quantity", "mu_ratio"], "sweeps nothing"), (["two.h5", "--case", "gap"], "sweeps nothing"),
+        (["gap.h5", "--quantity", "nonsense"], "the answer of `pound gap`"),
+        (["gap.h5", "--where", "storey=1"], "the answer of `pound gap`"),
+        (["gap.h5", "two.h5", "--building", "soft"], "the answer of `pound gap`"),
+        (["gap.h5", "swept.h5", "--quantity", "nonsense"], "no quantity 'nonsense'"),
+        (["swept.h5", "--analysis", "plastic"], "elastic, inelastic"), (["swept.h5", "--record", "worst"], "worst"),
+        (["swept.h5", "--where", "restitution=0.5"], "no swept key"),
+        (["swept.h5", "--quantity", "shear_demand"], "no case has"),
+        (["swept.h5", "--quantity", "peak_force", "--case", "apart"], "no number of peak_force in case apart"),
+        (["gap.h5", "--no-figures", "--format", "png"], "contradict"),
+        (["swept.h5", "--no-figures", "--quantity", "drift"], "contradict"),
+        (["swept.h5", "--quantity", "mue"], "mu_ratio"),
         (["swept.h5", "--case", "gip"], "touching, gap"), (["swept.h5", "--where", "storey=8"], "1, 2, 3"),
         (["swept.h5", "--where", "restitution=0.7"], "0.4, 0.5, 0.65"), (["missing.h5"], "missing.h5"),
         (["two.yaml"], "is a study"), (["."], "folder"), (["swept.h5", "--case", "touching", "--case", "gap"], "twice"),
@@ -196,9 +215,11 @@ def test_keys_that_move_together_are_fixed_together(folder, pound):
 )  # fmt: skip
 def test_what_cannot_be_drawn_is_refused(made, folder, pound, arguments, message):
     """Nothing is written; where one of several files is bad, neither."""
-    name, *options = arguments
-    for files in ([made / name], [made / "two.h5", made / name]) if not options else ([made / name],):
-        code, out, err = pound("report", *files, *options, "-q", "--format", "svg", "-o", "out")
+    names = [each for each in arguments if each.endswith((".h5", ".yaml")) or each == "."]
+    files, options = [made / name for name in names], arguments[len(names) :]
+    options += [] if "--no-figures" in options else ["--format", "svg"]
+    for several in (files, [made / "swept.h5", *files]) if files[0].suffix != ".h5" else (files,):
+        code, out, err = pound("report", *several, *options, "-q", "-o", "out")
         assert (code, out) == (2, "")
         assert message in err
         assert "Traceback" not in err
@@ -227,6 +248,20 @@ def test_what_limits_the_numbers_stands_on_the_page(folder, pound):
     assert "Line 9 of the study" in page
     assert "100 x stiffest storey" in page
     assert re.search(r"close, elastic, 6 of 6 scenes.*connector closes more than the gap", page)
+
+
+def test_a_gap_that_never_closes_is_no_effect_of_the_page(folder, pound):
+    """Fails if its sentence is taken for the name of an effect that nothing in the study calls for."""
+    wide = TWO.replace("gap: 5 mm", "gap: 50 cm").replace(", inelastic", "")
+    Path("two.yaml").write_text(wide)
+    pound("run", "two.yaml", "-q")
+    pound("report", "results/two.h5", "--no-figures", "-o", "out", "-q")
+    page = words(Path("out/report.html"))
+    rest = re.search(r"nothing in the study calls for: ([^.]*)", page)[1].split(" Cases")[0]
+    assert "tension cut-off" in rest
+    assert "stiff" not in rest
+    assert not re.search("links(?! of the kinds)", rest)
+    assert "stiff | soft: the gap never closes in 2 of 4 runs, in which no force acts across it." in page
 
 
 NASTY = ("'=1+1'", "'<script>alert(1)</script>'", "../../out", "'a;b|c&d ü'")

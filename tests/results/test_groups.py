@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import subprocess
 import sys
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,8 @@ from pounding_cli.batch.attempt import Task
 from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import pool
 from pounding_cli.batch.progress import Progress
+from pounding_cli.model.effects import DroppedEffect, effects_of, summarize_effects
+from pounding_cli.model.links import Link
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.assemble import layout_of
 from pounding_cli.study import expand, study_of
@@ -87,7 +90,41 @@ def test_neighbours_with_nothing_between_them_answer_whatever_group_a_scene_is_i
     assert together[-1].peaks.tobytes() == alone[0].peaks.tobytes()
     assert together[-1].error_estimate == alone[0].error_estimate < 1e-6
     assert together[-1].seconds == 0.0
-    assert together[-1].dropped[-1].startswith("links stiff | soft: the gap never closes, ")
+    last = together[-1].dropped[-1]
+    assert (last.effect, last.links) == ("links", "stiff | soft")
+    assert last.reason.startswith("the gap never closes, ")
+
+
+def test_links_that_never_act_are_named_by_their_neighbours_and_are_no_effect():
+    """In a row of three one pair strikes, whose gap is closed; the other, whose names look like sentences, does not.
+    Fails if a name is taken for an effect, or a pair that strikes hides one that does not."""
+    names = "P-Delta: the gap never closes", "links: b"
+    row = [STIFF, *(replace(SOFT, name=name) for name in names)]
+    links = [Link(left, 2, 2, pound.Pounding(gap, 1e9, 0.0)) for left, gap in ((0, 0.0), (1, 0.5))]
+    (response,) = Task(1e-6, "taylor")([pound.scene(row, STRONG, links=links)])
+    assert [each.links for each in response.dropped if each.links] == [" | ".join(names)]
+    assert [DroppedEffect.parse(str(each)) for each in response.dropped] == list(response.dropped)
+    rows = summarize_effects(Counter(response.effects), Counter(response.dropped))
+    told = {name: reason for name, *_, reason in rows}
+    assert [name for name in told if "links" in name] == ["pounding links"]
+    assert "links, " not in told["all others"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "analysis", "effect", "is_called_for"),
+    [
+        ({"collapse": "3 %"}, "elastic", "collapse", True),
+        ({}, "elastic", "collapse", False),
+        ({}, "inelastic", "collapse", False),
+    ],
+)
+def test_an_effect_that_is_asked_for_is_not_said_to_be_uncalled_for(keys, analysis, effect, is_called_for):
+    """Fails if "nothing in the study calls for" an effect that only the analysis leaves out."""
+    frames = [pound.building(name, storeys=2, period=t, **keys) for name, t in (("a", 0.2), ("b", 0.5))]
+    effects = effects_of(pound.scene(frames, WEAK, gap=0.01, analysis=analysis))
+    rows = {name: reason for name, *_, reason in summarize_effects(Counter(effects.kept), Counter(effects.dropped))}
+    assert (effect in rows) == is_called_for
+    assert (effect in rows["all others"]) != is_called_for
 
 
 def test_a_scene_takes_as_much_room_in_a_group_as_alone():
