@@ -71,6 +71,34 @@ def test_fragility_curves(folder, pound):
     assert "Baker" in pound("cite", "results/two-fragility.h5")[1]
 
 
+def test_motions_of_the_page_are_those_of_the_study(folder, pound):
+    """Fails if they are those of some intensity that the search solved, as the lowest."""
+    rows = {}
+    for name, values in (("on", "[0.05 g, 0.1 g, 1 g]"), ("off", "[0.05 g, 0.2 g, 1 g]")):
+        text = STUDY.replace("{from: 0.05 g, to: 1 g, step: 0.05 g}", values).replace("mu > 4", "mu > 400")
+        (folder / "two.yaml").write_text(text)
+        assert pound("fragility", "two.yaml", "-o", f"{name}.h5")[0] == 0
+        pound("report", f"{name}.h5", "-q", "--no-figures", "-o", name)
+        page = Path(name, "report.html").read_text(encoding="utf-8")
+        assert "The motions are varied: records.scale.pga from 0.05 g to 1 g." in page
+        table = page[page.index("Ground motions as used at records.scale.pga = 0.1 g") :]
+        rows[name] = [
+            re.findall("<td[^>]*>([^<]*)", row)[:5] for row in table[: table.index("</table>")].split("</tr>")
+        ]
+    assert [row[3] for row in rows["on"] if row] == ["0.1000"] * 4  # peak [g]
+    assert rows["on"] == rows["off"]
+
+
+def test_a_ratio_of_one_is_no_difference(folder, pound):
+    """Fails if floors that never meet are said to differ by chance."""
+    (folder / "two.yaml").write_text(STUDY.replace("gap: 3 mm", "gap: 5 m").replace("[mu > 4, contact]", "[mu > 4]"))
+    out = " ".join(pound("fragility", "two.yaml", "-o", "r.h5")[1].split())
+    assert "; pounding makes no difference in three digits." in out
+    assert "by chance" not in out
+    assert "may be chance" not in out
+    assert "by a factor of" not in out
+
+
 def test_sensitivity_indices(folder, pound):
     Path("uncertain.yaml").write_text(UNCERTAIN)
     code, out, _ = pound("sensitivity", "uncertain.yaml")

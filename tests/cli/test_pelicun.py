@@ -13,7 +13,7 @@ from pounding_cli import open_results
 
 from .conftest import TWO
 
-STUDY = TWO + "sweep: {records.scale: [1, 2]}\n"
+STUDY = TWO.replace("[elcentro, taft]", "[taft, elcentro]") + "sweep: {records.scale: [2, 1]}\n"  # not in order
 ONE = ("--case", "gap", "--analysis", "inelastic", "--building", "soft")
 
 
@@ -24,6 +24,7 @@ def test_the_demands_of_a_building(folder, pound):
     assert "wrote d.csv" in out
     table = pd.read_csv("d.csv", index_col=0)
     units, rows = table.loc["Units"], table.drop(index="Units").astype(float)
+    assert list(rows.index) == [f"records.scale = {scale}, {name}" for scale in (2, 1) for name in ("taft", "elcentro")]
     assert list(rows) == ["PFA-0-1", *(f"{kind}-{floor}-1" for kind in ("PFA", "PID", "RID") for floor in (1, 2))]
     assert units.to_dict() == {name: "mps2" if name.startswith("PFA") else "rad" for name in rows}
     storey, floor = open_results("r.h5").storey(), open_results("r.h5").floor()
@@ -36,6 +37,13 @@ def test_the_demands_of_a_building(folder, pound):
     code, _, _ = pound("export", "r.h5", "--pelicun", *ONE, "--where", "records.scale=2", "-o", "one.csv")
     assert code == 0
     assert len(pd.read_csv("one.csv")) == 3
+
+
+def test_without_a_sweep_a_row_is_called_by_its_motion(folder, pound):
+    (folder / "two.yaml").write_text(STUDY[: STUDY.index("sweep:")])
+    pound("run", "two.yaml", "-o", "r.h5")
+    assert pound("export", "r.h5", "--pelicun", *ONE, "-o", "d.csv")[0] == 0
+    assert pd.read_csv("d.csv", index_col=0).index.tolist() == ["Units", "taft", "elcentro"]
 
 
 def test_what_is_not_one_building_is_refused(folder, pound):
