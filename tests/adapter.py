@@ -135,16 +135,23 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
 
 def difference(one: Any, other: Any, names: Sequence[str] = (*FLOORS[:6], *LINKS[:4])) -> float:
     """Largest difference of two runs, over the largest of its kind in the scene [-]; inf where the outcomes differ. A
-    number below 1e-8 of the scene's largest length or force counts as zero."""
+    number below 1e-8 of the scene's largest length or force counts as zero, and the contact time of a link that presses
+    by rounding, by 1e-10 of the largest force."""
     if getattr(one, "status", "done") != getattr(other, "status", "done"):
         return float("inf")
     worst = 0.0
     for name in names:
         a, b = (np.asarray(getattr(each, name), dtype=float) for each in (one, other))
-        alike = next((kinds for kinds in (LENGTHS, FORCES) if name in kinds), ())
+        if name == "contact_time" and hasattr(one, "peak_force"):
+            least = 1e-10 * max(_largest(each, kind) for each in (one, other) for kind in FORCES)
+            presses = np.maximum(one.peak_force, other.peak_force) > least
+            a, b = np.where(presses, a, 0.0), np.where(presses, b, 0.0)
+        alike = LENGTHS if name in LENGTHS else FORCES if name in (*FORCES, "impulse") else ()
         nothing = 1e-8 * max((_largest(each, kind) for each in (one, other) for kind in alike), default=0.0)
-        size = max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0), nothing)
-        worst = max(worst, float(np.abs(a - b).max(initial=0.0) / size) if size > 0 else 0.0)
+        if name == "impulse":
+            nothing *= max(_largest(each, "contact_time") for each in (one, other))
+        size = max(np.abs(a).max(initial=0.0), np.abs(b).max(initial=0.0))
+        worst = max(worst, float(np.abs(a - b).max(initial=0.0) / size) if size > nothing else 0.0)
     return worst
 
 

@@ -85,9 +85,8 @@ def change(first: Response, second: Response) -> float:
     `difference`."""
     a, b = first.peaks, second.peaks
     sizes = scene_sizes(first, second)
-    shears = a["shear"], b["shear"], np.maximum(a["shear"], NOTHING * sizes["shear"])
-    drifts = a["drift"], b["drift"], np.maximum(a["drift"], NOTHING * sizes["drift"])
-    return _largest(first, second, [shears, drifts])
+    found = [_compared(a[name], b[name], a[name], sizes[name]) for name in ("shear", "drift")]
+    return _largest(first, second, found)
 
 
 def difference(first: Response, second: Response) -> float:
@@ -108,7 +107,7 @@ def difference(first: Response, second: Response) -> float:
         scales[name] = np.full_like(a[name], np.abs(a[name]).max(initial=0.0))
     for name in ("shear", "drift", "acceleration", "sway", "rocking", "shear_below", "shear_above"):
         scales[name] = a[name]
-    found = [(a[name], b[name], np.maximum(scale, NOTHING * sizes.get(name, 0.0))) for name, scale in scales.items()]
+    found = [_compared(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
     presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
     time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
     found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
@@ -140,7 +139,19 @@ def _largest_of(both: Iterable[np.void], name: str) -> float:
     return max(float(np.fmax.reduce(np.abs(peaks[name]).ravel(), initial=0.0)) for peaks in both)
 
 
-def _largest(first: Response, second: Response, triples: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> float:
+Triple = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Values of two responses, and what their difference is relative to."""
+
+
+def _compared(first: np.ndarray, second: np.ndarray, scale: np.ndarray, size: float) -> Triple:
+    """Return values of two responses with their scale, zero where all three are below 1e-8 of the scene's size."""
+    largest = np.maximum(np.maximum(np.abs(first), np.abs(second)), np.abs(scale))
+    is_nothing = largest < NOTHING * size
+    one, other, relative_to = (np.where(is_nothing, 0.0, each) for each in (first, second, scale))
+    return one, other, relative_to
+
+
+def _largest(first: Response, second: Response, triples: Iterable[Triple]) -> float:
     """Largest |x - y| over the largest of |x|, |y| and |scale|, of triples of these; 0 where all three are. Walls that
     move as the ground does have no numbers."""
     if not (first.has_result and second.has_result):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -17,7 +18,8 @@ from .random_scenes import random_cut_infill, random_touch
 
 FOLDER = Path(__file__).parent / "methods"
 
-NUMBERS = "shear", "drift", "acceleration", "peak_force", "max_closing", "impulse", "contact_time"
+NUMBERS = "shear", "drift", "acceleration", "peak_force", "max_closing", "impulse"
+"""What methods are compared in; with the contact time, where Dormand-Prince tells that of grazing contacts as well."""
 
 BELOW = 10.0
 """By so much an estimate may be below the true error."""
@@ -32,12 +34,14 @@ class Expected:
 
     peak_force, max_closing : by an integration of its own [N, m]; nan where there is none
     steps : most steps of a run
+    agree : what two methods may differ by where no estimate is asked for, which takes many runs [-]; 0 for an estimate
     flag : words of a flag that the scene has, or ""
     """
 
     peak_force: float = math.nan
     max_closing: float = math.nan
     steps: int = 5000
+    agree: float = 0.0
     flag: str = ""
 
 
@@ -53,14 +57,23 @@ def linked_scene(path: Path) -> tuple[pound.Scene, float]:
     return scene, accuracy
 
 
-def assert_methods_agree(scene: Scene | pound.Scene, accuracy: float, steps: int) -> tuple[str, ...]:
+def method_difference(scene: pound.Scene, accuracy: float, steps: int) -> float:
+    """Return the largest difference of two methods in peaks of storeys and closings of links [-]."""
+    runs = [solve(scene, accuracy, method=method, bounds=(steps, steps)) for method in ("taylor", "dop853")]
+    assert [run.status for run in runs] == ["done", "done"]
+    return difference(*runs, ("shear", "drift", "acceleration", "max_closing"))
+
+
+def assert_methods_agree(
+    scene: Scene | pound.Scene, accuracy: float, steps: int, numbers: Sequence[str] = NUMBERS
+) -> tuple[str, ...]:
     """Fail if another method differs by more than the estimate tells; return the flags of the scene."""
     bounds = steps, steps
     run = solve(scene, accuracy, estimate=True, bounds=bounds)
     other = solve(scene, max(1e-3 * accuracy, 1e-11), method="dop853", bounds=bounds)
     assert run.status == other.status
     if run.status == "done":
-        error = difference(run, other, NUMBERS)
+        error = difference(run, other, numbers)
         assert error <= max(BELOW * run.error, 0.1 * accuracy), (error, run.error)
         assert run.error <= accuracy or run.flags
     return run.flags
@@ -74,7 +87,10 @@ def test_methods_agree(path: Path) -> None:
     """Fails if runs that are to disagree are one run, or both miss an event that another method sees."""
     scene, accuracy = linked_scene(path)
     expected = read_expected(path)
-    flags = assert_methods_agree(scene, accuracy, expected.steps)
+    if expected.agree:
+        assert method_difference(scene, accuracy, expected.steps) <= expected.agree
+        return
+    flags = assert_methods_agree(scene, accuracy, expected.steps, (*NUMBERS, "contact_time"))
     assert expected.flag in "; ".join(flags)
 
 
@@ -97,7 +113,7 @@ def test_what_is_cut_never_pulls(name: str) -> None:
     assert pound.history(scene, every=1e-3).link_force.min() >= 0.0
 
 
-@pytest.mark.parametrize("number", range(8))
+@pytest.mark.parametrize("number", range(6))
 def test_random_cut_infills(number: int) -> None:
     """Infills as printed that do not pull, by two methods. Fails if one pulls, or the methods differ by more than the
     estimate tells."""
@@ -107,7 +123,7 @@ def test_random_cut_infills(number: int) -> None:
     assert kept.link_force.min() >= -1e-9 * np.abs(kept.link_force).max()
 
 
-@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize("number", [0, 1])
 def test_random_smooth_touch(number: int) -> None:
     """Buildings that move nearly alike, in touch by laws that Dormand-Prince steps, at an accuracy where its tolerance
     ends. Fails if finer runs are one run: an estimate of exactly zero."""
@@ -115,7 +131,7 @@ def test_random_smooth_touch(number: int) -> None:
     run = solve(scene, accuracy, estimate=True, bounds=(BOUND, BOUND))
     assert run.status == "done"
     assert run.error > 0.0
-    assert_methods_agree(scene, accuracy, BOUND)
+    assert_methods_agree(scene, accuracy, BOUND, (*NUMBERS, "contact_time"))
 
 
 def test_a_run_of_other_steps_differs() -> None:
@@ -155,4 +171,4 @@ def test_a_history_ends_with_its_tail() -> None:
     kept = pound.history(scene.built, every=0.1)
     run = solve(scene)
     assert float(kept.time[-1]) == pytest.approx(0.9)
-    assert kept.displacement.to_numpy().ravel()[-1] == pytest.approx(run.end[0], rel=1e-6)
+    assert np.ravel(kept.displacement)[-1] == pytest.approx(run.end[0], rel=1e-6)
