@@ -44,7 +44,7 @@ def _read_joint(given: Any) -> float | str:
 Mass = Annotated[float, MASS]
 Stiffness = Annotated[float, STIFFNESS]
 Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0)]
-Joint = Annotated[float | str, Text(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"))]
+Joint = Annotated[float | str, Text(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"), _JOINT)]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
 Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]

@@ -22,10 +22,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import ValidationError
 
-from pounding_cli.errors import InputError
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, counted
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
+from pounding_cli.study.plausible import Doubts, warn_values
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,6 +75,7 @@ class Sweep:
     text: str
     axes: tuple[Axis, ...]
     points: tuple[Point, ...]
+    warnings: tuple[Problem, ...] = ()
 
 
 def value(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
@@ -90,6 +92,7 @@ def load(path: Path, name: str) -> Sweep:
     axes = read_axes(root, problems, asked.Study)
     problems.check()
     points = []
+    doubts = Doubts(str(path))
     for places in product(*(range(len(axis)) for axis in axes)):
         tree, swept = root, dict[str, float | str]()
         for axis, at in zip(axes, places, strict=True):
@@ -98,11 +101,14 @@ def load(path: Path, name: str) -> Sweep:
             swept |= dict(zip(axis.names, axis.values[at], strict=True))
         label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
         try:
-            points.append(Point(label, asked.Study.model_validate(tree), swept))
+            study = asked.Study.model_validate(tree)
+            points.append(Point(label, study, swept))
+            warn_values(study, tree, (), doubts)
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
     problems.check()
-    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points))
+    warnings = sorted(doubts.merged(), key=lambda warning: (warning.line, warning.column))
+    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(warnings))
 
 
 def solved(sweep: Sweep, point: Point) -> Point:

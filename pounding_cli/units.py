@@ -30,32 +30,86 @@ _ONE = {
     for prefix, size in _PREFIXES.items() for name, (value, dimension) in _UNITS.items()
 }  # fmt: skip
 # Where a name is two, as `min`, the one without prefix counts.
-_FACTOR = re.compile(r"\s*([*/·.]?)\s*([A-Za-z]+|%)(?:(?:\*\*|\^)?(-?[1-9](?:\.5)?)|([²³]))?\s*")
+_NAME = re.compile(r"[A-Za-z]+|%")
+_SEPARATOR = re.compile(r"\s*([*/·.]?)\s*")
+_POWER = re.compile(r"(?:\*\*|\^)?(-?[0-9]{1,2}(?:\.[0-9]{1,3})?)|([²³])")
+
+_Powers = tuple[Fraction, Fraction, Fraction]
+_Size = tuple[Fraction, float, _Powers]
+# The part of a size that is exact, the part that is a root, and powers of kg, m and s.
 
 
 @cache
 def measure(unit: str) -> tuple[float, Dimension]:
-    """One `unit`, such as `kN/mm`, `N s/m` or `1/s`, in SI, and its powers of kg, m and s.
+    """Return one `unit`, such as `kN/mm`, `N s/m`, `kN/(m/s)^0.3` or `1/s`, in SI, and its powers of kg, m and s.
 
-    Raises ValueError for an unknown unit.
+    A slash divides by the next unit alone, or by what stands in brackets.
+
+    Raises
+    ------
+    ValueError : for an unknown unit
     """
-    text, exact, rounded, dimension = unit.strip(), Fraction(1), 1.0, _PLAIN
-    at = 1 if text.startswith("1/") else 0
+    text = unit.strip()
     if not text or len(text) > LONGEST:
         raise ValueError(unit)
-    while at < len(text):
-        found = _FACTOR.match(text, at)
-        if found is None or (at == 0 and found[1]) or found[2] not in _ONE:
-            raise ValueError(unit)
-        power = float(found[3] or {"²": 2, "³": 3}.get(found[4], 1)) * (-1 if found[1] == "/" else 1)
-        one, (mass, length, time) = _ONE[found[2]]
-        if power.is_integer():
-            exact *= one ** int(power)
-        else:
-            rounded *= float(one) ** power
-        dimension = dimension[0] + power * mass, dimension[1] + power * length, dimension[2] + power * time
-        at = found.end()
-    return float(exact) * rounded, dimension
+    (exact, root, powers), end = _read_product(text, 2 if text.startswith("1/") else 0, text.startswith("1/"))
+    if end < len(text):
+        raise ValueError(unit)
+    mass, length, time = map(float, powers)
+    return float(exact) * root, (mass, length, time)
+
+
+def _read_product(text: str, begin: int, divides: bool = False) -> tuple[_Size, int]:
+    """Return the size of the product of units that begins at a place of a text, and where it ends.
+
+    divides : whether its first unit is a divisor
+    """
+    exact, root, powers = Fraction(1), 1.0, (Fraction(0), Fraction(0), Fraction(0))
+    place, is_first = begin, True
+    while place < len(text) and text[place] != ")":
+        separator = _SEPARATOR.match(text, place)
+        sign = 1
+        if separator is not None:
+            if is_first and separator[1]:
+                raise ValueError(text)
+            sign = -1 if separator[1] == "/" or (is_first and divides) else 1
+            place = separator.end()
+        (size, size_of_root, own_powers), place = _read_factor(text, place)
+        exact *= size**sign
+        root *= size_of_root**sign
+        mass, length, time = (old + sign * own for old, own in zip(powers, own_powers, strict=True))
+        powers = mass, length, time
+        is_first = False
+        place += len(text[place:]) - len(text[place:].lstrip())
+    if is_first:
+        raise ValueError(text)
+    return (exact, root, powers), place
+
+
+def _read_factor(text: str, place: int) -> tuple[_Size, int]:
+    """Return the size of one unit, or of a product in brackets, with its power, and where it ends."""
+    name = _NAME.match(text, place)
+    if text[place : place + 1] == "(":
+        (exact, root, powers), place = _read_product(text, place + 1)
+        if text[place : place + 1] != ")":
+            raise ValueError(text)
+        place += 1
+    elif name is not None and name[0] in _ONE:
+        exact, dimension = _ONE[name[0]]
+        mass, length, time = map(Fraction, dimension)
+        root, powers, place = 1.0, (mass, length, time), name.end()
+    else:
+        raise ValueError(text)
+    found = _POWER.match(text, place)
+    if found is None:
+        return (exact, root, powers), place
+    power = Fraction(found[1]) if found[1] else Fraction({"²": 2, "³": 3}[found[2]])
+    if power == 0:
+        raise ValueError(text)
+    mass, length, time = (power * each for each in powers)
+    if power.denominator == 1:
+        return (exact ** int(power), root ** int(power), (mass, length, time)), found.end()
+    return (Fraction(1), float(exact) ** float(power) * root ** float(power), (mass, length, time)), found.end()
 
 
 @cache

@@ -205,6 +205,8 @@ def _points(name: str, about: str, example: str) -> click.Command:
         from pounding_cli.results.group import Group
 
         sweep = load(study, name)
+        for warning in sweep.warnings:
+            click.echo(f"warning: {warning}", err=True)
         file = output or Path("results", f"{study.stem}.h5")
         file = file if file.suffix else file.with_suffix(".h5")
         check_output(file, [study], lambda place, _: is_written_by(name, place))

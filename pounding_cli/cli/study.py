@@ -80,6 +80,8 @@ def check(study: Path) -> None:
     name, kind = shortened(study), kind_of_file(study)
     if kind in QUESTIONS:
         sweep = load(study, kind)
+        for warning in sweep.warnings:
+            click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
@@ -211,7 +213,7 @@ def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
         value, unit = getattr(law, name), field.metadata["parameter"].unit
         if name in ("gap", "stiffness", "impact_stiffness", "straight_below") or not isinstance(value, float):
             continue
-        title = name.replace("_", " ")
+        title = name.replace("_", " ").replace("1 m s", "1 m/s")
         if name == "damping_ratio":
             words.append(f"damping ratio {100 * value:.3g} % (restitution {restitution_of(value):.3g})")
         elif unit.startswith("N"):

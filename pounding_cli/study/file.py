@@ -7,7 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, cast
 
@@ -31,6 +31,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+\Z")
 # YAML 1.1, as PyYAML reads it, takes 1e10 for text, `no` for false, 0:36 for 36. Here numbers look like it.
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\Z")
+_AFTER_COMMA = re.compile(r"[0-9]{1,15}(?:\s{0,9}[A-Za-z%][^,]{0,30})?\Z")
 _WORDS: dict[str, Any] = {"": None, "~": None, "null": None, "true": True, "false": False}
 _TAGS = {f"tag:yaml.org,2002:{kind}" for kind in ("str", "int", "float", "bool", "null", "map", "seq")} | {"!", None}
 
@@ -215,10 +216,13 @@ class _Reader:
             value = self.scalar(event, mark)
         elif isinstance(event, yaml.SequenceStartEvent):
             value = Items((), mark)
+            events = []
             while not isinstance(below := next(self.events), yaml.SequenceEndEvent):
                 item, at = self.node(below, depth + 1)
                 value.append(item)
                 value.marks.append(at)
+                events.append(below)
+            self.refuse_decimal_commas(events)
         else:
             value = self.mapping(mark, depth)
         if event.anchor is not None:
@@ -235,14 +239,18 @@ class _Reader:
 
     def mapping(self, mark: Mark, depth: int) -> Map:
         found = Map((), mark)
+        last: Any = None
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             at, word = _mark(event), event.value if isinstance(event, yaml.ScalarEvent) else None
             if word is None:
                 self.node(event, depth + 1)
                 self.refuse(at, "a key must be a word", "write `key: value`")
-            key, (value, there) = canonical(word or ""), self.node(next(self.events), depth + 1)
+            key, first = canonical(word or ""), next(self.events)
+            value, there = self.node(first, depth + 1)
             if word is None:
                 pass
+            elif value is None and self.is_decimal(last, event):
+                self.refuse_decimal(last, event)
             elif value is None and _is_plain(event) and (slip := MISSING_BLANK.match(word)):
                 self.refuse(at, f"'{word}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`")
             elif word == "<<" and _is_plain(event):
@@ -252,7 +260,34 @@ class _Reader:
                 self.refuse(at, f"'{key}' occurs twice; first at {line}:{column}", "remove one of the two")
             else:
                 found[key], found.marks[key] = value, (at, there)
+            last = first
         return found
+
+    def is_decimal(self, before: Any, after: Any) -> bool:
+        """Return whether two scalars are the halves of a number with a decimal comma, `0,36 s`, in brackets."""
+        if not (isinstance(before, yaml.ScalarEvent) and isinstance(after, yaml.ScalarEvent)):
+            return False
+        between = self.text[_index(before.end_mark) : _index(after.start_mark)]
+        are_plain = _is_plain(before) and _is_plain(after)
+        is_number = _INTEGER.match(before.value) and _AFTER_COMMA.match(after.value)
+        return are_plain and bool(is_number) and between == ","
+
+    def refuse_decimal(self, before: Any, after: Any) -> None:
+        """Refuse a number with a decimal comma."""
+        what = f"'{before.value},{after.value}' has a decimal comma: inside brackets a comma ends the value"
+        hint = f"write `{before.value}.{after.value}`, or a blank after the comma of two values"
+        self.refuse(_mark(before), what, hint)
+
+    def refuse_decimal_commas(self, events: list[Any]) -> None:
+        """Refuse the numbers of a list that have decimal commas: a number without a unit before one that has it, or
+        pairs of numbers that are nearer to each other than to the next pair."""
+        pairs = list(pairwise(events))
+        tight = [self.is_decimal(*pair) for pair in pairs]
+        are_in_pairs = len(events) >= 4 and len(events) % 2 == 0 and tight == [n % 2 == 0 for n in range(len(pairs))]
+        for (before, after), is_tight in zip(pairs, tight, strict=True):
+            has_unit = is_tight and not _INTEGER.match(after.value)
+            if has_unit or (is_tight and are_in_pairs):
+                self.refuse_decimal(before, after)
 
     def scalar(self, event: Any, mark: Mark) -> Any:
         word = event.value
@@ -281,6 +316,11 @@ def canonical(key: str) -> str:
 
 def _is_plain(scalar: Any) -> bool:
     return scalar.style not in ('"', "'", "|", ">")
+
+
+def _index(mark: Any) -> int:
+    """Return the place of a mark in the text, in characters."""
+    return int(mark.index)
 
 
 def _mark(event: Any) -> Mark:

@@ -660,9 +660,11 @@ def _warn_value(
 def customary_unit(si: str) -> str:
     """Return the unit in which people write a quantity of SI unit `si`; "" where that is the SI unit itself.
 
-    Forces, stiffnesses, dashpots and inertias are written in kN and t; masses, lengths and times have ranges that tell
-    the unit.
+    Forces, stiffnesses, dashpots and inertias are written in kN and t; masses, lengths, times and moduli have ranges
+    that tell the unit.
     """
+    if si == "N/m2":
+        return ""
     if si.startswith("N"):
         return f"k{si}"
     return si.replace("kg", "t", 1) if si.startswith("kg ") else ""

@@ -68,6 +68,9 @@ _RANGES = (
     (2e-3, 100.0, FORCES, "force of a damper", "far below a floor's weight it does nothing, far above it is rigid"),
     (0.0, 10.0, TIMES, "period on a moving base", "isolated buildings have 2 to 5 s"),
     (0.005, 5.0, VELOCITIES, "peak velocity asked for", "damage begins near 5 cm/s, recorded peaks reach 3 m/s"),
+    (1e8, 3e11, {"GPa": 1e9, "MPa": 1e6}, "modulus", "concrete has 20 to 45 GPa, masonry 1 GPa, steel 210 GPa"),
+    (100.0, 2e4, {"kg/m3": 1.0, "t/m3": 1e3}, "density", "concrete has 2500 kg/m3, steel 7850 kg/m3"),
+    (0.01, 10.0, {"m/s": 1.0, "cm/s": 0.01}, "speed of a blow", "floors strike with 0.1 to 2 m/s"),
     (
         0.01 * GRAVITY, 3 * GRAVITY, ACCELERATIONS, "peak asked for",
         "damage begins near 0.05 g, recorded peaks reach 3 g",
@@ -230,8 +233,20 @@ class Quantity(Read):
         except ValueError:
             raise refuse(f"'{found[3]}' is not a unit this program knows{_slip(value)}", self.wanted) from None
         if one is None:
-            raise refuse(f"'{value}' is no {self.name}: expected {self.si or 'a plain number'}", self.wanted)
+            hint = self._meant_by(number, found[3]) or self.wanted
+            raise refuse(f"'{value}' is no {self.name}: expected {self.si or 'a plain number'}", hint)
         return number * one
+
+    def _meant_by(self, number: float, unit: str) -> str:
+        """Return what to write where the unit is that of a related quantity: a weight for a mass, the coefficient of a
+        damper for its force at 1 m/s; "" where it is of none."""
+        size, dimension = measure(unit)
+        mass, length, time = dimension
+        if self.si == "kg" and dimension == (1.0, 1.0, -2.0):
+            return f"write the mass; a weight of {number:g} {unit} is that of `{number * size / GRAVITY / 1e3:.4g} t`"
+        if self.si == "N" and mass == 1.0 and length < 1.0 and abs(length - 1.0 + time + 2.0) < 1e-9:
+            return f"write the force at 1 m/s: `{number * size / 1e3:.6g} kN`; the power is `exponent: {1 - length:g}`"
+        return ""
 
     def schema(self) -> dict[str, Any]:
         number: dict[str, Any] = {"type": "number"}

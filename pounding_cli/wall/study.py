@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import LENGTH, MASS, TIME, Quantity, Text, Whole
+from pounding_cli.study.quantity import LENGTH, MASS, RANGES, TIME, Quantity, Text, Whole
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
 _HEIGHT = LENGTH.but(name="height", example="13.5 m, `mid-storey 5` or `floor 4`", open_low=False)
@@ -24,9 +24,9 @@ def _read_height(value: Any) -> float | str:
 Height = Annotated[float | str, Text(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
 Length = Annotated[float, LENGTH]
 Size = Annotated[float, LENGTH.but(low=1e-3, open_low=False)]
-Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True)]
-Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0)]
-Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True)]
+Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True, usual=RANGES["modulus"])]
+Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0, usual=RANGES["density"])]
+Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True, usual=RANGES["speed of a blow"])]
 Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
 Share = Annotated[float, Quantity("number", "", "0.2", 0.0, 1.0)]
 Step = Annotated[float | str, TIME.but(name="time step", example="0.1 ms", words=("auto",))]

@@ -56,7 +56,7 @@ analyses: [elastic]
         ("350 cm/s2", "3.5", ("peak 3.5 m/s2,",)),
         ("350 cm/s2", "0.35 g", ("peak 0.35 g,",)),
         ("{pga: 350 cm/s2}", "2.0", (" g, Arias",)),
-        ("stiffness: 30 kN/mm", "stiffness: 1/5 mean storey", (" MN/m\n",)),
+        ("stiffness: 30 kN/mm", "stiffness: 1/5 mean storey", (" MN/m, damping ratio 21.5 % (restitution 0.5)\n",)),
         ("analyses", "method: newmark\ntime_step: 0.5 ms\nanalyses", ("newmark, time step 0.5 ms\n",)),
         ("analyses", "sweep: {cases.bare.gap: [2 mm, 1 in]}\nanalyses", ("gap 38.1 mm", "gap 50.8 mm")),
     ],
@@ -83,6 +83,31 @@ def test_gaps_that_never_close_are_simulated_once(folder, pound):
     same = same[same["cases.gap.gap"] == 0.6]
     for name in ("V", "V0", "mu", "mu0"):
         assert same[name].to_numpy() == pytest.approx(alone[name].to_numpy(), rel=1e-9)
+
+
+def test_the_parameters_of_links_are_listed(tmp_path):
+    """Fails if a dashpot that a study does not give, or a parameter of a damper, is not told."""
+    links = {
+        "link: connector": "damping ratio 21.5 % (restitution 0.5)",
+        "link: connector, damping_ratio: 0": "damping ratio 0 % (restitution 1)",
+        "link: infill, restitution: 0.6": "damping ratio 16 % (restitution 0.6)",
+        "link: damper, damping_coefficient: 2 MN s/m": "damping coefficient 2 MN s/m",
+        "link: viscous, force_at_1_m_s: 500 kN, exponent: 0.3": "force at 1 m/s 500 kN, exponent 0.3",
+        "link: friction, slip_force: 200 kN": "slip force 200 kN",
+        "link: hertz-damp, hertz_stiffness: 20 GN/m^1.5": "hertz stiffness 20 GN/m^1.5, restitution 0.5",
+    }
+    cases = "".join(f"  case {number}: {{gap: 5 cm, {link}}}\n" for number, link in enumerate(links))
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "records: {use: [elcentro], duration: 1 s}\nanalyses: [elastic]\nestimate: none\n"
+        "buildings: {A: {storeys: 1, period: 0.3 s, height: 3 m}, B: {storeys: 1, period: 0.4 s, height: 3 m}}\n"
+        f"group: [A, B]\ncases:\n{cases}"
+    )
+    result = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False)
+    assert result.exit_code == 0
+    told = result.stdout.split("cases\n")[1].splitlines()
+    for line, words in zip(told, links.values(), strict=False):
+        assert line.endswith(words), line
 
 
 def test_every_meeting_is_listed(tmp_path):

@@ -15,7 +15,7 @@ from pounding_cli import connector
 from pounding_cli.cli.main import cli
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-PAIR = "title: t\nsecond: {frequency_ratio: 0.6}\nsweep: {damping: [5 %, 10 %]}\n"
+PAIR = "title: t\nsecond: {frequency_ratio: 0.6}\nconnector: {damping_ratio: 0}\nsweep: {damping: [5 %, 10 %]}\n"
 WALL = (
     "title: small\nmesh: {size: 0.5 m, growth: 0, element: linear}\ntime: {end: 20 ms, step: 0.2 ms}\n"
     "sweep:\n  contact.over: [node, patch]\n  wall.length: [1 m, 2 m]\n"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pounding_cli as pound
-from tests.adapter import Run, difference, solve
+from tests.adapter import Run, Scene, difference, solve
 from tests.physics.cases import ROWS, VARIANTS, Row, mirrored, shake, variant
 from tests.physics.references import FIELDS, read
 
@@ -136,3 +136,18 @@ def test_graze(row: Row) -> None:
         assert (run.impacts.sum() > 0) == meets, share
         assert abs(run.energy["residual"]) < 1e-11
         assert run.max_closing[first] == pytest.approx(closing, rel=3e-3)
+
+
+def test_floors_that_pass_through_each_other_are_flagged():
+    """Fails if a contact far too soft lets floors through in silence, or a stiff one is flagged."""
+    buildings = ({"stiffness": [1e8], "mass": 2e5, "height": 3.0}, {"stiffness": [1e6], "mass": 2e5, "height": 3.0})
+    ground = 5.0 * np.sin(np.arange(0.0, 6.0, 0.02) * 2.2)
+    soft, stiff = (
+        solve(Scene(buildings, ground, 0.02, {"link": "pounding", "gap": 0.0, "stiffness": stiffness}))
+        for stiffness in (1e4, 2e9)
+    )
+    (flag,) = soft.flags
+    assert flag.startswith("floors pass through each other by more than a tenth of a storey height")
+    assert flag.endswith(f"b0 | b1, floor 1, by {1000 * soft.max_closing[0]:.3g} mm")
+    assert soft.max_closing[0] > 0.3
+    assert stiff.flags == ()

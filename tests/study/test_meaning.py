@@ -15,6 +15,7 @@ import yaml
 from scipy.signal import lsim
 
 import pounding_cli as pound
+from tests.adapter import expand, study_of
 
 G = 9.80665
 STUDY = yaml.safe_load("""
@@ -465,3 +466,40 @@ def test_a_study_as_a_dict_is_that_of_its_file():
     Path("again.yaml").write_text(read.text)
     assert pound.load_study("again.yaml").resolved() == read.resolved() | {"title": "again"}
     assert data == before
+
+
+def test_a_large_sweep_builds_every_building_once(monkeypatch):
+    """Fails if answers of a study are forgotten while a sweep of some thousand points is expanded."""
+    import pounding_cli.study.build as build
+
+    built, of_the_program = [], build.building
+    monkeypatch.setattr(build, "building", lambda name, spec: built.append(name) or of_the_program(name, spec))
+    periods = {"from": "0.3 s", "to": "0.5 s", "count": 145}
+    buildings = {"a": {"storeys": 1, "period": "0.3 s"}, "b": {"storeys": 1, "period": "0.4 s"}}
+    study = {"records": {"use": ["elcentro"], "duration": "1 s"}, "buildings": buildings, "group": ["a", "b"]}
+    study |= {"cases": {"gap": {"link": "pounding", "gap": "1 cm"}}, "analyses": ["elastic"]}
+    study["sweep"] = {f"buildings.{name}.period": periods for name in "ab"}
+    assert len(expand(study_of(study))) == 145 * 145 + 145
+    assert len(built) <= 2 * 145 + 4
+
+
+def test_numbers_of_python_data_are_si():
+    """Fails if a number without a unit is doubted where numbers are SI, or an implausible one is not."""
+    study = {"records": {"use": ["elcentro"], "duration": "1 s"}, "group": ["a", "b"], "impact": {"stiffness": 5e9}}
+    periods = {"a": 0.3, "b": 0.4}
+    study["buildings"] = {name: {"storeys": 1, "period": period, "height": 3.0} for name, period in periods.items()}
+    study["cases"] = {"gap": {"link": "pounding", "gap": 0.01}}
+    assert study_of(study).warnings == ()
+    (warning,) = study_of(study | {"impact": {"stiffness": 93500}}).warnings
+    assert "softer" in warning.message
+
+
+def test_the_damping_of_a_connector_stands_in_the_study():
+    """Fails if the ratio that a connector takes from a restitution is not stated, or is another than it has."""
+    study = {"records": {"use": ["elcentro"], "duration": "1 s"}, "group": ["a", "b"], "impact": {"restitution": 0.65}}
+    periods = {"a": 0.3, "b": 0.4}
+    study["buildings"] = {name: {"storeys": 1, "period": period, "height": 3.0} for name, period in periods.items()}
+    study["cases"] = {"joined": {"link": "connector", "gap": "5 cm"}}
+    resolved = study_of(study).resolved()["cases"]["joined"]["links"][0]
+    (link,) = expand(study_of(study)).build(0).links
+    assert resolved["damping_ratio"] == link.law.damping_ratio == pytest.approx(0.1359, rel=1e-3)

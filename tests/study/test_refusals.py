@@ -76,6 +76,22 @@ def test_what_stands_for_an_old_link_is_sound(old, top):
     assert refused(study.replace(old, told[2].split("`")[-4])) == []
 
 
+@pytest.mark.parametrize(
+    ("force", "unit"),
+    [
+        ("k*v**0.5", "MN/m^0.5"),
+        ("k*v**1.25", "MN/m^1.25"),
+        ("k*v*m**0.3/m**0.3", "kN/(mm s2)*s^2"),
+        ("k*r", "kN/(m/s)"),
+    ],
+)
+def test_powers_and_brackets_in_units_are_read(force, unit):
+    """Fails if a formula whose force is in N is refused for the unit of its parameter."""
+    (study,) = {study for study, _ in WRONG if "rubber: {force" in study}
+    study = study.replace('"k*v", parameters: {k: 1 kN/mm', f'"{force}", parameters: {{k: 1 {unit}')
+    assert refused(study) == []
+
+
 @pytest.mark.parametrize("part", [part for part in TABLE if part["study"].count("\n") > 1])
 def test_the_studies_themselves_are_sound(tmp_path, part):
     """Fails if a study is wrong or doubtful before it is changed: then its rows would show nothing."""
