@@ -129,9 +129,7 @@ def doubt_motions(used: Mapping[str, Used], root: Any, notes: Problems) -> None:
     fits, uses = RANGES["peak of a motion"], [each.use for each in used.values()]
     unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
-        assumed = any("assumed" in use.source for use in unlikely)
-        unit = "no unit is stated, so g is assumed: write e.g. `unit: m/s2` beside `file:`" if assumed else ""
-        hint = f"{unit or 'check `unit:` of its file and `scale:`'}; otherwise leave it, {_AS_MEANT}"
+        hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {_AS_MEANT}"
         told = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
         place = "scale" if any(use.scale != 1 for use in unlikely) else "use"
         notes.at(root, ("records", place), f"unlikely peaks: {told}: {fits.reason}", hint)
