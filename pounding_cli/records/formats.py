@@ -11,7 +11,7 @@ import re
 from pounding_cli.numbers import counted
 from pounding_cli.records.headings import find_steps
 from pounding_cli.records.text import Samples, Text, is_numeric, number
-from pounding_cli.records.units import acceleration_unit, find_units, normalize, quantity_of
+from pounding_cli.records.units import find_units, normalize, quantity_of
 
 _COSMOS = re.compile(r"(?i)\( ?format v ?[\d.]+(?: with (\d{1,3}) text lines)?")
 _COSMOS_LABEL = r"sta chan? ?:? ?(.*?) ?(?:\(|location|\Z)"
@@ -183,7 +183,9 @@ def csmip(text: Text) -> Samples | None:
         return None
     if kind[1]:
         what = "spectra (V3)" if kind[1] == "R" else "uncorrected samples (V1)"
-        hint = "download the corrected record (V2); of another network, export the acceleration and give format, unit, dt"
+        hint = (
+            "download the corrected record (V2); of another network, export the acceleration and give format, unit, dt"
+        )
         raise text.refuse(f"a CSMIP file of {what}", hint, text.first + 1)
     named, series = "unnamed", dict[int, tuple[str, re.Match[str]]]()
     for index in range(len(text.lines)):
@@ -227,13 +229,17 @@ def _check_peak(text: Text, values: list[float], pattern: str, header: range, un
 
 
 def geonet(text: Text) -> Samples | None:
-    """Return a channel of GeoNet's V1A and V2A (New Zealand): for every component 16 lines of text, four of integers, six
-    of reals, then samples in mm/s2, ten a line; in V2A velocities and displacements follow.
+    """Return a channel of GeoNet's V1A and V2A (New Zealand), in mm/s2.
+
+    Every component has 16 lines of text, four of integers, six of reals, then samples, ten a line; in V2A velocities
+    and displacements follow.
 
     GeoNet, Strong motion file formats, https://www.geonet.org.nz/data/supplementary/strong_motion_file_formats.
     """
     begins = [index for index in range(len(text.lines)) if _GEONET.match(text.lines[index])]
-    if not begins or not re.search(r"GNS Science|GeoNet", " ".join(text.lines[begins[0] : begins[0] + 3]), re.IGNORECASE):
+    if not begins or not re.search(
+        r"GNS Science|GeoNet", " ".join(text.lines[begins[0] : begins[0] + 3]), re.IGNORECASE
+    ):
         return None
     channels = {}
     for begin in begins:
@@ -245,7 +251,7 @@ def geonet(text: Text) -> Samples | None:
     header, start = text.fixed(numbers, 100, "(10I8)")
     places = (30,) if "uncorrected" in text.lines[begin].lower() else (33, 30)
     coded = next((header[place] for place in places if header[place] > 0), 0.0)
-    size, line = text.search(r"number of points\D{0,3}(\d{1,9})", words)
+    size, _ = text.search(r"number of points\D{0,3}(\d{1,9})", words)
     count = int(size[1]) if size else int(coded)
     if not 0 < count < 10**9:
         raise text.damaged("the header does not say how many points follow, e.g. Number of points 8000", begin + 1)
@@ -258,13 +264,16 @@ def geonet(text: Text) -> Samples | None:
         raise text.damaged(f"more than the {count} values that the header says follow", after + 1)
     peak, peak_line = text.search(r"^acceleration\b\W*peak ([-+]?[\d.]+)", words)
     if peak and abs(abs(number(peak[1]) or 0.0) - max(map(abs, values))) > 0.02 * max(map(abs, values)) + 0.1:
-        raise text.damaged(f"the header says a peak of {peak[1]}, but the samples reach {max(values, key=abs):g}", peak_line)
+        raise text.damaged(
+            f"the header says a peak of {peak[1]}, but the samples reach {max(values, key=abs):g}", peak_line
+        )
     return Samples(step, values, start + 1, unit[1] if unit else "mm/s2", unit_line or begin + 1)
 
 
 def asa(text: Text) -> Samples | None:
-    """Return a channel of the Mexican ASA 2.0 format: about 109 lines `CLAVE : valor`, values of channels `/a/b/c`, then one
-    column a channel.
+    """Return a channel of the Mexican ASA 2.0 format.
+
+    About 109 lines `CLAVE : valor`, with the values of channels as `/a/b/c`, then one column a channel.
 
     Base Mexicana de Datos de Sismos Fuertes (1995), Formato estandar de archivo de aceleracion, version 2.0.
     """
@@ -320,7 +329,10 @@ WITH_CHANNELS = ("cosmos", "csmip", "geonet", "asa")
 """The formats of which a file may hold several channels."""
 
 _NOT_READ = (
-    (r"\bCSMNC\b|China Strong.Motion|\bBTM\b|Beijing time|^no\. of points ?:.*equally spaced intervals of ?:", "China CSMNC"),
+    (
+        r"\bCSMNC\b|China Strong.Motion|\bBTM\b|Beijing time|^no\. of points ?:.*equally spaced intervals of ?:",
+        "China CSMNC",
+    ),
     (r"\bRENADIC\b", "RENADIC V1 (Chile)"),
     (r"^\* ?VOL\d\w*|\bBHRC\b", "BHRC (Iran)"),
     (r"^WID[12]\b|^BEGIN (?:GSE|IMS)", "GSE or IMS"),
@@ -335,7 +347,7 @@ _LINES_OF_NAMES = 40
 
 
 def find_unread(text: Text) -> tuple[str, int] | None:
-    """Return the name of a format that the program knows but does not read, and the line that shows it; None of others."""
+    """Return the name of a format that is known but not read, and the line that shows it; None of others."""
     for index in range(min(_LINES_OF_NAMES, len(text.lines))):
         words = normalize(text.words(index))
         for pattern, name in _NOT_READ:

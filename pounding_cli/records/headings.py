@@ -1,4 +1,4 @@
-"""The lines over the numbers of a motion file: time step, count and headings of columns, in the languages of the networks."""
+"""The lines over the numbers of a motion file: time step, count and headings of columns, in many languages."""
 
 from __future__ import annotations
 
@@ -12,6 +12,10 @@ from pounding_cli.records.units import BRACKETS, acceleration_unit, find_units, 
 MAX_ROWS_OF_HEADINGS = 3
 """Lines over the numbers that may hold headings: names, units and components may be in lines of their own."""
 
+MAX_LINE = 2000
+"""Characters of a line that are looked at."""
+
+_LONG_BLANKS = re.compile(r"(\s\s)\s+")
 _STEP = (
     r"(?:\bd\s?t\b|\bdelta[ _-]?t\b|[δ∆]\s?t\b|\btime[ _-]?(?:step|incr\w*|interval|spacing)\b|\btimestep\b"
     r"|\b(?:sampl\w*|digiti[sz]\w*)[ _-]*(?:interval|period|step|time|spacing|int\.?)(?:_s)?\b"
@@ -19,27 +23,42 @@ _STEP = (
     r"|\bpas\s+de\s+temps\b|\bpas\s+d.?[eé]chantillonnage\b|\bintervalle(?:\s+de\s+temps|\s+d.?[eé]chantillonnage)?\b"
     r"|\bintervallo(?:\s+di\s+campionamento|\s+temporale)?\b|\bpasso(?:\s+di\s+campionamento|\s+temporale|\s+de\s+tempo)?\b"
     r"|\bzeit(?:schritt(?:weite)?|inkrement|intervall)\b|\babtast(?:intervall|schritt|zeit|periode)\b"
-    r"|örnekleme\s+(?:aral[ıi]ğ[ıi]|ad[ıi]m[ıi])|zaman\s+(?:aral[ıi]ğ[ıi]|ad[ıi]m[ıi])"
+    r"|[öo]rnekleme\s+(?:aral[ıi][ğg][ıi]|ad[ıi]m[ıi])|zaman\s+(?:aral[ıi][ğg][ıi]|ad[ıi]m[ıi])"
     r"|шаг(?:[а-я ]*)|интервал(?:[а-я ]*)|サンプリング(?:間隔|周期)|時間(?:刻み|間隔)|采样间隔|时间间隔"
-    r"|\bstep\b|\binterval\b)"
+    r"|\bstep\b|\bintervall?[oe]?\b|\bpas\b)"
 )
 _RATE = (
-    r"(?:\bsampl\w*[ _-]*(?:rate|freq\w*\.?|hz)|\bsamples?[ _-]*(?:per|/)[ _-]*s\w*|\bfs\b|\bsps\b|\b(?:data|scan)[ _-]?rate\b"
+    r"(?:\bsampl\w*[ _-]*(?:rate|freq\w*\.?|hz)|\bsamples?[ _-]*(?:per|/)[ _-]*s\w*|\bfs\b|\bsps\b"
+    r"|\b(?:data|scan)[ _-]?rate\b"
     r"|\b(?:frecuencia|vel\w*\.?|tasa|raz[oó]n)\s+de\s+muestreo|\bmuestreo\b|\bfr[ée]quence\s+d.?[ée]chantillonnage"
     r"|\bfrequenza\s+di\s+campionamento|\b(?:abtast|sampling)(?:rate|frequenz)|\b(?:taxa|frequ[êe]ncia)\s+de\s+amostragem"
-    r"|örnekleme\s+(?:frekans\w*|h[ıi]z\w*|oran\w*)|частота[а-я ]*|サンプリング(?:周波数|レート)|サンプル周波数|采样(?:频率|率))"
+    r"|[öo]rnekleme\s+(?:frekans\w*|h[ıi]z\w*|oran\w*)|частота\s+(?:дискр|опрос|оцифр|выборк|квант|отсч)[а-я]*|サンプリング(?:周波数|レート)|サンプル周波数|采样(?:频率|率))"
 )
 _SECONDS = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "seg", "segundo", "segundos", "sek", "sekunde", "sekunden",
-                     "seconde", "secondes", "secondi", "sn", "saniye", "с", "сек", "секунд", "秒"), 1.0),
-    **dict.fromkeys(("ms", "msec", "msecs", "millisecond", "milliseconds", "millisekunden", "мс", "ミリ秒", "毫秒"), 1e-3),
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds", "seg", "segundo", "segundos", "sek", "sekunde"), 1.0),
+    **dict.fromkeys(("sekunden", "seconde", "secondes", "secondi", "sn", "saniye", "с", "сек", "секунд", "秒"), 1.0),
+    **dict.fromkeys(("ms", "msec", "msecs", "millisecond", "milliseconds", "millisekunden", "мс", "毫秒"), 1e-3),
     **dict.fromkeys(("us", "usec", "microseconds"), 1e-6),
-}  # fmt: skip
-_HERTZ = ("hz", "hertz", "гц", "sps", "samples/s", "samples/sec", "samples/second", "muestras/s", "muestras/seg", "1/s", "s-1")
+    "ミリ秒": 1e-3,
+}
+_HERTZ = (
+    "hz",
+    "hertz",
+    "гц",
+    "sps",
+    "samples/s",
+    "samples/sec",
+    "samples/second",
+    "muestras/s",
+    "muestras/seg",
+    "1/s",
+    "s-1",
+)
 _UNIT = "|".join(re.escape(name) for name in sorted((*_SECONDS, *_HERTZ), key=len, reverse=True))
 _NUMBER = r"(?P<value>[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed][-+]?\d+)?)(?![\d.:]|[-/]\d|[a-z]*\d)"
 _KEYED = re.compile(
-    rf"(?P<key>(?P<step>{_STEP})|(?P<rate>{_RATE}))[ _]*(?:[(\[]\s*(?:in\s+)?(?P<inside>[^)\]]*?)\s*[)\]])?[ ,.\"']*(?P<sign>[:=]*)"
+    rf"(?P<key>(?P<step>{_STEP})|(?P<rate>{_RATE}))"
+    r"[ _]*(?:[(\[]\s*(?:in\s+)?(?P<inside>[^)\]]*?)\s*[)\]])?[ ,.\"']*(?P<sign>[:=]*)"
     rf"\s*/?\s*(?:{_NUMBER})?\s*(?P<behind>(?:{_UNIT})\b|[a-zа-я%]+)?",
     re.IGNORECASE,
 )
@@ -50,7 +69,10 @@ _PLAIN_STEP = re.compile(
 )
 _SPACED = re.compile(r"\bintervals?\b|\bspaced\b|\bspacing\b", re.IGNORECASE)
 _PLAIN_RATE = re.compile(rf"{_NUMBER}\s*(?P<behind>hz|hertz|sps|samples\s*(?:/|per)\s*s(?:ec\w*)?)\b", re.IGNORECASE)
-_FILTER = re.compile(r"filt|pass|corner|cut|pole|band|butter|order|peak|max|frequency\s+of|natural|instrument|hochpass|tiefpass", re.IGNORECASE)
+_FILTER = re.compile(
+    r"filt|pass|corner|cut|pole|band|butter|order|peak|max|frequency\s+of|natural|instrument|hochpass|tiefpass",
+    re.IGNORECASE,
+)
 _COUNT = re.compile(
     r"(?:\bnpts\b|\bn_?data\b|\bnpoints\b|\bsamples\b|\b(?:number|no\.?|num\.?|nr\.?|n[º°o]|#|count)\s*(?:of\s+)?(?:the\s+)?"
     r"(?:data\s*)?(?:points?|pts|samples?|data|values)|\bn[uú]m\w*\.?\s*(?:total\s+)?de\s+(?:muestras|datos|puntos)"
@@ -111,16 +133,20 @@ class Heading:
 
     @property
     def is_sample_number(self) -> bool:
-        return not self.is_time and not self.text or bool(_SAMPLE_NUMBER.match(self.text.strip()))
+        return (not self.is_time and not self.text) or bool(_SAMPLE_NUMBER.match(self.text.strip()))
 
     @property
     def units(self) -> list[tuple[str, int]]:
         """The units of acceleration that it states, each with its line."""
-        return [(unit, line) for word, line in zip(self.words, self.lines, strict=True) for unit in find_units(word, True)]
+        return [
+            (unit, line) for word, line in zip(self.words, self.lines, strict=True) for unit in find_units(word, True)
+        ]
 
     @property
     def quantity(self) -> str:
         """The quantity that it names: acceleration, velocity, displacement, counts; "" for none."""
+        if not self.words:
+            return ""
         return "acceleration" if self.units else named_quantity(self.text)
 
     @property
@@ -156,7 +182,7 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
     """
     header = Header()
     for line, text in lines:
-        plain = text.strip().lstrip("#%!*/ ").strip()
+        plain = _LONG_BLANKS.sub(r"\1", text[:MAX_LINE].strip().lstrip("#%!*/ ").strip())
         if plain:
             header.words[line] = plain
     header.headings, header.heading_lines = _read_headings(header.words, width)
@@ -167,7 +193,7 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
         if (first := _COUNT_AND_STEP.match(text)) and _is_unit_or_step_unit(first["rest"]):
             header.counts.append((int(first["count"]), line))
             header.steps.append(Step(float(first["value"].replace(",", ".")), line, text[:60]))
-            header.words[line] = re.sub(r"^\W*(?:s|sec|seconds?)\b\W*", "", first["rest"].strip(), flags=re.IGNORECASE)
+            header.words[line] = _without_seconds(first["rest"])
             continue
         header.steps += [Step(seconds, line, text[:60]) for seconds in find_steps(text)]
         found = _COUNT.search(normalize(text)) or _COUNT_FIRST.search(text)
@@ -179,32 +205,40 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
 def find_steps(line: str) -> list[float]:
     """Return the time steps [s] that a line of a header says; 0 for one that cannot be read.
 
-    Read are `dt = 0.02`, `Time step: 20 ms`, `#SampleRate(Hz): 50`, `equally spaced at .02 sec`, `200 sps` and the like.
+    Read are `dt = 0.02`, `Time step: 20 ms`, `#SampleRate(Hz): 50`, `equally spaced at .02 sec`, `200 sps` and others.
     """
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", normalize(line)).lower().replace("µ", "u")
     found = []
     for match in _KEYED.finditer(plain):
-        is_bare = match["key"].strip() in ("step", "interval", "fs", "muestreo", "sps") or match["key"].startswith(("шаг", "интервал", "частота", "paso", "passo"))
+        is_bare = re.fullmatch(
+            r"step|intervall?[oe]?|fs|muestreo|sps|pas|(?:шаг|интервал|paso|passo).*", match["key"].strip()
+        )
         if match["value"] is None:
             if match["sign"] and match["step"] and plain[match.end("sign") :].strip(" /"):
                 found.append(0.0)
             continue
-        if is_bare and not match["sign"]:
-            continue
         unit = match["behind"] or match["inside"] or ""
+        if is_bare and not match["sign"] and unit not in _SECONDS and unit not in _HERTZ:
+            continue
         found.append(_seconds(match["value"], unit, is_rate=match["rate"] is not None))
     if found:
         return found
     if _SPACED.search(plain):
         return [_seconds(match["value"], match["behind"], False) for match in _PLAIN_STEP.finditer(plain)][:1]
+    if alone := re.fullmatch(rf"{_NUMBER}\s*(?P<behind>{'|'.join(_SECONDS)})\.?", plain.strip()):
+        return [_seconds(alone["value"], alone["behind"], False)]
     if not _FILTER.search(plain) and (rate := _PLAIN_RATE.search(plain)):
         return [_seconds(rate["value"], "hz", True)]
     return []
 
 
 def _is_unit_or_step_unit(rest: str) -> bool:
-    unit = re.sub(r"^\W*(?:s|sec|seconds?)\b\W*", "", rest.strip(), flags=re.IGNORECASE).strip(" ,;()[]")
+    unit = _without_seconds(rest)
     return bool(rest.strip()) and (not unit or acceleration_unit(unit) is not None)
+
+
+def _without_seconds(rest: str) -> str:
+    return re.sub(r"^\W*(?:s|sec|seconds?)\b\W*", "", rest.strip(), flags=re.IGNORECASE).strip(" ,;()[]")
 
 
 def _seconds(written: str, unit: str, is_rate: bool) -> float:
@@ -261,10 +295,12 @@ def split_headings(line: str, width: int) -> list[str]:
 
 
 def _looks_like_headings(parts: list[str], by_blanks: bool = False) -> bool:
-    """Return whether texts name columns: a time, a sample number, accelerations or components; no sentence, no place."""
+    """Return whether texts name columns: a time, a sample number, accelerations, components; no sentence."""
     known = [_names_column(part) for part in parts]
     if by_blanks:
-        return all(known) or (bool(_TIME.match(parts[0])) and any(known[1:]) and len(parts) <= 3 and not _is_preposition(parts[1]))
+        return all(known) or (
+            bool(_TIME.match(parts[0])) and any(known[1:]) and len(parts) <= 3 and not _is_preposition(parts[1])
+        )
     has_unit_words = any(_TIME.match(part) or find_units(part, True) or named_quantity(part) for part in parts)
     return has_unit_words or all(known)
 

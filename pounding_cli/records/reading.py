@@ -68,8 +68,9 @@ def read_file(
     Raises
     ------
     InputError : with file and line, for a file that is missing, empty or not text, a value that is no number, uneven
-        or falling times, a count or peak other than the header's, a missing or contradicting time step or
-        unit, a format that is known but not read, velocities, displacements, counts without a scale, and a peak above 5 g (a wrong unit)
+        or falling times, a count or peak other than the header's, a missing or contradicting time step or unit, a
+        format that is known but not read, velocities, displacements, counts without a scale, and a peak above 5 g
+        (a wrong unit)
     """
     text = load(Path(path))
     text.dt, text.channel, text.column, text.unit = dt, channel, column, unit
@@ -108,7 +109,8 @@ def _samples(text: Text, format: str | None) -> tuple[str, Samples]:
 
 
 def _refuse_unread(text: Text, name: str, line: int) -> InputError:
-    hint = "export the acceleration as columns of text and give format, unit, dt: {file: a.txt, format: column, unit: cm/s2, dt: 0.01 s}"
+    example = "{file: a.txt, format: column, unit: cm/s2, dt: 0.01 s}"
+    hint = f"export the acceleration as columns of text and give format, unit, dt: {example}"
     return text.refuse(f"the format is {name}, which is not read", hint, line)
 
 

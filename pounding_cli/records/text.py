@@ -22,13 +22,15 @@ SHORTEST, LONGEST = 1e-6, 10.0
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z", re.ASCII)
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
-_TOUCHING_NUMBERS = re.compile(r"(?:[-+]?(?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?){2,}\Z", re.ASCII)
+_ONE = r"(?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?"
+_TOUCHING_NUMBERS = re.compile(rf"[-+]?{_ONE}(?:[-+]{_ONE})+\Z", re.ASCII)
 _QUOTED_COMMA = re.compile(r"\"\s*([-+]?\d+),(\d+(?:[Ee][-+]?\d+)?)\s*\"")
 _HEADER = re.compile(r"[#%!\s]*([A-Za-z][A-Za-z ]{,30})[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
 _BINARY = (
-    (rb"PK\x03\x04", "a zip archive or an Excel workbook"), (rb"\x1f\x8b", "a gzip archive"), (rb"%PDF", "a PDF document"),
+    (rb"PK\x03\x04", "a zip archive or an Excel workbook"), (rb"\x1f\x8b", "a gzip archive"),
+    (rb"%PDF", "a PDF document"),
     (rb"\x89HDF", "an HDF5 file"), (rb"MATLAB 5\.0 MAT", "a MATLAB file"), (rb"\x93NUMPY", "a NumPy array"),
     (rb"\d{6}[DRQM][ \d]", "a miniSEED file"), (rb"(?s).{304}(?:[\x06\x07]\0\0\0|\0\0\0[\x06\x07])", "a SAC file"),
     (rb"\xd0\xcf\x11\xe0", "an Excel workbook"),
@@ -42,7 +44,7 @@ class Samples(NamedTuple):
     """The content of a file: time step [s], samples, and the line where they begin (from 1).
 
     unit, unit_line : as the file or its format states it, and the line that does
-    unclear, unclear_line : what the file says of the unit in place of it, and where: "'furlongs' is no unit of acceleration"
+    unclear, unclear_line : what the file says of the unit in place of it: "'furlongs' names no unit", and where
     """
 
     dt: float
@@ -135,13 +137,12 @@ class Text:
             if not line.strip() or line.lstrip()[0] in "#%!\x1a":
                 continue
             found[index] = []
-            for token in tokens(line):
-                # Fortran's fixed columns may touch: -.12E-01-.34E-01; a date does not fall into numbers
-                for part in _TOUCHING.split(token) if _TOUCHING_NUMBERS.match(token) else (token,):
-                    if (value := number(part)) is None:
-                        hint, column = "write plain numbers; fill or cut gaps in the record", line.find(token) + 1
-                        raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, column)
-                    found[index].append(value)
+            for token in split_numbers(line):
+                value = number(token)
+                if value is None:
+                    hint, column = "write plain numbers; fill or cut gaps in the record", line.find(token) + 1
+                    raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, column)
+                found[index].append(value)
         if not found:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return found
@@ -222,13 +223,25 @@ def load(path: Path, what: str = "motion file") -> Text:
 
 def is_numeric(line: str) -> bool:
     """Return whether a line holds numbers only: a heading that begins with digits is none."""
-    words = tokens(line)
+    if not line.lstrip()[:1] or line.lstrip()[0] not in _FIRST_OF_NUMBERS:
+        return False
+    words = tokens(line[:LONGEST_LINE])  # what is longer is found out with its values
+    words = words[:-1] if len(line) > LONGEST_LINE else words
     return bool(words) and all(
         number(word) is not None or word.lower() in _NO_NUMBERS or _TOUCHING_NUMBERS.match(word) for word in words
     )
 
 
 _NO_NUMBERS = ("nan", "inf", "-inf", "+inf")
+_FIRST_OF_NUMBERS = "0123456789+-.\"',;nNiI"
+
+
+def split_numbers(line: str) -> list[str]:
+    """The words of a line of numbers; Fortran's fixed columns may touch: -.12E-01-.34E-01. A date stays one word."""
+    words = tokens(line)
+    if not any(sign in word[1:] for word in words for sign in "+-"):
+        return words
+    return [part for word in words for part in (_TOUCHING.split(word) if _TOUCHING_NUMBERS.match(word) else (word,))]
 
 
 def _find_utf16(raw: bytes) -> str:

@@ -1,4 +1,4 @@
-"""Units of acceleration as motion files write them: what one is in m/s2, and where a line states the unit of the values."""
+"""Units of acceleration as motion files write them: what one is in m/s2, and where a line states one."""
 
 from __future__ import annotations
 
@@ -25,17 +25,22 @@ _GRAVITY_UNITS = {"g": 1.0, "gs": 1.0, "g's": 1.0, "%g": 0.01, "mg": 1e-3, "mill
 _QUANTITIES = {(0.0, 1.0, -2.0): "acceleration", (0.0, 1.0, -1.0): "velocity", (0.0, 1.0, 0.0): "displacement"}
 _QUANTITY_WORDS = {
     "velocity": r"\bvel(?:oc\w*)?\b|geschwind\w*|vitesse|\bh[ıi]z[ıi]?\b|скорост\w*|(?<!加)速度",
-    "displacement": r"\bdisp(?:l\w*)?\b|\bdespl\w*|d[ée]placement|verschiebung|spostament\w*|перемещ\w*|смещен\w*|変位|位移",
+    "displacement": r"\bdisp(?:l\w*)?\b|\bdespl\w*|d[ée]placement|verschiebung|spostament\w*|перемещ\w*|смещен\w*"
+    r"|変位|位移",
     "counts": r"\bcounts?\b|\bdigits\b",
     "acceleration": ACCELERATION_WORD,
 }
+_QUANTITY_PATTERNS = {name: re.compile(words, re.IGNORECASE) for name, words in _QUANTITY_WORDS.items()}
 _LENGTHS = {
     "nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "inch": 0.0254,
     "inches": 0.0254, "ft": 0.3048, "feet": 0.3048, "foot": 0.3048,
 }  # fmt: skip
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
-_LENGTH = r"(?P<length>nm|um|mm|cm|dm|km|m|inch(?:es)?|in|ft|feet|foot|(?:milli|centi)?met(?:er|re)s?|metros?|metri|m[eè]tres?)"
+_LENGTH = (
+    r"(?P<length>nm|um|mm|cm|dm|km|m|inch(?:es)?|in|ft|feet|foot"
+    r"|(?:milli|centi)?met(?:er|re)s?|metros?|metri|m[eè]tres?)"
+)
 _SECOND = r"(?:s(?:ec(?:onds?|onde|ondo|s)?|eg(?:undos?)?|ek(?:unden?)?|n)?)\.?"
 _SQUARED = r"\s*(?:\^|\*\*)?\s*\(?\s*2\s*\)?"
 _PER = r"\s*(?:/|\bper\b|\bpro\b|\bpor\b|\bpar\b|\bal\b)\s*"
@@ -70,8 +75,11 @@ _UNIT_WORDS = rf"(?:\s*(?:terms\s+of|fractions?\s+of|{_UNIT_KEY}(?:\s+(?:of|de|v
 _ADJACENT = rf"(?:\b{ACCELERATION_WORD}|\bvalues|\bamplitudes?|\bvalores|\bvaleurs|\bwerte|\bvalori|\bdata)"
 _CONTEXTS = [
     # unit: g; Units of acceleration = gal; AmplitudeUnit: gal. DC offset; UNIDADES DE LOS DATOS : Gal
-    rf"(?<![a-z]){_UNIT_KEY}(?![a-z])(?:[^\d:=;|]{{0,40}}[:=]+|(?:\s+(?:of|in|is|are|de|di|von|the|{ACCELERATION_WORD}))*)\s*[(\[]?\s*{_SCALAR}"
+    rf"(?<![a-z]){_UNIT_KEY}(?![a-z])(?:[^\d:=;|]{{0,40}}[:=]+|(?:\s+(?:of|in|is|are|de|di|von|the|{ACCELERATION_WORD}))*)\s*[(\[]?"
+    rf"\s*(?:(?:s|secs?|seconds?)\s*(?:,|and|&|/)\s*)?{_SCALAR}"
     rf"{_WEAK}{_TENTH}(?![\w'^*%])",
+    # fraction of g
+    rf"\bfractions?\s+of\s+{_WEAK}{_WEAK_END}",
     # in g; in units of G; en gal
     rf"{_IN}{_UNIT_WORDS}\s+{_SCALAR}{_WEAK}{_TENTH}{_WEAK_END}",
     # acceleration, g; acc_g; Accel mg; ACELERACION GAL
@@ -91,37 +99,51 @@ _ALONE = re.compile(rf"{_SCALAR}{_WEAK}{_TENTH}\.?", re.IGNORECASE)
 
 _PEAK = re.compile(
     r"(?<![a-z])(?:peaks?|max(?:im\w*|\.)?|min(?:im\w*|\.)?|pga|pgv|rms|mean|median|spitze\w*|cr[êe]te|picc?o|tepe"
-    r"|en\s+büyük|пик\w*|макс\w*|最大\w*|峰值\w*|pik|sensitiv\w*|threshold|trigger\w*|umbral|clip\w*|full[- ]?scale|range"
-    r"|gain|noise|resolution|lsb|offset|dcoffset|gravity|gravedad)(?![a-z])|"
-    r"convert\w*|multipl\w*|divid\w*|factors?\b|\boriginal(?:ly)?\b|spectr\w*|sensitivity",
+    r"|en\s+büyük|пик\w*|макс\w*|最大\w*|峰值\w*|pik|sensitiv\w*|threshold|trigger\w*|umbral|clip\w*|full[- ]?scale"
+    r"|range|gain|noise|resolution|lsb|offset|dcoffset|spectr\w*|sensitivity)(?![a-z])",
     re.IGNORECASE,
 )
-# From such a word on a line speaks of one number, or of another unit than that of the values.
+# From such a word on a line speaks of one number.
+_CONVERTED = re.compile(
+    r"convert\w*|multipl\w*|divid\w*|dividiert|factors?\b|faktor|facteur|\boriginal(?:ly)?\b|scaled\s+by|normali[sz]ed",
+    re.IGNORECASE,
+)
+# A line with such a word speaks of several units, or of a multiple.
 _A_NUMBER_BEFORE = re.compile(
     r"(?:^|[\s=:(\[<>~±,;|/x*·])[-+]?(?:\d[\d.,]*|\.\d+)(?:e[-+]?\d+)?(?:\s*\^?\s*-?\s*\d+)?\s*(?:[x*·]\s*)?[(\[]?\s*\Z",
     re.IGNORECASE,
 )
-_A_NUMBER_BEHIND = re.compile(r"\s*[)\]>]?\s*(?:[:=]\s*[-+]?[\d.]|[-+]?[\d.]+\s*\Z)")
+_A_NUMBER_BEHIND = re.compile(r"\s*[)\]>]?\s*(?:[:=x*·×]\s*[-+]?[\d.]|[-+]?[\d.]+\s*\Z)", re.IGNORECASE)
 _RATIO_BEFORE = re.compile(r"(?:volts?|\bm?v|counts?|digits?|lsb)\s*/\s*\(?\s*\Z", re.IGNORECASE)
-_RATIO_BEHIND = re.compile(r"\s*[)\]]?\s*(?:/|\bper\b)\s*\(?\s*(?:counts?|digits?|lsb|volts?|m?v|bits?)\b", re.IGNORECASE)
+_RATIO_BEHIND = re.compile(
+    r"\s*[)\]]?\s*(?:/|\bper\b)\s*\(?\s*(?:counts?|digits?|lsb|volts?|m?v|bits?)\b", re.IGNORECASE
+)
 
-_FOREIGN = {
-    **dict.fromkeys("−–—‐‑", "-"), **dict.fromkeys("∕⁄÷", "/"), **dict.fromkeys("⋅∙•", "·"), "μ": "u", "×": "x", "’": "'",
+_SIGNS = {
+    **dict.fromkeys("−–—‐‑", "-"), **dict.fromkeys("∕⁄÷", "/"), **dict.fromkeys("⋅∙•", "·"),
+    "μ": "u", "×": "x", "’": "'",
 }  # fmt: skip
-_CYRILLIC = {"мм": "mm", "см": "cm", "м": "m", "сек": "s", "с": "s", "厘米": "cm", "毫米": "mm", "米": "m", "秒": "s"}
-_CYRILLIC_UNIT = re.compile(r"(?<![а-яa-z])(мм|см|м|厘米|毫米|米|[cm]?m)(\s*[/·*.]\s*)(сек|с|秒|s(?:ec)?)(?![а-я])", re.IGNORECASE)
+_PLAIN_SIGNS = str.maketrans("".join(_SIGNS), "".join(_SIGNS.values()))
+_LATIN = {"мм": "mm", "см": "cm", "м": "m", "сек": "s", "с": "s", "厘米": "cm", "毫米": "mm", "米": "m", "秒": "s"}
+_FOREIGN_UNIT = re.compile(
+    r"(?<![а-яa-z])(мм|см|м|厘米|毫米|米|[cm]?m)(\s*[/·*.]\s*)(сек|с|秒|s(?:ec)?)(?![а-я])", re.IGNORECASE
+)
+
+
+def _latin_unit(found: re.Match[str]) -> str:
+    """Return a unit in Latin letters, of one in Cyrillic or Chinese."""
+    length, between, second = found.groups()
+    return _LATIN.get(length.lower(), length) + between + _LATIN.get(second.lower(), second)
 
 
 def normalize(text: str) -> str:
     """Return a text with its units in plain letters: `m/s²`, `㎨`, `м/с2`, `ガル`, `m/s<sup>2</sup>`, `$m/s^{2}$`."""
     if text.isascii() and not re.search(r"[$\\{<]", text):
         return text
-    plain = unicodedata.normalize("NFKC", text).translate(str.maketrans(_FOREIGN))
+    plain = unicodedata.normalize("NFKC", text).translate(_PLAIN_SIGNS)
     plain = re.sub(r"</?su[pb]>|\\mathrm|\\text|\\,|[${}]", "", plain)
     plain = re.sub(r"(?i)гал(?![а-я])|ガル|伽", "gal", plain)
-    plain = _CYRILLIC_UNIT.sub(
-        lambda found: _CYRILLIC.get(found[1].lower(), found[1]) + found[2] + _CYRILLIC.get(found[3].lower(), found[3]), plain
-    )
+    plain = _FOREIGN_UNIT.sub(_latin_unit, plain)
     return re.sub(r"(?<=[/·*.])(\s*)(?:сек|с|秒)(?![а-я])", r"\1s", plain)
 
 
@@ -149,7 +171,7 @@ def quantity_of(text: str) -> tuple[str, float]:
         except ValueError:
             continue
         return _QUANTITIES.get(dimension, ""), factor * one
-    return next((name for name, word in _QUANTITY_WORDS.items() if re.match(word, unit, re.IGNORECASE)), ""), 0.0
+    return next((name for name, word in _QUANTITY_PATTERNS.items() if word.match(unit)), ""), 0.0
 
 
 def acceleration_unit(text: str) -> float | None:
@@ -159,10 +181,10 @@ def acceleration_unit(text: str) -> float | None:
 
 
 def named_quantity(heading: str) -> str:
-    """Return the quantity that a heading names in words or by its unit: velocity, displacement, counts, acceleration."""
+    """Return the quantity that a heading names, in words or by its unit: velocity, displacement, counts, ..."""
     plain = normalize(heading)
     for name in ("acceleration", "velocity", "displacement", "counts"):
-        if re.search(_QUANTITY_WORDS[name], plain, re.IGNORECASE):
+        if _QUANTITY_PATTERNS[name].search(plain):
             return name
     words = [*BRACKETS.findall(plain), *plain.replace(",", " ").split()[-1:]]
     found = (quantity_of(word)[0] for word in words if word.strip())
@@ -182,6 +204,8 @@ def find_units(line: str, is_heading: bool = False) -> list[str]:
         return [plain] if acceleration_unit(plain) else []
     found: dict[float, str] = {}
     for segment in re.split(r"[;|\t]", plain):
+        if _CONVERTED.search(segment):
+            continue
         spoken = _PEAK.search(segment)
         part = segment[: spoken.start()] if spoken else segment
         for unit in _units_of_segment(part, segment):
@@ -193,8 +217,13 @@ def find_units(line: str, is_heading: bool = False) -> list[str]:
 def speaks_of_a_number(line: str) -> bool:
     """Return whether a line has a unit of acceleration, but beside a number or a word such as peak."""
     plain = normalize(line)
-    return not find_units(line) and bool(
-        _COMPOUND.search(plain) or re.search(rf"(?i){_PEAK.pattern}.*(?<![a-z])(?:g|gals?)(?![a-z])|\d\s*(?:g|gals?)(?![a-z])", plain)
+    if find_units(line):
+        return False
+    weak = r"(?<![a-z'])(?:g|gals?)(?![a-z.])"
+    return bool(
+        _COMPOUND.search(plain)
+        or re.search(rf"(?i)\d\s*{weak}", plain)
+        or re.search(rf"(?i)(?:{_PEAK.pattern}).*{weak}", plain)
     )
 
 
@@ -226,7 +255,8 @@ def _units_of_segment(part: str, segment: str) -> list[str]:
 def _stated_multiple(before: str) -> str | None:
     """Return the multiple that ends a text such as `Units: 0.01 ` or `acceleration (1e-3 `, before a unit."""
     stated = re.search(
-        rf"(?i)(?:{_UNIT_KEY}(?![a-z])[^\d]{{0,40}}?[:=]\s*({_NUMBER})|{_ADJACENT}\s*[(\[]\s*({_POWER_OF_TEN}))\s*[*x·]?\s*\Z", before
+        rf"(?i)(?:{_UNIT_KEY}(?![a-z])[^\d]{{0,40}}?[:=]\s*({_NUMBER})|{_ADJACENT}\s*[(\[]\s*({_POWER_OF_TEN}))\s*[*x·]?\s*\Z",
+        before,
     )
     return stated and (stated[1] or stated[2])
 

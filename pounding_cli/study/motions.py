@@ -48,6 +48,9 @@ Ratio = Annotated[float, RATIO]
 Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
 
 
+_Format = Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"]
+
+
 class RecordFile(Model):
     """A motion in a file of one's own, or several in a folder."""
 
@@ -57,9 +60,7 @@ class RecordFile(Model):
         None, "unit of the acceleration, any spelling; needed where the file does not state it"
     )
     dt: TimeStep | None = key(None, "time step [s]; needed where the file does not state it")
-    format: Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"] | None = key(
-        None, "default: detected"
-    )
+    format: _Format | None = key(None, "default: detected")
     channel: Number | None = key(None, "channel of a file with several channels, from 1")
     column: Number | None = key(None, "column of a table with the acceleration, from 1")
 

@@ -12,6 +12,7 @@ import yaml
 
 import pounding_cli as pound
 from pounding_cli.records import read_file
+from tests.helpers import motion_layouts as layouts
 
 VALUES = (0.0125, -0.03025, 0.048, -0.02175, 0.0095, -0.00425, 0.002, -0.001)
 STEP = 0.02
@@ -63,57 +64,30 @@ ROWS = {
 }
 
 
-def geonet_component(factor: float = 1.0, name: str = "N10E", corrected: bool = True) -> str:
-    """A component in GeoNet's V1A and V2A: 16 lines of text, four of integers, six of reals, samples in F8.1 or so."""
-    words = [f"{factor * value:.5f}" for value in VALUES]
-    kind = "Corrected" if corrected else "Uncorrected"
-    text = [f"{kind} accelerogram 20200101_010203_TEST_20 GNS Science", "Site TEST      42 00 00S  172 00 00E"]
-    text += ["Test Centre", "Instrument Basalt_1", "Resolution: 24-bit   Instr Period: 0.0050 s   Damping: 0.700"]
-    text += ["Accelerogram 20200101_010203_TEST_20                 Processed 2020 February 01", "Somewhere"]
-    text += ["2020 January 01         01:02:03 UT", "Epicentre  42 00 00S 173 00 00E  Bearing S40E  Mw 6.00"]
-    text += ["Number of points  8    Duration 0.16 sec", "Instrument corrected data at 0.020 sec intervals"]
-    text += ["Band-pass filter transition bands are .10-.25 Hz and 24.50-25.50 Hz"]
-    text += [f"Component {name}  Accelerometer Axis"]
-    text += [f"Acceleration:  peak   {factor * 0.048:.5f} mm/s/s at  0.04 sec     rms   0.002 mm/s/s"]
-    text += ["Velocity:      peak   -29.5 mm/s   at  0.04 sec", "Displacement:  peak   9.407 mm     at  0.06 sec"]
-    zeros = "       0" * 10 + "\n"
-    reals = "     0.0" * 10 + "\n"
-    series = [words] if not corrected else [words, words, words]
-    return "\n".join(text) + "\n" + zeros * 4 + reals * 6 + "".join(wrapped(each, 10, 8) for each in series)
-
-
-def asa() -> str:
-    said = {
-        "NOMBRE DEL ARCHIVO": "TEST0101.011", "CLAVE DE LA ESTACION": "TEST", "NOMBRE DE LA ESTACION": "PRUEBA",
-        "NUMERO DE CANALES": "3", "ORIENTACION C1-C6 (rumbo;orientacion)": "/N90E/N00E/V",
-        "VEL. DE MUESTREO, C1-C6 (muestras/s)": "/50/50/50", "INTERVALO DE MUESTREO, C1-C6 (s)": "/.02/.02/.02",
-        "NUM. TOTAL DE MUESTRAS, C1-C6": "/8/8/8", "ACEL. MAX. (gal), C1-C6": "/.048/.096/.144",
-        "UNIDADES DE LOS DATOS": "Gal",
-    }  # fmt: skip
-    head = ["", "=" * 70, "", "", "", "", "      ARCHIVO ESTANDAR DE ACELERACION", "          version 2.0"]
-    head += [f"{key:<42}: {value}" for key, value in said.items()]
-    head += [""] * (107 - len(head)) + ["   CANAL-1   CANAL-2   CANAL-3", "   N90E   N00E   V"]
-    return "\n".join(head) + "\n" + lines(ONE, TWO, THREE, between="   ")
-
-
 CSMNC = (
-    "051ABC200101010203\n0200101010203 2020-01-01 1:2:3 BTM\nTEST EARTHQUAKE, NOWHERE\nEPICENTER  30.000N 103.000E DEPTH 13 KM\n"
-    "MAGNITUDE  6.0(Ms)\nSTATION: 51ABC 30.000N 102.000E\nSITE CONDITION: ROCK\nCOMP. EW\n"
-    "UNCORRECTED ACCELERATION          UNIT: CM/SEC/SEC\n"
-    "NO. OF POINTS:  8  EQUALLY SPACED INTERVALS OF:  0.02  SEC\nPEAK VALUE:    0.048   AT   0.04 SEC    DURATION:  0.16 SEC\n"
-    "PRE-EVENT TIME:  20  SEC\nCSMNC\n\n" + wrapped(ONE, 5)
+    "051ABC200101010203\n0200101010203 2020-01-01 1:2:3 BTM\nTEST EARTHQUAKE, NOWHERE\n"
+    "EPICENTER  30.000N 103.000E DEPTH 13 KM\nMAGNITUDE  6.0(Ms)\nSTATION: 51ABC 30.000N 102.000E\n"
+    "SITE CONDITION: ROCK\nCOMP. EW\nUNCORRECTED ACCELERATION          UNIT: CM/SEC/SEC\n"
+    "NO. OF POINTS:  8  EQUALLY SPACED INTERVALS OF:  0.02  SEC\n"
+    "PEAK VALUE:    0.048   AT   0.04 SEC    DURATION:  0.16 SEC\nPRE-EVENT TIME:  20  SEC\nCSMNC\n\n" + ROWS["rows"]
 )
 NSMN = (
-    "STRONG GROUND MOTION RECORDS OF TURKIYE\nPLACE                    : NOWHERE\nEARTHQUAKE DATE          : 01/01/2020 01:02:03 (GMT)\n"
-    "EARTHQUAKE MAGNITUDE     : 6.0 MW\nSTATION ID               : 4801\nRECORD TIME              : 01/01/2020 01:02:03 (GMT)\n"
-    "NUMBER OF DATA           : 8\nSAMPLING INTERVAL (sec)  : 0.02\nRAW PGA VALUES (gal)     : (N-S) 0.048  (E-W) 0.096  (U-D) 0.144\n"
+    "STRONG GROUND MOTION RECORDS OF TURKIYE\nPLACE                    : NOWHERE\n"
+    "EARTHQUAKE DATE          : 01/01/2020 01:02:03 (GMT)\nEARTHQUAKE MAGNITUDE     : 6.0 MW\n"
+    "STATION ID               : 4801\nRECORD TIME              : 01/01/2020 01:02:03 (GMT)\n"
+    "NUMBER OF DATA           : 8\nSAMPLING INTERVAL (sec)  : 0.02\n"
+    "RAW PGA VALUES (gal)     : (N-S) 0.048  (E-W) 0.096  (U-D) 0.144\n"
     "ACCELERATION DATA (gal)\n\n        N-S         E-W         U-D\n" + lines(ONE, TWO, THREE, between="   ")
 )
+GEONET = layouts.geonet_component(VALUES)
+THREE_CHANNELS = (VALUES, *([factor * value for value in VALUES] for factor in (2, 3)))
 FILES: dict[str, str | bytes] = {
-    "geonet-v2a": geonet_component(),
-    "geonet-v1a": geonet_component(corrected=False),
-    "geonet-three": geonet_component() + geonet_component(2, "N80W") + geonet_component(3, "Up"),
-    "asa": asa(),
+    "geonet-v2a": GEONET,
+    "geonet-v1a": layouts.geonet_component(VALUES, corrected=False),
+    "geonet-three": GEONET
+    + layouts.geonet_component(THREE_CHANNELS[1], "N80W")
+    + layouts.geonet_component(THREE_CHANNELS[2], "Up"),
+    "asa": layouts.asa(THREE_CHANNELS),
     "csmnc": CSMNC,
     "renadic": "PROCESADO : 01/01/2020\n\n\n\n\nPRUEBA S/N 675\nL\nUNIVERSIDAD DE CHILE - RENADIC\n" + ROWS["rows"],
     "bhrc": "* VOL1DS: 1234/01 TEST\nINST = SSA-2\n\n\nL\n\nCOMP L\nNowhere Station\n" + ROWS["rows"],
