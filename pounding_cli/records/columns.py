@@ -171,6 +171,9 @@ class _Columns:
     def _read_table(self) -> Samples:
         headings = self.header.headings or [Heading()] * self.width
         known = bool(self.header.headings)
+        spectral = next((heading for heading in headings if heading.is_of_a_spectrum), None)
+        if spectral is not None:
+            raise self.text.wrong_quantity(f"a spectrum ({spectral.text[:40]})", spectral.lines[-1])
         time = next((place for place, heading in enumerate(headings) if known and heading.is_time), None)
         numbering = [
             place for place, heading in enumerate(headings) if known and place != time and heading.is_sample_number
@@ -394,7 +397,7 @@ class _Columns:
             if other in ("velocity", "displacement") and not speaks_of_a_number(text) and names_unit:
                 raise self.text.wrong_quantity(other, line)
             if speaks_of_a_number(text):
-                return f"'{text[:60]}' speaks of one number, not of the values", line
+                return f"'{text[:60]}' speaks of one number or of a factor, not of the unit of all values", line
         for line, text in self.header.words.items():
             bracket = BRACKETS.search(text)
             if re.search(rf"(?i)(?<![a-z])units?(?![a-z])|{ACCELERATION_WORD}", text) and (

@@ -334,7 +334,7 @@ _NOT_READ = (
         "China CSMNC",
     ),
     (r"\bRENADIC\b", "RENADIC V1 (Chile)"),
-    (r"^\* ?VOL\d\w*|\bBHRC\b", "BHRC (Iran)"),
+    (r"^\* ?VOL\d\w*", "BHRC (Iran)"),
     (r"^WID[12]\b|^BEGIN (?:GSE|IMS)", "GSE or IMS"),
     (r"^-12345(?:\.0*)? .*-12345|^.{0,80}-12345\.00 .*-12345", "SAC in text"),
     (r"^(?:un)?corrected accelerogram\b", "a corrected or uncorrected accelerogram (Caltech, USGS or another network)"),

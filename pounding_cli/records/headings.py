@@ -63,11 +63,12 @@ _KEYED = re.compile(
     re.IGNORECASE,
 )
 _PLAIN_STEP = re.compile(
-    rf"(?:(?:intervals?\s+of|spaced\s+(?:at|by)|spacing\s+of|\bat|\bevery|\beach|@)\s*:?\s*)?{_NUMBER}\s*"
-    r"(?P<behind>secs?|seconds?|s|ms|msec|milliseconds)\b\.?(?:\s*(?:time\s+)?intervals?\b|\s+spacing\b)?",
+    rf"(?:(?:\bintervals?\s+of|\bspaced(?:\s+(?:at|by|every))?|\bspacing\s+of|\bevery)\s*:?\s*{_NUMBER}\s*"
+    r"(?P<behind>secs?|seconds?|s|ms|msec|milliseconds)\b)"
+    rf"|{_NUMBER.replace('value', 'before')}\s*(?P<unit>secs?|seconds?|s|ms|msec|milliseconds)\b\.?\s*(?:time\s+)?"
+    r"(?:intervals?|spacing|steps?)\b",
     re.IGNORECASE,
 )
-_SPACED = re.compile(r"\bintervals?\b|\bspaced\b|\bspacing\b", re.IGNORECASE)
 _PLAIN_RATE = re.compile(rf"{_NUMBER}\s*(?P<behind>hz|hertz|sps|samples\s*(?:/|per)\s*s(?:ec\w*)?)\b", re.IGNORECASE)
 _FILTER = re.compile(
     r"filt|pass|corner|cut|pole|band|butter|order|peak|max|frequency\s+of|natural|instrument|hochpass|tiefpass",
@@ -98,6 +99,7 @@ _SAMPLE_NUMBER = re.compile(
     r"(?:[\s_.]*(?:no|nr|num|number|index|id|#|de|del|punto|muestra)?\.?)*(?:\s*[(\[]\s*[-#]?\s*[)\]])?\Z",
     re.IGNORECASE,
 )
+_SPECTRUM = re.compile(r"per[ií]od[oe]?s?\b|freq\w*\b|спектр|周期|s[av]\b|psa\b", re.IGNORECASE)
 _COMPONENT = re.compile(
     r"(?:a(?:_?[xyzgneu])?|ag|ug|ax|ay|az|x|y|z|n-?s|e-?w|u-?d|s-?n|w-?e|n|e|v|h[12n]?[enz]?|hn[enz12]|[nse]\d{2}[nsew]|u\(\+\)|n\(\+\)|e\(\+\)|long\w*|tran\w*|vert\w*|up)\b",
     re.IGNORECASE,
@@ -148,6 +150,10 @@ class Heading:
         if not self.words:
             return ""
         return "acceleration" if self.units else named_quantity(self.text)
+
+    @property
+    def is_of_a_spectrum(self) -> bool:
+        return any(_SPECTRUM.match(word.strip(" \"'")) for word in self.words)
 
     @property
     def is_other_quantity(self) -> bool:
@@ -223,8 +229,8 @@ def find_steps(line: str) -> list[float]:
         found.append(_seconds(match["value"], unit, is_rate=match["rate"] is not None))
     if found:
         return found
-    if _SPACED.search(plain):
-        return [_seconds(match["value"], match["behind"], False) for match in _PLAIN_STEP.finditer(plain)][:1]
+    if spaced := _PLAIN_STEP.search(plain):
+        return [_seconds(spaced["value"] or spaced["before"], spaced["behind"] or spaced["unit"], False)]
     if alone := re.fullmatch(rf"{_NUMBER}\s*(?P<behind>{'|'.join(_SECONDS)})\.?", plain.strip()):
         return [_seconds(alone["value"], alone["behind"], False)]
     if not _FILTER.search(plain) and (rate := _PLAIN_RATE.search(plain)):
@@ -317,5 +323,6 @@ def _names_column(part: str) -> bool:
         or find_units(part, True)
         or (named_quantity(part) and len(part.split()) <= 4)
         or _COMPONENT.fullmatch(outside)
+        or _SPECTRUM.match(part)
         or (not outside and BRACKETS.fullmatch(part))
     )

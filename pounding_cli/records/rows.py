@@ -19,6 +19,7 @@ GIVE_STEP = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or p
 """What to do about a file that does not state its time step."""
 
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
+_TWO_WHOLES = re.compile(r"[-+]?\d+,[-+]?\d+(?:[EeDd][-+]?\d+)?\Z")
 _WHOLE = re.compile(r"\+?\d{1,9}\.?\Z")
 
 
@@ -275,6 +276,8 @@ def _is_one_column_with_commas(text: Text, words: list[str], first: int) -> bool
 
     Raises `InputError` where they may be both.
     """
+    if not all(_TWO_WHOLES.match(word) or number(word) is not None for word in words):
+        return False  # a word that is no number is refused at its place
     pairs = [word.split(",") for word in words]
     if any(len(pair) == 1 for pair in pairs):
         return True

@@ -100,7 +100,7 @@ _ALONE = re.compile(rf"{_SCALAR}{_WEAK}{_TENTH}\.?", re.IGNORECASE)
 _PEAK = re.compile(
     r"(?<![a-z])(?:peaks?|max(?:im\w*|\.)?|min(?:im\w*|\.)?|pga|pgv|rms|mean|median|spitze\w*|cr[êe]te|picc?o|tepe"
     r"|en\s+büyük|пик\w*|макс\w*|最大\w*|峰值\w*|pik|sensitiv\w*|threshold|trigger\w*|umbral|clip\w*|full[- ]?scale"
-    r"|range|gain|noise|resolution|lsb|offset|dcoffset|spectr\w*|sensitivity)(?![a-z])",
+    r"|range|gain|noise|resolution|lsb|offset|dcoffset|spectral|sensitivity)(?![a-z])",
     re.IGNORECASE,
 )
 # From such a word on a line speaks of one number.
@@ -223,6 +223,7 @@ def speaks_of_a_number(line: str) -> bool:
     return bool(
         _COMPOUND.search(plain)
         or re.search(rf"(?i)\d\s*{weak}", plain)
+        or (_CONVERTED.search(plain) and re.search(rf"(?i){weak}", plain))
         or re.search(rf"(?i)(?:{_PEAK.pattern}).*{weak}", plain)
     )
 
