@@ -236,18 +236,19 @@ def geonet(text: Text) -> Samples | None:
 
     GeoNet, Strong motion file formats, https://www.geonet.org.nz/data/supplementary/strong_motion_file_formats.
     """
-    begins = [index for index in range(len(text.lines)) if _GEONET.match(text.lines[index])]
-    if not begins or not re.search(
-        r"GNS Science|GeoNet", " ".join(text.lines[begins[0] : begins[0] + 3]), re.IGNORECASE
-    ):
+    first = " ".join(text.lines[text.first : text.first + 3])
+    if not _GEONET.match(first) or not re.search(r"GNS Science|GeoNet", first, re.IGNORECASE):
         return None
+    begins = [index for index in range(len(text.lines)) if _GEONET.match(text.lines[index])]
     channels = {}
     for begin in begins:
         named, _ = text.search(r"^Component (\S+)", range(begin, begin + 16))
         channels[begin] = named[1] if named else "unnamed"
     begin = _chosen(text, channels, begins[0] + 1)
     words = range(begin, begin + 16)
-    numbers = next((index for index in range(begin + 1, begin + 26) if is_numeric(text.line(index))), begin + 16)
+    numbers = begin + 16
+    if not is_numeric(text.line(numbers)):
+        numbers = next((at for at in range(begin + 1, begin + 26) if is_numeric(text.line(at))), numbers)
     header, start = text.fixed(numbers, 100, "(10I8)")
     places = (30,) if "uncorrected" in text.lines[begin].lower() else (33, 30)
     coded = next((header[place] for place in places if header[place] > 0), 0.0)
@@ -277,7 +278,7 @@ def asa(text: Text) -> Samples | None:
 
     Base Mexicana de Datos de Sismos Fuertes (1995), Formato estandar de archivo de aceleracion, version 2.0.
     """
-    is_asa, _ = text.search(r"ARCHIVO ESTANDAR DE ACELERACION", range(40))
+    is_asa, _ = text.search(r"ARCHIVO EST[AÁ]NDAR DE ACELERACI[OÓ]N", range(40))
     units, unit_line = text.search(r"^UNIDADES DE LOS DATOS ?\W{0,3}(.*)", range(130))
     intervals, step_line = text.search(r"^INTERVALO DE MUESTREO.*?[:=] ?(.*)", range(130))
     if intervals is None or not (is_asa or units):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pounding_cli.numbers import counted
-from pounding_cli.records.text import Text, is_numeric, number, split_numbers, tokens
+from pounding_cli.records.text import Text, is_numeric, number, tokens
 
 MIN_STEP, MAX_STEP = 1e-4, 0.5
 """Numbers [s] that may be a time step in a header of numbers."""
@@ -78,8 +78,7 @@ def find_rows(text: Text) -> tuple[int, list[Row]]:
 
 
 def _rows_of(text: Text, start: int, end: int | None = None) -> list[Row]:
-    part = text.rows(start, end)
-    return [Row(index, split_numbers(text.lines[index]), values) for index, values in part.items()]
+    return [Row(*each) for each in text.words_and_numbers(start, end)]
 
 
 def _is_of_words(line: str) -> bool:

@@ -132,17 +132,22 @@ class Text:
     def rows(self, start: int, end: int | None = None) -> dict[int, list[float]]:
         """The numbers of every line from index `start` on, to before `end`, by its index; comments and blank lines are
         passed over, and nan, inf and all else is refused at its column."""
-        found = dict[int, list[float]]()
+        return {index: values for index, _, values in self.words_and_numbers(start, end)}
+
+    def words_and_numbers(self, start: int, end: int | None = None) -> list[tuple[int, list[str], list[float]]]:
+        """Index, words and numbers of every line, as `rows`."""
+        found = []
         for index, line in enumerate(self.lines[start:end], start):
             if not line.strip() or line.lstrip()[0] in "#%!\x1a":
                 continue
-            found[index] = []
-            for token in split_numbers(line):
-                value = number(token)
+            words, values = split_numbers(line), list[float]()
+            for word in words:
+                value = number(word)
                 if value is None:
-                    hint, column = "write plain numbers; fill or cut gaps in the record", line.find(token) + 1
-                    raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, column)
-                found[index].append(value)
+                    hint, column = "write plain numbers; fill or cut gaps in the record", line.find(word) + 1
+                    raise self.refuse(f"'{word[:40]}' is not a finite number", hint, index + 1, column)
+                values.append(value)
+            found.append((index, words, values))
         if not found:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return found
@@ -189,10 +194,7 @@ def number(token: str) -> float | None:
 
 def tokens(line: str) -> list[str]:
     """The words of a line, however they are separated, without quotes."""
-    return line.translate(_SEPARATORS).split()
-
-
-_SEPARATORS = str.maketrans(",;\"'", "    ")
+    return line.replace(",", " ").replace(";", " ").replace('"', " ").replace("'", " ").split()
 
 
 def load(path: Path, what: str = "motion file") -> Text:
@@ -206,8 +208,9 @@ def load(path: Path, what: str = "motion file") -> Text:
         hint = "export the acceleration as text, in one of the formats of docs/records.md" if kind else ""
         hint = hint or "unpack an archive; give a text file in one of the formats of docs/records.md"
         raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shortened(path)))
-    lines = [line.replace("\u2212", "-") for line in re.split(r"\r\n|\r|\n", _decode(raw))]
-    text = Text(path, [_QUOTED_COMMA.sub(r'"\1.\2"', line) for line in lines])
+    written = _decode(raw).replace("\u2212", "-")
+    lines = re.split(r"\r\n|\r|\n", _QUOTED_COMMA.sub(r'"\1.\2"', written) if '"' in written else written)
+    text = Text(path, lines)
     text.encoding = "UTF-16" if encoding else ""
     if not any(line.strip() for line in lines):
         raise text.refuse("the file is empty", f"give a {what} that holds numbers")
@@ -225,6 +228,8 @@ def is_numeric(line: str) -> bool:
     """Return whether a line holds numbers only: a heading that begins with digits is none."""
     if not line.lstrip()[:1] or line.lstrip()[0] not in _FIRST_OF_NUMBERS:
         return False
+    if not _OTHER_SIGN.search(line):
+        return any(sign.isdigit() for sign in line)
     words = tokens(line[:LONGEST_LINE])  # what is longer is found out with its values
     words = words[:-1] if len(line) > LONGEST_LINE else words
     return bool(words) and all(
@@ -233,13 +238,14 @@ def is_numeric(line: str) -> bool:
 
 
 _NO_NUMBERS = ("nan", "inf", "-inf", "+inf")
+_OTHER_SIGN = re.compile(r"[^\d\s.,;+\-\"']", re.ASCII)
 _FIRST_OF_NUMBERS = "0123456789+-.\"',;nNiI"
 
 
 def split_numbers(line: str) -> list[str]:
     """The words of a line of numbers; Fortran's fixed columns may touch: -.12E-01-.34E-01. A date stays one word."""
     words = tokens(line)
-    if not any(sign in word[1:] for word in words for sign in "+-"):
+    if not _TOUCHING.search(line):
         return words
     return [part for word in words for part in (_TOUCHING.split(word) if _TOUCHING_NUMBERS.match(word) else (word,))]
 
