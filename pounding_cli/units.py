@@ -30,6 +30,16 @@ _ONE = {
     for prefix, size in _PREFIXES.items() for name, (value, dimension) in _UNITS.items()
 }  # fmt: skip
 # Where a name is two, as `min`, the one without prefix counts.
+_POUND, _INCH = Fraction("0.45359237"), Fraction("0.0254")
+_POUND_FORCE = _POUND * Fraction("9.80665")
+_ONE |= {
+    **dict.fromkeys(("inch", "inches"), (_INCH, _LENGTH)), **dict.fromkeys(("foot", "feet"), (12 * _INCH, _LENGTH)),
+    "lb": (_POUND, _MASS), "lbf": (_POUND_FORCE, (1.0, 1.0, -2.0)),
+    **dict.fromkeys(("kip", "kips"), (1000 * _POUND_FORCE, (1.0, 1.0, -2.0))),
+    "psi": (_POUND_FORCE / _INCH**2, (1.0, -1.0, -2.0)), "ksi": (1000 * _POUND_FORCE / _INCH**2, (1.0, -1.0, -2.0)),
+}  # fmt: skip
+KNOWN_UNITS = "m, cm, mm, km, in, ft; s, ms, min; kg, g, t, lb; N, kN, MN, lbf, kip; Pa, psi, ksi; Hz, Gal, rad, %"
+"""The units that people write, with their prefixes, for messages."""
 _NAME = re.compile(r"[A-Za-z]+|%")
 _SEPARATOR = re.compile(r"\s*([*/·.]?)\s*")
 _POWER = re.compile(r"(?:\*\*|\^)?(-?[0-9]{1,2}(?:\.[0-9]{1,3})?)|([²³])")

@@ -29,8 +29,8 @@ def records() -> None:
 
 
 reading_options = together(
-    click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file has none."),
-    click.option("--dt", type=seconds, metavar="TIME", help="Time step, 0.01 s, for a file with one column."),
+    click.option("--unit", metavar="UNIT", help="Unit of the acceleration, e.g. cm/s2, if the file does not state it."),
+    click.option("--dt", type=seconds, metavar="TIME", help="Time step, 0.01 s, if the file does not state it."),
     click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
     click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
     click.option("--format", type=click.Choice(motions.FORMATS), help="File format, if it is not detected."),
@@ -84,6 +84,7 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
         window = window or known.duration
     else:
         reading = motions.read_file(motion, **options)
+        _warn_about_step(reading)
         found, title, place, read_as = reading.motion, Path(motion).name, motion, f"{reading.format}, {reading.words}"
     if window is not None:
         found = found.windowed(window)
@@ -114,6 +115,7 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     """
     known, target = motions.entry(name), motions.user_folder() / f"{name}.txt"
     reading = motions.read_file(file, name=name, source="real", **options)
+    _warn_about_step(reading)
     motion = reading.motion
     if target.exists() and not force:
         hint = "use --force to replace it, or delete that file"
@@ -124,6 +126,12 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     click.echo("\n".join(f"  {line}" for line in known.compared(motion)))
     if (used := motions.locate(name)[0]) != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
+
+
+def _warn_about_step(reading: motions.Reading) -> None:
+    """Tell of a time step that is unlikely."""
+    if reading.doubt:
+        click.echo(f"warning: {reading.doubt}", err=True)
 
 
 def _print_measures(motion: motions.Motion, title: str, place: str, read_as: str | None) -> None:

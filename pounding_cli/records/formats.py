@@ -1,4 +1,4 @@
-"""The file formats of the strong-motion networks, one function each, and plain columns.
+"""The file formats of the strong-motion networks, one function each, and those that are recognised but not read.
 
 Each returns the samples of a file, or None of another format, and raises `InputError` for a file of its format that is
 damaged, holds no acceleration, or several channels and none was named.
@@ -7,13 +7,11 @@ damaged, holds no acceleration, or several channels and none was named.
 from __future__ import annotations
 
 import re
-from itertools import chain, islice
-
-import numpy as np
 
 from pounding_cli.numbers import counted
-from pounding_cli.records.text import Samples, Text, number, tokens
-from pounding_cli.records.units import BRACKETS, acceleration_unit, quantity_of, unit_in
+from pounding_cli.records.headings import find_steps
+from pounding_cli.records.text import Samples, Text, is_numeric, number
+from pounding_cli.records.units import find_units, normalize, quantity_of
 
 _COSMOS = re.compile(r"(?i)\( ?format v ?[\d.]+(?: with (\d{1,3}) text lines)?")
 _COSMOS_LABEL = r"sta chan? ?:? ?(.*?) ?(?:\(|location|\Z)"
@@ -36,6 +34,12 @@ def at2(text: Text) -> Samples | None:
         size, line = text.search(r"^(\d{1,9}) ([-+.\dE]+) NPTS", range(8))
     if size is None:
         return None
+    following = next((words for words in text.lines[line:] if words.strip()), "")
+    if not is_numeric(following):
+        return None
+    rows = text.rows(line)
+    if len(rows) == int(size[1]) != sum(map(len, rows.values())):
+        return None  # a header in PEER's words over a table, which is read by its columns
     other, place = text.search("(velocity|displacement) time (?:series|history)", range(line - 1))
     if other:
         raise text.wrong_quantity(other[1].lower(), place)
@@ -43,7 +47,10 @@ def at2(text: Text) -> Samples | None:
     step = text.step(size[2], line)
     values, start = text.values(line)
     text.check_count(size[1], len(values), line)
-    return Samples(step, values, start, unit[1] if unit else None, unit_line)
+    if unit is not None:
+        return Samples(step, values, start, unit[1], unit_line)
+    stated = [(each, index + 1) for index in range(line) for each in find_units(text.words(index))]
+    return Samples(step, values, start, *(stated[0] if stated else (None, 0)))
 
 
 def knet(text: Text) -> Samples | None:
@@ -53,7 +60,9 @@ def knet(text: Text) -> Samples | None:
     without the mean of the whole record (NIED, https://www.kyoshin.bosai.go.jp/kyoshin/man/knetform_en.html).
     """
     header = range(text.first, text.first + 17)
-    if not text.lines[header.start].startswith("Origin Time"):
+    keys = (r"^Sampling Freq", r"^Scale Factor", r"^Memo\.")
+    is_knet = text.lines[header.start].startswith("Origin Time")
+    if not is_knet or sum(text.search(key, header)[0] is not None for key in keys) < 2:
         return None
     rate, line = text.find(r"^Sampling Freq\S* ([1-9][\d.]*)", header, "Sampling Freq(Hz), e.g. 100Hz")
     step = text.step(1.0 / float(rate[1]), line)
@@ -174,7 +183,10 @@ def csmip(text: Text) -> Samples | None:
         return None
     if kind[1]:
         what = "spectra (V3)" if kind[1] == "R" else "uncorrected samples (V1)"
-        raise text.refuse(f"a CSMIP file of {what}", "download the corrected record (V2)", text.first + 1)
+        hint = (
+            "download the corrected record (V2); of another network, export the acceleration and give format, unit, dt"
+        )
+        raise text.refuse(f"a CSMIP file of {what}", hint, text.first + 1)
     named, series = "unnamed", dict[int, tuple[str, re.Match[str]]]()
     for index in range(len(text.lines)):
         if label := _CSMIP_LABEL.search(text.words(index)):
@@ -182,8 +194,7 @@ def csmip(text: Text) -> Samples | None:
         if said := _CSMIP_DATA.match(text.words(index)):
             series[index] = named, said
     if not series:
-        example = "4000 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.3)"
-        raise text.damaged(f"the header does not say how many points follow, e.g. {example}", text.first + 1)
+        return None  # another network's accelerogram, or that of Caltech
     kinds = {index: quantity_of(said[2])[0] for index, (_, said) in series.items()}
     found = {index: series[index][0] for index, kind in kinds.items() if kind == "acceleration"}
     if len(found) < max(1, list(kinds.values()).count("velocity")):
@@ -192,7 +203,7 @@ def csmip(text: Text) -> Samples | None:
     data = series[at][1]
     step = text.step(data[3], at + 1)
     values, _ = text.fixed(at + 1, int(data[1]), data[4], last=True)
-    return Samples(step, values, at + 2, unit_in(data[4], ()) or "cm/s2", at + 1)
+    return Samples(step, values, at + 2, next(iter(find_units(data[4])), "cm/s2"), at + 1)
 
 
 def _chosen(text: Text, channels: dict[int, str], line: int) -> int:
@@ -217,180 +228,130 @@ def _check_peak(text: Text, values: list[float], pattern: str, header: range, un
         raise text.damaged(f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line)
 
 
-NETWORKS = {"at2": at2, "cosmos": cosmos, "csmip": csmip, "smc": smc, "knet": knet, "esm": esm}
+def geonet(text: Text) -> Samples | None:
+    """Return a channel of GeoNet's V1A and V2A (New Zealand), in mm/s2.
+
+    Every component has 16 lines of text, four of integers, six of reals, then samples, ten a line; in V2A velocities
+    and displacements follow.
+
+    GeoNet, Strong motion file formats, https://www.geonet.org.nz/data/supplementary/strong_motion_file_formats.
+    """
+    first = " ".join(text.lines[text.first : text.first + 3])
+    if not _GEONET.match(first) or not re.search(r"GNS Science|GeoNet", first, re.IGNORECASE):
+        return None
+    begins = [index for index in range(len(text.lines)) if _GEONET.match(text.lines[index])]
+    channels = {}
+    for begin in begins:
+        named, _ = text.search(r"^Component (\S+)", range(begin, begin + 16))
+        channels[begin] = named[1] if named else "unnamed"
+    begin = _chosen(text, channels, begins[0] + 1)
+    words = range(begin, begin + 16)
+    numbers = begin + 16
+    if not is_numeric(text.line(numbers)):
+        numbers = next((at for at in range(begin + 1, begin + 26) if is_numeric(text.line(at))), numbers)
+    header, start = text.fixed(numbers, 100, "(10I8)")
+    places = (30,) if "uncorrected" in text.lines[begin].lower() else (33, 30)
+    coded = next((header[place] for place in places if header[place] > 0), 0.0)
+    size, _ = text.search(r"number of points\D{0,3}(\d{1,9})", words)
+    count = int(size[1]) if size else int(coded)
+    if not 0 < count < 10**9:
+        raise text.damaged("the header does not say how many points follow, e.g. Number of points 8000", begin + 1)
+    spaced, step_line = text.search(r"at (\d*\.?\d+) sec(?:ond)? intervals", words)
+    step = text.step(spaced[1] if spaced else header[65], step_line or numbers + 7)
+    unit, unit_line = text.search(r"^acceleration\b.*?\d (mm/s/s|cm/s/s|m/s/s|mm/s\^?2|g)\b", words)
+    values, after = text.fixed(start, count, "(10F8.1)")
+    following = text.line(after).split()
+    if "uncorrected" in text.lines[begin].lower() and following and None not in map(number, following):
+        raise text.damaged(f"more than the {count} values that the header says follow", after + 1)
+    peak, peak_line = text.search(r"^acceleration\b\W*peak ([-+]?[\d.]+)", words)
+    if peak and abs(abs(number(peak[1]) or 0.0) - max(map(abs, values))) > 0.02 * max(map(abs, values)) + 0.1:
+        raise text.damaged(
+            f"the header says a peak of {peak[1]}, but the samples reach {max(values, key=abs):g}", peak_line
+        )
+    return Samples(step, values, start + 1, unit[1] if unit else "mm/s2", unit_line or begin + 1)
+
+
+def asa(text: Text) -> Samples | None:
+    """Return a channel of the Mexican ASA 2.0 format.
+
+    About 109 lines `CLAVE : valor`, with the values of channels as `/a/b/c`, then one column a channel.
+
+    Base Mexicana de Datos de Sismos Fuertes (1995), Formato estandar de archivo de aceleracion, version 2.0.
+    """
+    is_asa, _ = text.search(r"ARCHIVO EST[AÁ]NDAR DE ACELERACI[OÓ]N", range(40))
+    units, unit_line = text.search(r"^UNIDADES DE LOS DATOS ?\W{0,3}(.*)", range(130))
+    intervals, step_line = text.search(r"^INTERVALO DE MUESTREO.*?[:=] ?(.*)", range(130))
+    if intervals is None or not (is_asa or units):
+        return None
+    start = next((at for at in range(step_line, len(text.lines)) if is_numeric(text.lines[at])), None)
+    if start is None:
+        raise text.refuse("no numbers after the header", "give a file that holds a ground motion", step_line)
+    rows = text.rows(start)
+    width = len(rows[start])
+    odd = next((index for index, row in rows.items() if len(row) != width), None)
+    if odd is not None:
+        raise text.damaged(f"{counted(len(rows[odd]), 'value')} on this line, where every other has {width}", odd + 1)
+    header = range(start)
+    oriented, _ = text.search(r"^ORIENTACION.*?[:=] ?(.*)", header)
+    names = _values_of_channels(oriented[1]) if oriented else []
+    channels = {place: names[place] if place < len(names) else f"canal {place + 1}" for place in range(width)}
+    if text.channel is None and text.column is not None:
+        text.channel, text.column = text.column, None
+    place = _chosen(text, channels, start + 1)
+    steps = _values_of_channels(intervals[1])
+    written = steps[min(place, len(steps) - 1)] if steps else ""
+    step = text.step(next(iter(find_steps(f"dt = {written}")), written), step_line)
+    values = [row[place] for row in rows.values()]
+    said, line = text.search(r"^NUM\. ?TOTAL DE MUESTRAS.*?[:=] ?(.*)", header)
+    sizes = _values_of_channels(said[1]) if said else []
+    if place < len(sizes):
+        text.check_count(sizes[place], len(values), line, "NUM. TOTAL DE MUESTRAS")
+    unit = units[1].strip(" /'\"()") if units else ""
+    if not unit:
+        peaks, unit_line = text.search(r"^ACEL\. ?MAX\.? ?\((\w+)\)", header)
+        unit = peaks[1] if peaks else ""
+    stated = next(iter(find_units(f"unit: {unit}")), unit)
+    return Samples(step, values, start + 1, stated or None, unit_line)
+
+
+def _values_of_channels(written: str) -> list[str]:
+    """Return the values of channels that are written as `/a/b/c/`."""
+    return [value.strip() for value in written.strip().strip("/").split("/") if value.strip()]
+
+
+_GEONET = re.compile(r"\s*(?:un)?corrected\s+accelerogram\b", re.IGNORECASE)
+
+NETWORKS = {
+    "at2": at2, "geonet": geonet, "cosmos": cosmos, "csmip": csmip, "smc": smc, "knet": knet, "esm": esm, "asa": asa,
+}  # fmt: skip
 """The formats of the networks by name."""
 
+WITH_CHANNELS = ("cosmos", "csmip", "geonet", "asa")
+"""The formats of which a file may hold several channels."""
 
-# Plain columns: time and acceleration, one column of a table, or values with a time step beside them. Blanks, tabs,
-# commas or semicolons part them, with a comma as decimal sign where the file shows it. Above them may stand headings
-# with units (`t [s]; a [cm/s2]`), comments behind `#`, `%` or `!`, and lines `# dt:`, `# unit:`.
-
-COLUMNS = ("two-column", "column", "table")
-"""The plain formats, which need not state a unit: g is taken."""
-
-_TOP, _ROWS_OF_HEADINGS = 60, 3
-# Lines over the numbers searched for units, and those that may hold headings: names and units may be in two lines.
-_UNEVEN = 0.02
-# Times are printed with few digits: a sample may stand off its even place by this part of a step, or by the last digit
-# printed where that is less than a quarter of a step.
-_HEADING = re.compile(r"[^\s(\[]+(?:\s*[(\[][^()\[\]]*[)\]])?")
-_TIME = re.compile(r"(?:t|time|s|sec)(?![a-z])", re.IGNORECASE)
-_MILLISECONDS = re.compile(r"(?<![a-z])(?:ms|msecs?|milliseconds)(?![a-z])", re.IGNORECASE)
-_UNITS = re.compile(r"\bunits?\b", re.IGNORECASE)
-_ACCELERATION = re.compile(r"\bacc(?:el[a-z]*|n)?\b", re.IGNORECASE)
-_ONLY_ACCELERATION = re.compile(r"(?:(?:ground|base|input)\s+)?(?:acc[a-z]*|ag?)\.?|", re.IGNORECASE)
-_PEAK = re.compile(
-    r"\b(?:peaks?|max[a-z]*|pga)\b|\bacc[a-z]*\.?\s*(?:[(\[][^()\[\]]*[)\]]\s*)?[:=]\s*[-+.\d]", re.IGNORECASE
+_NOT_READ = (
+    (
+        r"\bCSMNC\b|China Strong.Motion|\bBTM\b|Beijing time|^no\. of points ?:.*equally spaced intervals of ?:",
+        "China CSMNC",
+    ),
+    (r"\bRENADIC\b", "RENADIC V1 (Chile)"),
+    (r"^\* ?VOL\d\w*", "BHRC (Iran)"),
+    (r"^WID[12]\b|^BEGIN (?:GSE|IMS)", "GSE or IMS"),
+    (r"^-12345(?:\.0*)? .*-12345|^.{0,80}-12345\.00 .*-12345", "SAC in text"),
+    (r"^(?:un)?corrected accelerogram\b", "a corrected or uncorrected accelerogram (Caltech, USGS or another network)"),
+    (r"UNIVERSITY OF SOUTHERN CALIFORNIA|\bUSC\b.*\bACCELEROGRAM", "USC V1"),
+    (r"\bSEED\b.*\brecord|^TSPAIR|, TSPAIR,", "TSPAIR of IRIS and ObsPy"),
+    (r"^<!DOCTYPE|^<html|^<\?xml", "a page of the web (HTML or XML), not a motion"),
+    (r"^[{\[]\s*[\"{]", "JSON"),
 )
-_STEPS = ("dt", "time step", "delta t", "sampling interval")
-_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
-_ROW_BY_ROW = "for values printed row by row say format 'column' and dt"
+_LINES_OF_NAMES = 40
 
 
-def read_columns(text: Text, format: str | None) -> tuple[str, Samples]:
-    """The format, by the first line of numbers unless given, and the samples.
-
-    Raises
-    ------
-    InputError : several columns and none selected, no time step, uneven or falling times, lines of different lengths
-    """
-    text.lines = _with_points(text.lines)
-    start = _first_row(text)
-    width = len(tokens(text.lines[start]))
-    if format is None and text.column is None and width > 2:
-        hint = f"select one: column: 2 beside the file in a study, or --column 2; {_ROW_BY_ROW}"
-        raise text.refuse(f"{width} values on a line, and no column is selected", hint, start + 1)
-    kind = format or ("table" if text.column is not None else ("column", "two-column")[width - 1])
-    return kind, _column(text, start) if kind == "column" else _table(text, start, kind)
-
-
-def _column(text: Text, start: int) -> Samples:
-    """Values row by row; the time step comes from `dt` or from the header."""
-    stated = [text.header[key] for key in _STEPS if key in text.header]
-    if not stated and text.dt is None:
-        hint = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
-        raise text.refuse("one column of values, and no time step", hint, 1)
-    written, line = stated[0] if stated else (f"{text.dt}", 0)
-    step = text.step(re.sub(r"(?<=[\d.\s])s(?:ec)?\Z", "", written, flags=re.IGNORECASE).strip(), line)
-    values, begin = text.values(start)
-    if "samples" in text.header:
-        said, line = text.header["samples"]
-        text.check_count(said, len(values), line, "samples")
-    return Samples(step, values, begin, *_unit(text, start, 1, 0))
-
-
-def _table(text: Text, start: int, kind: str) -> Samples:
-    """One column of several; the first is the time, unless the time step is given and it does not rise."""
-    rows = text.rows(start)
-    lines, columns = list(rows), 2 if kind == "two-column" else len(rows[start])
-    place = 2 if kind == "two-column" else text.column
-    if place is None or not 1 <= place <= columns:
-        what = "format 'table' needs a column" if place is None else f"there is no column {place} among {columns}"
-        wanted = f"write 1 to {columns}: column: 2 beside the file, or --column 2"
-        raise text.refuse(what, wanted if columns > 1 else "leave 'column' out", start + 1)
-    odd = next((index for index, row in rows.items() if len(row) != columns), None)
-    if odd is not None:
-        message = f"{counted(len(rows[odd]), 'value')} on this line, where every other has {columns}"
-        raise text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd + 1)
-    values, times = [row[place - 1] for row in rows.values()], np.array([row[0] for row in rows.values()])
-    unit = _unit(text, start, columns, place - 1)
-    if text.dt is not None and kind == "table" and (place == 1 or (np.diff(times) <= 0).any()):
-        return Samples(text.step(float(text.dt), 0), values, start + 1, *unit)
-    if place == 1:
-        hint = "write the acceleration's column, or give dt"
-        raise text.refuse("column 1 is the time, unless dt is given", hint, start + 1)
-    heads = [_cells(words, columns)[0] for _, words in _above(text, start)[:_ROWS_OF_HEADINGS]]
-    scale = 1e-3 if any(map(_MILLISECONDS.search, heads)) else 1.0
-    return Samples(_even_step(text, times, lines, scale), values, start + 1, *unit)
-
-
-def _first_row(text: Text) -> int:
-    """Index of the first line that opens with a number; words and comments before are the header."""
-    for index, line in enumerate(text.lines):
-        found = tokens(line)
-        if found and (number(found[0]) is not None or found[0].lower() in ("nan", "inf", "-inf")):
-            return index
-    hint = "docs/records.md has the formats: at2, cosmos, csmip, smc, knet, esm, and plain columns"
-    raise text.refuse("no line of numbers found", hint, 1)
-
-
-def _with_points(lines: list[str]) -> list[str]:
-    """The lines with decimal points where the file writes decimal commas: by its first lines of numbers."""
-    sample = islice((line for line in lines if re.match(r"\s*[-+]?[\d.,]", line)), 20)
-    rows = [[word for word in re.split(r"[;\s]+", line.strip()) if word] for line in sample]
-    words = list(chain(*rows))
-    pointed = any("." in word or word.endswith(",") for word in words)
-    if pointed or max(map(len, rows), default=0) < 2 or not any(map(_DECIMAL_COMMA.match, words)):
-        return lines
-    return [line if line.lstrip()[:1] in ("#", "%", "!") else re.sub(r"(?<=\d),(?=\d)", ".", line) for line in lines]
-
-
-def _above(text: Text, start: int) -> list[tuple[int, str]]:
-    """The lines over the numbers (from 1) with their words, the nearest first."""
-    top = range(start, max(0, start - _TOP), -1)
-    return [(line, words) for line in top if (words := text.lines[line - 1].strip().lstrip("#%! "))]
-
-
-def _cells(line: str, width: int) -> list[str]:
-    """A header line as one text a column; empty texts where it is none of headings."""
-    for separator in (";", "\t", ","):
-        parts = [part.strip() for part in line.split(separator)]
-        if len(parts) == width > 1:
-            return parts
-    found = _HEADING.findall(line)
-    if len(found) == width:
-        return found
-    return [line] if width == 1 and BRACKETS.search(line) else [""] * width
-
-
-def _unit(text: Text, start: int, width: int, place: int) -> tuple[str | None, int, str]:
-    """What the file states as the unit of a column, the line that does, and a heading from which none can be read."""
-    if "unit" in text.header:
-        return *text.header["unit"], ""
-    above = _above(text, start)
-    headings = [(line, _cells(words, width)[place]) for line, words in above[:_ROWS_OF_HEADINGS]]
-    said = chain(
-        ((line, unit_in(words)) for line, words in headings), ((line, _stated(words)) for line, words in above)
-    )
-    line, unit = next(((line, unit) for line, unit in said if unit), (0, None))
-    if unit is not None:
-        return unit, line, ""
-    spoken = (words for _, words in above if _ACCELERATION.search(words) and BRACKETS.search(words))
-    named = next((words for _, words in headings if words and _TIME.match(above[0][1])), "")
-    unclear = named or next((words for words in spoken if not _PEAK.search(words)), "")
-    return None, 0, "" if _ONLY_ACCELERATION.fullmatch(unclear) else unclear[:60]
-
-
-def _stated(line: str) -> str | None:
-    """The unit that a line of words states: `Acceleration (cm/s/s)`, `ACCELERATION IN G AT 50 HZ`, `Units: gal`, or the
-    unit alone. A line that gives a peak speaks of that number."""
-    if acceleration_unit(line):
-        return line.strip()
-    if (named := _UNITS.search(line)) and (unit := unit_in(line[named.end() :])):
-        return unit
-    named = _ACCELERATION.search(line)
-    unit = unit_in(line[named.end() :], ()) if named and not _PEAK.search(line) else None
-    return None if unit is None or unit[0].isdigit() else unit
-
-
-def _even_step(text: Text, written: np.ndarray, lines: list[int], scale: float) -> float:
-    """The time step [s] of evenly rising times; refused where they fall, stand or are uneven.
-
-    written : the times as the file has them, one of which is `scale` [s]; lines : their indices in the file
-    """
-    if written.size < 2:
-        raise text.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
-    first = [tokens(text.lines[index])[0] for index in lines[:1000]]
-    digit = scale * min(0.0 if re.search(r"[EeDd]", word) else 10.0 ** -len(word.partition(".")[2]) for word in first)
-    times, gaps = scale * written, scale * np.diff(written)
-    step = float(f"{(times[-1] - times[0]) / gaps.size:.9g}")
-    allowed = max(_UNEVEN * step, min(1.02 * digit, 0.25 * step))
-    steps = [step] if text.dt is None else [text.dt, step]  # the step given is the exact one, where times are rounded
-    even = [one for one in steps if np.abs(times - times[0] - one * np.arange(times.size)).max() <= allowed]
-    if not even:
-        usual = float(np.median(gaps))
-        worst = int(np.argmax(np.abs(gaps - usual)))
-        message = f"uneven times: a step of {gaps[worst]:.6g} s here, of {usual:.6g} s elsewhere"
-        raise text.refuse(message, f"resample the record to even steps; {_ROW_BY_ROW}", lines[worst + 1] + 1)
-    text.step(step, lines[0] + 1)
-    return even[0]
+def find_unread(text: Text) -> tuple[str, int] | None:
+    """Return the name of a format that is known but not read, and the line that shows it; None of others."""
+    for index in range(min(_LINES_OF_NAMES, len(text.lines))):
+        words = normalize(text.words(index))
+        for pattern, name in _NOT_READ:
+            if re.search(pattern, words, re.IGNORECASE):
+                return name, index + 1
+    return None

@@ -31,7 +31,7 @@ class Motion:
     name : what tables and figures call it
     dt : time step [s], > 0
     acceleration : samples [m/s2], shape (n,), n >= 2, finite
-    source : label, one of "real", "stand-in", "user"; of a file whose unit is assumed "user, unit g assumed"
+    source : label, one of "real", "stand-in", "user"
     """
 
     name: str

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from pounding_cli.records.formats import COLUMNS, NETWORKS, read_columns
+from pounding_cli.errors import InputError
+from pounding_cli.records.columns import COLUMNS, GIVE_UNIT, read_columns
+from pounding_cli.records.formats import NETWORKS, WITH_CHANNELS, find_unread
 from pounding_cli.records.motion import GRAVITY, Motion
 from pounding_cli.records.text import Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
@@ -17,23 +19,25 @@ FORMATS = (*NETWORKS, *COLUMNS)
 
 _STRONGEST = 5.0 * GRAVITY
 # The strongest ground accelerations ever recorded lie between 3 and 5 g; above that the unit is wrong.
+_LONGEST_STEP = 0.05
+# Accelerographs sample at 50 Hz at least; a longer step [s] is most often a sample number taken for a time.
 
 
 @dataclass(frozen=True)
 class Reading:
     """A motion and how it was read.
 
-    words : its unit and where that comes from: "in g (assumed: the file states no unit)"
-    heading : what stands over the values where no unit can be read from it and nobody says one, else ""
+    words : its unit and where that comes from: "in g (as the file says)"
     stated : the other unit that the file states where the unit given is not that, else ""
+    doubt : what is unlikely about its time step, else ""
     """
 
     motion: Motion
     format: str
     unit: str
     words: str
-    heading: str = ""
     stated: str = ""
+    doubt: str = ""
 
 
 def read_file(
@@ -54,31 +58,37 @@ def read_file(
     path : the file
     name : what to call the motion; the file's own `# name:` line or its stem unless given
     unit : unit of the acceleration (`records.units`); needed only where the file does not state it. In plain columns
-        it comes before what the headings say, and without either the unit is g. Elsewhere it is refused where it
-        contradicts the file
-    dt : time step [s]; needed for one column without a `# dt:` line, otherwise checked against the file's own
+        it comes before what the headings say. Elsewhere it is refused where it contradicts the file
+    dt : time step [s]; needed where the file does not state it, otherwise checked against the file's own
     format : one of `FORMATS`; default: detected
-    channel : which channel of a file that holds several (COSMOS, CSMIP), from 1
+    channel : which channel of a file that holds several (COSMOS, CSMIP, GeoNet, ASA), from 1
     column : which column of a table holds the acceleration, from 1
-    source : label of the motion; that of a motion whose unit is assumed says so
+    source : label of the motion
 
     Raises
     ------
     InputError : with file and line, for a file that is missing, empty or not text, a value that is no number, uneven
-        or falling times, a count or peak other than the header's, a missing or contradicting time step or
-        unit, velocities, displacements, counts without a scale, and a peak above 5 g (a wrong unit)
+        or falling times, a count or peak other than the header's, a missing or contradicting time step or unit, a
+        format that is known but not read, velocities, displacements, counts without a scale, and a peak above 5 g
+        (a wrong unit)
     """
     text = load(Path(path))
-    text.dt, text.channel, text.column = dt, channel, column
+    text.dt, text.channel, text.column, text.unit = dt, channel, column, unit
     if unit is not None and acceleration_unit(unit) is None:
         raise text.refuse(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(UNITS)}, or 0.01 g")
     kind, samples = _samples(text, format)
     used, why, stated = _unit(text, kind, samples, unit)
-    assumed = unit is None and samples.unit is None
-    label = f"{source}, unit {used} assumed" if assumed else source
     said, _ = text.header.get("name", ("", 0))
-    motion = Motion(name or said or Path(path).stem, samples.dt, _sound(text, samples, used), label)
-    return Reading(motion, kind, used, f"in {used} ({why})", samples.unclear if assumed else "", stated)
+    motion = Motion(name or said or Path(path).stem, samples.dt, _sound(text, samples, used), source)
+    encoding = f", a file in {text.encoding}" if text.encoding else ""
+    return Reading(motion, kind, used, f"in {used} ({why}){encoding}", stated, _doubt_step(samples.dt))
+
+
+def _doubt_step(step: float) -> str:
+    """Return a warning about a time step [s] that no accelerograph has; "" of others."""
+    if step <= _LONGEST_STEP * (1 + 1e-6):
+        return ""
+    return f"the time step is {step:g} s, longer than the {_LONGEST_STEP:g} s of any accelerograph"
 
 
 def _samples(text: Text, format: str | None) -> tuple[str, Samples]:
@@ -88,12 +98,20 @@ def _samples(text: Text, format: str | None) -> tuple[str, Samples]:
     if found is None and format not in (None, *COLUMNS):
         hint = f"leave 'format' out, or write one of {', '.join(FORMATS)}"
         raise text.refuse(f"its first lines are not those of a file of format '{format}'", hint, 1)
+    if found is None and format is None and (unread := find_unread(text)):
+        raise _refuse_unread(text, *unread)
     if found is None:
         kind, found = read_columns(text, format)
-    for given, what, kinds in ((text.channel, "channel", ("cosmos", "csmip")), (text.column, "column", ("table",))):
+    for given, what, kinds in ((text.channel, "channel", WITH_CHANNELS), (text.column, "column", ("table",))):
         if given is not None and kind not in kinds:
             raise text.refuse(f"a file of format '{kind}' has no {what}s to choose from", f"leave '{what}' out")
     return kind, found
+
+
+def _refuse_unread(text: Text, name: str, line: int) -> InputError:
+    example = "{file: a.txt, format: column, unit: cm/s2, dt: 0.01 s}"
+    hint = f"export the acceleration as columns of text and give format, unit, dt: {example}"
+    return text.refuse(f"the format is {name}, which is not read", hint, line)
 
 
 def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[str, str, str]:
@@ -103,10 +121,10 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
     """
     stated, line = samples.unit, samples.unit_line
     if stated is None:
-        if given is None and kind in NETWORKS:
-            raise text.refuse("the file does not state its unit", "give it: unit: cm/s2, or --unit cm/s2", samples.line)
-        unclear = f"'{samples.unclear}' in the file is no unit" if samples.unclear else "the file states no unit"
-        return (given, "as given", "") if given else ("g", f"assumed: {unclear}", "")
+        if given is None:
+            message = samples.unclear or "no line says in which unit the values are"
+            raise text.refuse(message, GIVE_UNIT, samples.unclear_line or samples.line)
+        return given, "as given", ""
     quantity, factor = quantity_of(stated)[0], acceleration_unit(stated)
     if quantity in ("velocity", "displacement"):
         raise text.wrong_quantity(quantity, line)
@@ -116,8 +134,10 @@ def _unit(text: Text, kind: str, samples: Samples, given: str | None) -> tuple[s
             raise text.refuse("the file holds recorder counts without their scale", hint, line)
         return given, "as given", ""
     if factor is None:
-        hint = f"correct it there: one of {', '.join(UNITS)}"
-        raise text.refuse(f"the file's unit '{stated}' is none of acceleration", hint, line)
+        if given is not None:
+            return given, f"as given, although the file says {stated}", stated
+        hint = f"{GIVE_UNIT}; known are {', '.join(UNITS)}"
+        raise text.refuse(f"the file's unit '{stated}' is none of acceleration that is known", hint, line)
     if given is None or abs((acceleration_unit(given) or 0.0) / factor - 1.0) <= 1e-4:
         return stated, "as the file says", ""
     if kind in NETWORKS:

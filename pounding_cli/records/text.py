@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 from dataclasses import dataclass, field
@@ -21,14 +22,30 @@ SHORTEST, LONGEST = 1e-6, 10.0
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z", re.ASCII)
 _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
+_ONE = r"(?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?"
+_TOUCHING_NUMBERS = re.compile(rf"[-+]?{_ONE}(?:[-+]{_ONE})+\Z", re.ASCII)
+_QUOTED_COMMA = re.compile(r"\"\s*([-+]?\d+),(\d+(?:[Ee][-+]?\d+)?)\s*\"")
 _HEADER = re.compile(r"[#%!\s]*([A-Za-z][A-Za-z ]{,30})[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
+_BINARY = (
+    (rb"PK\x03\x04", "a zip archive or an Excel workbook"), (rb"\x1f\x8b", "a gzip archive"),
+    (rb"%PDF", "a PDF document"),
+    (rb"\x89HDF", "an HDF5 file"), (rb"MATLAB 5\.0 MAT", "a MATLAB file"), (rb"\x93NUMPY", "a NumPy array"),
+    (rb"\d{6}[DRQM][ \d]", "a miniSEED file"), (rb"(?s).{304}(?:[\x06\x07]\0\0\0|\0\0\0[\x06\x07])", "a SAC file"),
+    (rb"\xd0\xcf\x11\xe0", "an Excel workbook"),
+)  # fmt: skip
+# How files that hold no text begin.
+_OTHER_ALPHABETS = ("cp1251", "koi8_r", "cp866", "cp932", "gb18030", "iso8859_7", "cp1254")
+_FOREIGN_ACCELERATION = re.compile("ускорен|加速度|ガル|επιτ[αά]χ|ivme", re.IGNORECASE)
 
 
 class Samples(NamedTuple):
-    """What a format finds in a file: time step [s], samples, the line where they begin (from 1), the unit as the file
-    or its format states it and the line that does, and words about the values from which no unit can be read."""
+    """The content of a file: time step [s], samples, and the line where they begin (from 1).
+
+    unit, unit_line : as the file or its format states it, and the line that does
+    unclear, unclear_line : what the file says of the unit in place of it: "'furlongs' names no unit", and where
+    """
 
     dt: float
     values: list[float]
@@ -36,21 +53,25 @@ class Samples(NamedTuple):
     unit: str | None = None
     unit_line: int = 0
     unclear: str = ""
+    unclear_line: int = 0
 
 
 @dataclass
 class Text:
     """The file as lines, and its header: of every line `key: value` over the numbers its value and place (from 1).
 
-    dt, channel, column : what the user says of it: time step [s], channel and column (from 1)
+    encoding : "UTF-16" where the file is that, else ""
+    dt, channel, column, unit : what the user says of it: time step [s], channel and column (from 1), unit
     """
 
     path: Path
     lines: list[str]
     header: dict[str, tuple[str, int]] = field(default_factory=dict)
+    encoding: str = ""
     dt: float | None = None
     channel: int | None = None
     column: int | None = None
+    unit: str | None = None
 
     def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
         """The error that says so at a place of this file."""
@@ -108,20 +129,25 @@ class Text:
             follow = counted(found, "value follows", "values follow")
             raise self.damaged(f"the header says {what} = {written}, but {follow}", line)
 
-    def rows(self, start: int) -> dict[int, list[float]]:
-        """The numbers of every line from index `start` on, by its index; comments and blank lines are passed over, and
-        nan, inf and all else is refused at its column."""
-        found = dict[int, list[float]]()
-        for index, line in enumerate(self.lines[start:], start):
+    def rows(self, start: int, end: int | None = None) -> dict[int, list[float]]:
+        """The numbers of every line from index `start` on, to before `end`, by its index; comments and blank lines are
+        passed over, and nan, inf and all else is refused at its column."""
+        return {index: values for index, _, values in self.words_and_numbers(start, end)}
+
+    def words_and_numbers(self, start: int, end: int | None = None) -> list[tuple[int, list[str], list[float]]]:
+        """Index, words and numbers of every line, as `rows`."""
+        found = []
+        for index, line in enumerate(self.lines[start:end], start):
             if not line.strip() or line.lstrip()[0] in "#%!\x1a":
                 continue
-            found[index] = []
-            for token in tokens(line):
-                for part in _TOUCHING.split(token):  # Fortran's fixed columns may touch: -.12E-01-.34E-01
-                    if (value := number(part)) is None:
-                        hint, column = "write plain numbers; fill or cut gaps in the record", line.find(token) + 1
-                        raise self.refuse(f"'{token[:40]}' is not a finite number", hint, index + 1, column)
-                    found[index].append(value)
+            words, values = split_numbers(line), list[float]()
+            for word in words:
+                value = number(word)
+                if value is None:
+                    hint, column = "write plain numbers; fill or cut gaps in the record", line.find(word) + 1
+                    raise self.refuse(f"'{word[:40]}' is not a finite number", hint, index + 1, column)
+                values.append(value)
+            found.append((index, words, values))
         if not found:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return found
@@ -167,28 +193,81 @@ def number(token: str) -> float | None:
 
 
 def tokens(line: str) -> list[str]:
-    """The words of a line, however they are separated."""
-    return line.replace(",", " ").replace(";", " ").split()
+    """The words of a line, however they are separated, without quotes."""
+    return line.replace(",", " ").replace(";", " ").replace('"', " ").replace("'", " ").split()
 
 
 def load(path: Path, what: str = "motion file") -> Text:
     """The file's lines and header.  Raises `InputError` for a file that is missing, empty or not text."""
     raw = read_bytes(path, MOST_BYTES, what)
+    encoding = _find_utf16(raw)
+    if encoding:
+        raw = raw.decode(encoding, "replace").encode("utf-8")
     if len(raw.translate(None, _CONTROL)) < len(raw):
-        hint = "unpack an archive; give a text file in one of the formats of docs/records.md"
-        raise InputError(Problem("not a text file", hint, shortened(path)))
-    try:
-        written = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        written = raw.decode("latin-1")  # names of places in old files; every number is ASCII
-    text = Text(path, re.split(r"\r\n|\r|\n", written))
-    if not written.strip():
+        kind = next((name for sign, name in _BINARY if re.match(sign, raw)), "")
+        hint = "export the acceleration as text, in one of the formats of docs/records.md" if kind else ""
+        hint = hint or "unpack an archive; give a text file in one of the formats of docs/records.md"
+        raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shortened(path)))
+    written = _decode(raw).replace("\u2212", "-")
+    lines = re.split(r"\r\n|\r|\n", _QUOTED_COMMA.sub(r'"\1.\2"', written) if '"' in written else written)
+    text = Text(path, lines)
+    text.encoding = "UTF-16" if encoding else ""
+    if not any(line.strip() for line in lines):
         raise text.refuse("the file is empty", f"give a {what} that holds numbers")
     top = True
     for place, line in enumerate(text.lines, 1):
         if len(line) > LONGEST_LINE and not _NUMERIC.match(line):
             raise text.refuse(f"a line of {len(line)} characters", "no header is that long", place)
-        top = top and number((tokens(line) or [""])[0]) is None
+        top = top and not is_numeric(line)
         if top and (found := _HEADER.match(line)):
             text.header[found[1].strip().lower()] = found[2].strip(), place
     return text
+
+
+def is_numeric(line: str) -> bool:
+    """Return whether a line holds numbers only: a heading that begins with digits is none."""
+    if not line.lstrip()[:1] or line.lstrip()[0] not in _FIRST_OF_NUMBERS:
+        return False
+    if not _OTHER_SIGN.search(line):
+        return any(sign.isdigit() for sign in line)
+    words = tokens(line[:LONGEST_LINE])  # what is longer is found out with its values
+    words = words[:-1] if len(line) > LONGEST_LINE else words
+    return bool(words) and all(
+        number(word) is not None or word.lower() in _NO_NUMBERS or _TOUCHING_NUMBERS.match(word) for word in words
+    )
+
+
+_NO_NUMBERS = ("nan", "inf", "-inf", "+inf")
+_OTHER_SIGN = re.compile(r"[^\d\s.,;+\-\"']", re.ASCII)
+_FIRST_OF_NUMBERS = "0123456789+-.\"',;nNiI"
+
+
+def split_numbers(line: str) -> list[str]:
+    """The words of a line of numbers; Fortran's fixed columns may touch: -.12E-01-.34E-01. A date stays one word."""
+    words = tokens(line)
+    if not _TOUCHING.search(line):
+        return words
+    return [part for word in words for part in (_TOUCHING.split(word) if _TOUCHING_NUMBERS.match(word) else (word,))]
+
+
+def _find_utf16(raw: bytes) -> str:
+    """Return the codec of a file in UTF-16, with or without its mark; "" of any other."""
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) and not raw.startswith(codecs.BOM_UTF32_LE):
+        return "utf-16"
+    head = raw[: min(len(raw), 4000) // 2 * 2]
+    for codec, zeros, letters in (("utf-16-le", head[1::2], head[::2]), ("utf-16-be", head[::2], head[1::2])):
+        if len(zeros) > 2 and zeros.count(0) > 0.6 * len(zeros) and letters.count(0) == 0:
+            return codec
+    return ""
+
+
+def _decode(raw: bytes) -> str:
+    """Return the text of a file: UTF-8, or the alphabet in which an old file speaks of acceleration, or Latin-1."""
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        head = raw[:5000]
+        for alphabet in _OTHER_ALPHABETS:
+            if _FOREIGN_ACCELERATION.search(head.decode(alphabet, "ignore")):
+                return raw.decode(alphabet, "replace")
+        return raw.decode("latin-1")  # names of places in old files; every number is ASCII

@@ -75,7 +75,7 @@ def citations(
     Parameters
     ----------
     resolved : the study with every default filled in
-    sources : motion -> its label: "real", "stand-in" or "user", and ", unit g assumed" behind it
+    sources : motion -> its label: "real", "stand-in" or "user"
     methods : keys in METHODS that solve its scenes, buildings alone included
     cite : keys that its question uses besides, and what for
     """

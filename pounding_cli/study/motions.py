@@ -49,18 +49,19 @@ Ratio = Annotated[float, RATIO]
 Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
 
 
+_Format = Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"]
+
+
 class RecordFile(Model):
     """A motion in a file of one's own, or several in a folder."""
 
     file: str = key(..., "a file, a folder, or a pattern motions/*.AT2, relative to the study file", "motions/x.AT2")
     name: Name | None = key(None, "name of the motion in tables; default: the file's stem")
     unit: Annotated[str, AfterValidator(_unit)] | None = key(
-        None, "unit of the acceleration, any spelling; only where the file states none (g in plain columns)"
+        None, "unit of the acceleration, any spelling; needed where the file does not state it"
     )
-    dt: TimeStep | None = key(None, "time step [s]; needed for one column of values")
-    format: Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "two-column", "column", "table"] | None = key(
-        None, "default: detected"
-    )
+    dt: TimeStep | None = key(None, "time step [s]; needed where the file does not state it")
+    format: _Format | None = key(None, "default: detected")
     channel: Number | None = key(None, "channel of a file with several channels, from 1")
     column: Number | None = key(None, "column of a table with the acceleration, from 1")
 
@@ -428,21 +429,21 @@ class _Motions:
 
 
 def _doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[tuple[str, str]]:
-    """Message and hint of files named like vertical components, of headings from which no unit can be read, and of
-    those that state another one than the study."""
+    """Message and hint of files named like vertical components, of time steps that no accelerograph has, and of units
+    other than the study's that the files state."""
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
         yield f"named like vertical components, will shake the buildings sideways: {listed(vertical)}", hint
-    unclear: dict[str, list[str]] = {}
+    doubts: dict[str, list[str]] = {}
     against: dict[tuple[str, str], list[str]] = {}
     for each in readings:
-        if each.heading:
-            unclear.setdefault(each.heading, []).append(each.motion.name)
+        if each.doubt:
+            doubts.setdefault(each.doubt, []).append(each.motion.name)
         if each.stated:
             against.setdefault((each.unit, each.stated), []).append(each.motion.name)
-    for heading, names in unclear.items():
-        message = f"{listed(names)}: '{heading}' in the file is no unit of acceleration, so g is assumed"
-        yield message, "write the unit in the study, e.g. `{file: motions/a.csv, unit: m/s2}`"
+    for doubt, names in doubts.items():
+        hint = "check that the column of times is no sample number; write `dt: 0.01 s` beside `file:` if it is"
+        yield f"{listed(names)}: {doubt}", hint
     for (unit, stated), names in against.items():
         message = f"{listed(names)}: read in {unit}, as the study says, although the file says {stated}"
         yield message, "remove `unit:` if the file is right"

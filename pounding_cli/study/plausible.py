@@ -494,9 +494,7 @@ def _warn_peaks(used: Mapping[str, Used], root: Any, doubts: Doubts) -> None:
     uses = [each.use for each in used.values()]
     unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
-        assumed = any("assumed" in use.source for use in unlikely)
-        unit = "no unit is stated, so g is assumed: write e.g. `unit: m/s2` beside `file:`" if assumed else ""
-        hint = f"{unit or 'check `unit:` of its file and `scale:`'}; otherwise leave it, {AS_MEANT}"
+        hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {AS_MEANT}"
         peaks = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
         at: Steps = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
         excess = max(fits.excess(use.pga) for use in unlikely)

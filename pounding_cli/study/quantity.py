@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError, core_schema
 
-from pounding_cli.units import GRAVITY, Dimension, factor, measure
+from pounding_cli.units import GRAVITY, KNOWN_UNITS, Dimension, factor, measure
 
 LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
 MASSES = {"t": 1e3, "kg": 1.0}
@@ -231,7 +231,8 @@ class Quantity(Read):
         try:
             one = factor(found[3], self.si)
         except ValueError:
-            raise refuse(f"'{found[3]}' is not a unit this program knows{_slip(value)}", self.wanted) from None
+            hint = f"{self.wanted}; the units are {KNOWN_UNITS}, and products such as kN/mm"
+            raise refuse(f"'{found[3]}' is not a unit this program knows{_slip(value)}", hint) from None
         if one is None:
             hint = self._meant_by(number, found[3]) or self.wanted
             raise refuse(f"'{value}' is no {self.name}: expected {self.si or 'a plain number'}", hint)
@@ -365,7 +366,8 @@ def measured(value: Any) -> Measured:
     try:
         one, dimension = measure(unit) if unit else (1.0, (0.0, 0.0, 0.0))
     except ValueError:
-        raise refuse(f"'{unit}' is not a unit this program knows", "write e.g. 20 kN/mm or 5e12 N/m^3") from None
+        hint = f"write e.g. 20 kN/mm or 5e12 N/m^3; the units are {KNOWN_UNITS}"
+        raise refuse(f"'{unit}' is not a unit this program knows", hint) from None
     bare = value.strip().removesuffix(unit) if unit else value
     return Measured(Quantity("parameter", "", "20 kN/mm").read(bare) * one, dimension, str(value))
 

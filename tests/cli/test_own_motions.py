@@ -1,4 +1,4 @@
-"""Motions of one's own as `pound` shows them: the unit that was read or assumed, peaks that are unlikely, all names."""
+"""Motions of one's own as `pound` shows them: the unit that was read, doubtful steps and peaks, all names."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ estimate: none
 
 @pytest.fixture
 def motion(tmp_path: Path):
-    def write(name: str, head: str = "", peak: float = 0.3) -> Path:
+    def write(name: str, head: str = "time [s], acc [g]\n", peak: float = 0.3) -> Path:
         path = tmp_path / name
         rows = (f"{0.02 * i:.2f},{peak * math.sin(0.3 * i):.5f}\n" for i in range(200))
         path.parent.mkdir(exist_ok=True)
@@ -67,32 +67,36 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
     assert study.motions(())["a"].motion.pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
     assert f"in {unit} (as the file says)" in shown
-    assert "assumed" not in shown
-
-
-def test_a_unit_that_is_assumed_is_said_wherever_the_motion_is_shown(motion, pound, tmp_path) -> None:
-    motion("a.csv")
-    assert "a                user, unit g assumed, first 3.98 s" in pound("check", "[a.csv]").stdout
-    assert "Motions: user, unit g assumed: a." in pound("run", "[a.csv]").stdout
-    results = pounding_cli.open_results(tmp_path / "results" / "study.h5")
-    assert list(results.records()["source"]) == ["user, unit g assumed"]
-    shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
-    assert "motion            a.csv (user, unit g assumed)\n" in shown
-    assert "in g (assumed: the file states no unit)" in shown
-    assert "user, unit g assumed" not in pound("check", "[{file: a.csv, unit: g}]").stdout
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
-def test_words_that_are_no_unit_are_told(motion, pound, command) -> None:
-    motion("a.csv", "time,furlongs\n")
-    said = pound(command, "[a.csv]").stderr
-    assert "study.yaml:2:17: a: 'furlongs' in the file is no unit of acceleration, so g is assumed" in said
-    assert "{file: motions/a.csv, unit: m/s2}" in said
-    assert "furlongs" not in pound(command, "[{file: a.csv, unit: g}]").stderr
-    motion("a.csv", "# acceleration (0.01 x g)\n# Component 90\n")  # not the nearest line
-    assert "a: 'acceleration (0.01 x g)' in the file is no unit" in pound(command, "[a.csv]").stderr
-    motion("a.csv", "# Federal Building (basement)\n")  # no heading
-    assert "no unit" not in pound(command, "[a.csv]").stderr
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ("", "no line says in which unit the values are"),
+        ("time,furlongs\n", "'furlongs' names no unit of acceleration"),
+        ("# acceleration (stones)\n# Component 90\n", "'acceleration (stones)' names no unit of acceleration"),
+        ("# PGA 0.3 g\n", "'PGA 0.3 g' speaks of one number"),
+    ],
+)
+def test_a_file_that_does_not_state_its_unit_needs_one(motion, pound, command, head, said) -> None:
+    motion("a.csv", head)
+    with pytest.raises(pounding_cli.InputError) as caught:
+        pound(command, "[a.csv]")
+    assert said in str(caught.value)
+    assert "`unit: m/s2` beside the file in a study" in flat(str(caught.value))
+    assert "furlongs" not in pound("check", "[{file: a.csv, unit: g}]").stderr
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_step_that_no_accelerograph_has_is_told(motion, pound, tmp_path, command) -> None:
+    rows = "".join(f"{i},{0.3 * math.sin(0.3 * i):.5f}\n" for i in range(200))
+    (tmp_path / "a.csv").write_text(f"time [s],acc [g]\n{rows}")
+    said = flat(pound(command, "[a.csv]").stderr)
+    assert "a: the time step is 1 s, longer than the 0.05 s of any accelerograph" in said
+    assert "write `dt: 0.01 s` beside `file:`" in said
+    shown = CliRunner().invoke(cli, ["records", "show", "a.csv"])
+    assert "warning: the time step is 1 s" in shown.stderr
 
 
 def test_a_unit_in_the_study_comes_before_the_heading_and_the_difference_is_told(motion, pound, tmp_path) -> None:
@@ -107,14 +111,14 @@ def test_a_unit_in_the_study_comes_before_the_heading_and_the_difference_is_told
 
 @pytest.mark.parametrize("command", ["check", "run"])
 def test_a_peak_above_2_g_in_the_file_is_told_unless_it_is_scaled_to_less(motion, pound, command) -> None:
-    motion("a.csv", "", 2.9)
+    motion("a.csv", peak=2.9)
     said = pound(command, "[a.csv]").stderr
     assert "unlikely peaks: a (2.9 g): few motions were ever recorded with more than 2 g" in said
-    assert "no unit is stated, so g is assumed: write e.g. `unit: m/s2` beside `file:`" in said
+    assert "check `unit:` of its file" in said
     assert "unlikely peaks: a (4.35 g)" in pound(command, "[a.csv]", scale="1.5").stderr
     for scale in ("0.1", "{pga: 0.3 g}", "{pgv: 40 cm/s}"):
         assert "unlikely peaks" not in pound(command, "[a.csv]", scale=scale).stderr
-    motion("a.csv", "", 1.9)
+    motion("a.csv", peak=1.9)
     assert "unlikely peaks" not in pound(command, "[a.csv]").stderr
     assert "unlikely peaks" not in pound(command, "[a.csv]", scale="1.5").stderr, "that factor is the study's own"
 
@@ -129,7 +133,7 @@ def test_a_peak_above_2_g_in_the_file_is_told_unless_it_is_scaled_to_less(motion
 def test_a_warning_about_many_motions_names_all_of_them(motion, pound, peak, duration, words) -> None:
     names = [f"gm{number:02d}" for number in range(24)]
     for name in names:
-        motion(f"set/{name}.txt", "", peak)
+        motion(f"set/{name}.txt", peak=peak)
     said = pound("check", "[set/]", duration).stderr
     assert said.count("warning: ") == 1
     assert words in flat(said)
@@ -142,5 +146,5 @@ def test_the_summary_of_a_run_and_a_check_name_all_motions(motion, pound) -> Non
     for name in names:
         motion(f"set/{name}.txt")
     run, checked = flat(pound("run", "[set/]").stdout), pound("check", "[set/]").stdout
-    assert f"Motions: user, unit g assumed: {', '.join(names)}" in run
+    assert f"Motions: user: {', '.join(names)}" in run
     assert [name for name in names if f"\n  {name} " not in checked] == []

@@ -14,7 +14,7 @@ SINE = "".join(f"{0.3 * np.sin(0.1 * i):.6f}\n" for i in range(1201))
 
 @pytest.fixture
 def records(folder, pound):
-    Path("sine.txt").write_text(SINE)
+    Path("sine.txt").write_text(f"# unit: g\n{SINE}")
     return lambda *words: pound("records", *words)
 
 
@@ -91,7 +91,7 @@ def test_stand_ins_have_the_measures_of_their_motions(records):
 )  # fmt: skip
 def test_refusals(records, words, message):
     Path("bad.txt").write_text("0 0.1\n0.01 oops\n")
-    Path("late.txt").write_text("# dt: 0.01 s\n" + "0\n" * 300 + SINE)
+    Path("late.txt").write_text("# dt: 0.01 s\n# unit: g\n" + "0\n" * 300 + SINE)
     code, out, err = records(*words.split())
     assert (code, out) == (2, "")
     assert message in err

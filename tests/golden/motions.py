@@ -31,7 +31,7 @@ FILES = {
     "values.dat": lines(layouts.samples(300.0)),
     "rows.dat": layouts.rows(IN_M, "10.5f", 8),
     "folder/one.txt": "# unit: g\n" + lines(TIMES, IN_G),
-    "folder/two.txt": lines(TIMES, layouts.samples(0.2, seed=1.1)),
+    "folder/two.txt": "time [s] acc [g]\n" + lines(TIMES, layouts.samples(0.2, seed=1.1)),
 }
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pounding_cli as pound
 from tests.adapter import scenes
+from tests.helpers import motion_layouts as layouts
 
 from .guarded import guarded
 
@@ -104,11 +105,24 @@ def originals(folder: Path) -> dict[str, list[tuple[str, bytes, Callable[[Path],
     knet = "Origin Time 2000/01/01\nSampling Freq(Hz)  100Hz\nScale Factor      3920(gal)/6170270\n"
     knet += "Duration Time(s)  2\nDir.              N-S\n" + "Lat.  35.0\n" * 11 + "Memo.\n"
     knet += "".join(" ".join(f"{int(5000 * math.sin(n + k)):8d}" for k in range(8)) + "\n" for n in range(0, 200, 8))
-    motions = {"column.txt": motion, "pairs.csv": pairs, "peer.AT2": peer, "knet.NS": knet}
-    return {
-        "studies": [("study.yaml", STUDY.encode(), study)],
-        "motions": [(name, text.encode(), pound.motion) for name, text in motions.items()],
+    samples = [round(50 * math.sin(n), 1) for n in range(60)]
+    header = "site, acceleration in g\n60 0.02\n" + "".join(f"{value / 300:.5f}\n" for value in samples)
+    words = "Pas de temps : 0,02 s\nAccélération (cm/s²)\n" + "".join(
+        f"{value:.1f}\n".replace(".", ",") for value in samples
+    )
+    motions = {
+        "column.txt": motion,
+        "pairs.csv": pairs,
+        "peer.AT2": peer,
+        "knet.NS": knet,
+        "geonet.V2A": layouts.geonet_component(samples),
+        "asa.txt": layouts.asa([samples]),
+        "header.txt": header,
+        "words.txt": words,
     }
+    files = [(name, text.encode(), pound.motion) for name, text in motions.items()]
+    files.append(("utf16.txt", pairs.encode("utf-16"), pound.motion))
+    return {"studies": [("study.yaml", STUDY.encode(), study)], "motions": files}
 
 
 def hunt(sort: str, tries: int, seed: int, keep: Path | None = None) -> Counter[str]:

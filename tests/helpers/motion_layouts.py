@@ -217,3 +217,44 @@ def csmip_v2_channel(
     text = "\n".join(words) + "\n" + rows(integers, "5d", 16) + rows(reals, "10.3f", 8) + "".join(series)
     text += f"/&  ---------- End of data for channel {channel:2d} ----------\n"
     return text.upper() if upper else text
+
+
+def geonet_component(values: Sequence[float], name: str = "N10E", corrected: bool = True) -> str:
+    """A component of GeoNet's V1A or V2A: 16 lines of text, four of integers, six of reals, samples in ten columns."""
+    peak = max(values, key=abs)
+    kind = "Corrected" if corrected else "Uncorrected"
+    words = [f"{kind} accelerogram 20200101_010203_TEST_20 GNS Science", "Site TEST      42 00 00S  172 00 00E"]
+    words += ["Test Centre", "Instrument Basalt_1", "Resolution: 24-bit   Instr Period: 0.0050 s   Damping: 0.700"]
+    words += ["Accelerogram 20200101_010203_TEST_20                 Processed 2020 February 01", "Somewhere"]
+    words += ["2020 January 01         01:02:03 UT", "Epicentre  42 00 00S 173 00 00E  Bearing S40E  Mw 6.00"]
+    words += [f"Number of points  {len(values)}    Duration {DT * len(values):g} sec"]
+    words += [f"Instrument corrected data at {DT:.3f} sec intervals"]
+    words += ["Band-pass filter transition bands are .10-.25 Hz and 24.50-25.50 Hz"]
+    words += [f"Component {name}  Accelerometer Axis"]
+    words += [f"Acceleration:  peak   {peak:.5f} mm/s/s at  0.04 sec     rms   {peak / 9:.5f} mm/s/s"]
+    words += ["Velocity:      peak   -29.5 mm/s   at  0.04 sec", "Displacement:  peak   9.407 mm     at  0.06 sec"]
+    integers, reals = [0] * 40, [0.0] * 60
+    integers[30], integers[33:36] = len(values), [len(values)] * 3
+    reals[24:26] = [DT, DT]
+    series = rows(values, "8.5f" if abs(peak) < 10 else "8.1f", 10) * (3 if corrected else 1)
+    return "\n".join(words) + "\n" + rows(integers, "8d", 10) + rows(reals, "8.3f", 10) + series
+
+
+def asa(channels: Sequence[Sequence[float]], names: Sequence[str] = ("N90E", "N00E", "V"), unit: str = "Gal") -> str:
+    """The Mexican ASA 2.0: 109 lines `CLAVE : valor`, then one column a channel."""
+    said = {
+        "NOMBRE DEL ARCHIVO": "TEST0101.011",
+        "CLAVE DE LA ESTACION": "TEST",
+        "NUMERO DE CANALES": str(len(channels)),
+        "ORIENTACION C1-C6 (rumbo;orientacion)": "/" + "/".join(names),
+        "VEL. DE MUESTREO, C1-C6 (muestras/s)": f"/{1 / DT:g}" * len(channels),
+        "INTERVALO DE MUESTREO, C1-C6 (s)": f"/{DT:g}".replace("0.", ".") * len(channels),
+        "NUM. TOTAL DE MUESTRAS, C1-C6": "".join(f"/{len(channel)}" for channel in channels),
+        "ACEL. MAX. (gal), C1-C6": "".join(f"/{max(channel, key=abs)}" for channel in channels),
+        "UNIDADES DE LOS DATOS": unit,
+    }
+    head = ["", "=" * 70, "", "", "", "", "      ARCHIVO ESTANDAR DE ACELERACION", "          version 2.0"]
+    head += [f"{key:<42}: {value}" for key, value in said.items()]
+    head += [""] * (107 - len(head)) + ["   CANAL-1   CANAL-2   CANAL-3", "   " + "   ".join(names)]
+    body = ["".join(f"{value:12.5f}" for value in row) for row in zip(*channels, strict=True)]
+    return "\n".join([*head, *body]) + "\n"

@@ -70,6 +70,8 @@ def _folder(tmp_path, monkeypatch):
     [
         ("mass", "200 t", 2e5), ("mass", "200 kg", 200), ("mass", "3 kN s2/m", 3000), ("mass", "5 g", 0.005),
         ("height", "300 cm", 3), ("height", "10 ft", 3.048), ("height", "120 in", 3.048), ("height", "7/2", 3.5),
+        ("height", "120 inch", 3.048), ("height", "10 feet", 3.048), ("mass", "1000 lb", 453.59237),
+        ("stiffness", "[10 kip/in]", 1751268.3524647637), ("yield_shear", "[20 kips]", 88964.43230521),
         ("stiffness", "[20 kN/mm]", 2e7), ("stiffness", "[2 MN/m]", 2e6), ("stiffness", "[1e10 N/m]", 1e10),
         ("yield_shear", "[900 kN]", 9e5), ("hardening", "5 %", 0.05), ("hardening", "5%", 0.05),
         ("hardening", "1/8", 0.125), ("hardening", " .5 ", 0.5),
@@ -311,7 +313,7 @@ def pseudo_acceleration(times: np.ndarray, ground: np.ndarray, period: float, ra
 def wave(path: Path, frequency: float) -> None:
     times = np.arange(300) * 0.01
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("".join(f"{t:.2f} {0.2 * np.sin(2 * np.pi * frequency * t):.6f}\n" for t in times))
+    path.write_text("# unit: g\n" + "".join(f"{t:.2f} {0.2 * np.sin(2 * np.pi * frequency * t):.6f}\n" for t in times))
 
 
 @pytest.mark.parametrize(

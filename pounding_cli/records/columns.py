@@ -1,0 +1,410 @@
+"""Plain columns: time and acceleration, one column of a table, values row by row, or several pairs on a line.
+
+Blanks, tabs, commas or semicolons part them, with a comma as decimal sign where the file shows it.  Above them may
+stand headings with units (`t [s]; a [cm/s2]`), lines that state time step, count and unit in words, and a line of
+numbers with the count and the time step (`8 0.02`).  A file is read only where time step, column and unit are
+established, by what it says or by what the user says of it; else it is refused with what to say.
+"""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from pounding_cli.errors import InputError
+from pounding_cli.numbers import counted
+from pounding_cli.records.headings import Header, Heading, read_header
+from pounding_cli.records.rows import (
+    GIVE_STEP,
+    MAX_HEADER_LINES,
+    NumberHeader,
+    Row,
+    find_number_header,
+    find_number_header_in_comments,
+    find_rows,
+    refuse_a_row_among_headings,
+    replace_decimal_commas,
+)
+from pounding_cli.records.text import Samples, Text, is_numeric
+from pounding_cli.records.units import (
+    ACCELERATION_WORD,
+    BRACKETS,
+    acceleration_unit,
+    named_quantity,
+    speaks_of_a_number,
+)
+
+COLUMNS = ("two-column", "column", "table")
+"""The plain formats, by what stands on a line: time and acceleration, values row by row, several columns."""
+
+MAX_UNEVENNESS = 0.02
+"""Part of a step by which a sample may stand off its even place: times are printed with few digits."""
+
+_ROW_BY_ROW = "for values printed row by row say format: column and dt"
+GIVE_UNIT = (
+    "write the right unit: `unit: m/s2` beside the file in a study, `--unit m/s2` on the command line, "
+    "or `# unit: m/s2` on top of the file"
+)
+"""What to do about a file that does not state its unit."""
+
+
+def read_columns(text: Text, format: str | None) -> tuple[str, Samples]:
+    """Return the format of plain columns and their samples.
+
+    Raises
+    ------
+    InputError : several columns and none selected, no time step, a unit that is not stated, uneven or falling times, a
+        count other than the header's, lines of different lengths
+    """
+    text.lines = replace_decimal_commas(text)
+    start, rows = find_rows(text)
+    numbers = find_number_header(text, rows)
+    body = rows[numbers.rows :]
+    if numbers.rows == 0:
+        numbers = find_number_header_in_comments(text, start, body)
+    if not body:
+        raise text.refuse("no numbers after the header", "give a file that holds a ground motion", start)
+    width = len(body[0].values)
+    refuse_a_row_among_headings(text, start, width)
+    above = [(index + 1, text.lines[index]) for index in range(max(0, start - MAX_HEADER_LINES), start)]
+    above = [(line, words) for line, words in above if not is_numeric(words)]
+    columns = _Columns(text, body, read_header(above, width), numbers, format)
+    return columns.read()
+
+
+class _Columns:
+    """Rows of numbers and what the lines over them say, on their way to the samples of a motion."""
+
+    def __init__(self, text: Text, rows: list[Row], header: Header, numbers: NumberHeader, format: str | None) -> None:
+        self.text, self.rows, self.header, self.format = text, rows, header, format
+        self.width = len(rows[0].values)
+        self.start = rows[0].index
+        self.counts = list(header.counts)
+        if numbers.size is not None:
+            self.counts.append((numbers.size, numbers.line))
+        self.step_line = 0
+        self.step = self._find_stated_step(numbers)
+
+    def read(self) -> tuple[str, Samples]:
+        if (self.width == 1 and self.format != "table") or self.format == "column":
+            self._check_width(1 if self.format is None else 0)
+            self._refuse_times_as_values()
+            return "column", self._read_row_by_row()
+        if pairs := self._find_pairs():
+            return "two-column", pairs
+        if self.format == "two-column":
+            self._check_width(2)
+        if self.format is None and self.text.column is None and self._is_row_by_row():
+            return "column", self._read_row_by_row()
+        is_wrapped = (
+            all(len(row.values) == self.width for row in self.rows[:-1]) and len(self.rows[-1].values) < self.width
+        )
+        if (
+            is_wrapped
+            and len(self.rows) > 1
+            and self.format is None
+            and self.text.column is None
+            and not self.header.headings
+        ):
+            raise self._refuse_to_choose(list(range(self.width)), [Heading()] * self.width)
+        self._check_width(self.width)
+        samples = self._read_table()
+        is_pair = self.width == 2 and self.format is None and self.text.column is None
+        return (self.format or ("two-column" if is_pair else "table")), samples
+
+    # Values row by row
+
+    def _refuse_times_as_values(self) -> None:
+        """Refuse to read columns of times, or pairs, as values row by row."""
+        is_table = self.width > 1 and len(self.rows) > 3 and self._has_even_times()
+        if is_table or self._pairs_of_lines() is not None:
+            message = "the first numbers of the lines rise as times do: they are no accelerations printed row by row"
+            raise self.text.refuse(message, "leave 'format' out, or write format: table and a column", self.start + 1)
+
+    def _is_row_by_row(self) -> bool:
+        """Return whether a header counts the values, not the rows."""
+        total = sum(len(row.values) for row in self.rows)
+        return (
+            total != len(self.rows) and any(count == total for count, _ in self.counts) and not self._has_even_times()
+        )
+
+    def _read_row_by_row(self) -> Samples:
+        values = [value for row in self.rows for value in row.values]
+        step = self._need_step("one column of values, and no time step" if self.width == 1 else "no time step")
+        self._check_counts(len(values))
+        heading = Heading()
+        return self._samples(step, values, heading)
+
+    # Several pairs of time and acceleration on a line
+
+    def _find_pairs(self) -> Samples | None:
+        """Return the samples of lines that hold several pairs of time and acceleration; None of other lines."""
+        flat = self._pairs_of_lines()
+        if flat is None:
+            return None
+        times, values = flat[::2], flat[1::2]
+        if self.text.column is not None:
+            pairs = self.width // 2
+            part = f"column {self.text.column} is a part of the samples"
+            message = f"every line holds {pairs} pairs of time and acceleration, so that {part}"
+            hint = "leave 'column' and 'format' out: the pairs are read one after the other"
+            raise self.text.refuse(message, hint, self.start + 1)
+        self._check_counts(times.size)
+        lines = [row.index for row in self.rows for _ in range(len(row.values) // 2)]
+        words = [word for row in self.rows for word in row.words[::2]]
+        step = self._find_even_step(times, lines, words, 1.0)
+        return self._samples(step, list(values), Heading())
+
+    def _pairs_of_lines(self) -> np.ndarray | None:
+        """Return time, acceleration, time, ... of lines that hold several pairs; None of other lines."""
+        if self.width < 4 or self.width % 2:
+            return None
+        if any(len(row.values) > self.width or len(row.values) % 2 for row in self.rows):
+            return None
+        flat = np.array([value for row in self.rows for value in row.values])
+        is_rising = flat.size >= 6 and (np.diff(flat[::2]) > 0).all() and not (np.diff(flat[1::2]) > 0).all()
+        return flat if is_rising else None
+
+    # One column of several
+
+    def _read_table(self) -> Samples:
+        headings = self.header.headings or [Heading()] * self.width
+        known = bool(self.header.headings)
+        spectral = next((heading for heading in headings if heading.is_of_a_spectrum), None)
+        if spectral is not None:
+            raise self.text.wrong_quantity(f"a spectrum ({spectral.text[:40]})", spectral.lines[-1])
+        time = next((place for place, heading in enumerate(headings) if known and heading.is_time), None)
+        numbering = [
+            place for place, heading in enumerate(headings) if known and place != time and heading.is_sample_number
+        ]
+        if time is None and not numbering and self._has_sample_numbers(0):
+            numbering = [0]
+        elif time is None and not numbering and self._is_time_by_its_values():
+            time = 0
+        place = self._find_column(headings, time, numbering)
+        values = [row.values[place] for row in self.rows]
+        self._check_counts(len(values))
+        heading = headings[place]
+        if heading.is_other_quantity:
+            raise self.text.wrong_quantity(heading.quantity, heading.lines[-1])
+        if time is None:
+            place = numbering[0] if numbering else 0
+            said = headings[place].text or ", ".join(row.words[place] for row in self.rows[:3]) + ", ..."
+            why = (
+                f"column {place + 1} is a sample number ({said[:40]}), and no time step is stated"
+                if numbering
+                else "no column of times, and no time step"
+            )
+            return self._samples(self._need_step(why, self.start + 1), values, heading)
+        times = np.array([row.values[time] for row in self.rows])
+        scale = 1e-3 if headings[time].is_in_milliseconds else 1.0
+        words = [row.words[time] if len(row.words) == self.width else "0.0" for row in self.rows]
+        step = self._find_even_step(times, [row.index for row in self.rows], words, scale)
+        return self._samples(step, values, heading)
+
+    def _find_column(self, headings: list[Heading], time: int | None, numbering: list[int]) -> int:
+        """Return the place of the acceleration: the one selected, or the only one that it can be."""
+        others = [place for place in range(self.width) if place != time and place not in numbering]
+        asked = self.text.column
+        if asked is not None:
+            if not 1 <= asked <= self.width:
+                raise self.text.refuse(
+                    f"there is no column {asked} among {self.width}",
+                    f"write 1 to {self.width}: column: 2",
+                    self.start + 1,
+                )
+            if asked - 1 not in others:
+                what = "the time" if asked - 1 == time else "a sample number"
+                raise self.text.refuse(
+                    f"column {asked} is {what}",
+                    f"write the acceleration's column, e.g. {self._example(others)}",
+                    self.start + 1,
+                )
+            return asked - 1
+        if not self.header.headings and len(others) > 1:
+            raise self._refuse_to_choose(others, headings)
+        named = [place for place in others if headings[place].quantity == "acceleration"]
+        candidates = named or [place for place in others if not headings[place].is_other_quantity]
+        if len(candidates) == 1 and self.format != "table":
+            return candidates[0]
+        if not candidates and others:
+            heading = headings[others[0]]
+            raise self.text.wrong_quantity(heading.quantity, heading.lines[-1])
+        raise self._refuse_to_choose(candidates, headings)
+
+    def _refuse_to_choose(self, candidates: list[int], headings: list[Heading]) -> InputError:
+        """Return the refusal of several columns of which none is selected."""
+        names = [f"{place + 1}: {headings[place].text[:30]}" for place in candidates if headings[place].text]
+        listed = f" ({'; '.join(names)})" if names else ""
+        what = f"{self.width} values on a line, and no column is selected{listed}"
+        return self.text.refuse(what, f"select one: {self._example(candidates)}; {_ROW_BY_ROW}", self.start + 1)
+
+    def _example(self, places: list[int]) -> str:
+        column = places[0] + 1 if places else 2
+        return f"column: {column} beside the file in a study, or --column {column}"
+
+    def _has_sample_numbers(self, place: int) -> bool:
+        """Return whether a column without a heading counts the samples: whole numbers that rise evenly."""
+        words = [row.words[place] for row in self.rows]
+        gaps = np.diff([row.values[place] for row in self.rows])
+        if not gaps.size or not all(re.fullmatch(r"\d+(?:\.0*)?", word) for word in words):
+            return False
+        return bool(gaps[0] >= 1 and (gaps == gaps[0]).all())
+
+    def _is_time_by_its_values(self) -> bool:
+        """Return whether the first column rises as times do; refused where it does so with steps of its own."""
+        times = np.array([row.values[0] for row in self.rows])
+        gaps = np.diff(times)
+        if gaps.size == 0 or self._has_even_times():
+            return True
+        is_rising = np.count_nonzero(gaps > 0) >= 0.6 * gaps.size
+        return bool(is_rising)
+
+    def _has_even_times(self) -> bool:
+        times = np.array([row.values[0] for row in self.rows])
+        if times.size < 2 or not (np.diff(times) > 0).all():
+            return False
+        step = (times[-1] - times[0]) / (times.size - 1)
+        return bool(np.abs(times - times[0] - step * np.arange(times.size)).max() <= 0.25 * step)
+
+    def _check_width(self, width: int) -> None:
+        """Refuse rows of different lengths; 0: any length."""
+        odd = next((row for row in self.rows if width and len(row.values) != width), None)
+        if odd is not None:
+            message = f"{counted(len(odd.values), 'value')} on this line, where every other has {width}"
+            raise self.text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd.index + 1)
+
+    # Time step and count
+
+    def _find_stated_step(self, numbers: NumberHeader) -> float | None:
+        """Return the time step [s] that the header or the user says; None where nobody does.
+
+        Raises `InputError` where lines of the header differ, or the user says another one.
+        """
+        stated = [(step.seconds, step.line) for step in self.header.steps if step.seconds > 0]
+        if numbers.step is not None:
+            stated.append((numbers.step, numbers.line))
+        given = self.text.dt
+        if not stated:
+            return None if given is None else self.text.step(float(given), 0)
+        seconds, line = stated[0]
+        if given is not None:
+            seconds, line = next(((s, at) for s, at in stated if abs(s - given) <= 1e-3 * s), (seconds, line))
+        else:
+            other = next((each for each in stated if abs(each[0] - seconds) > 1e-3 * seconds), None)
+            if other is not None:
+                message = f"line {line} says a time step of {seconds:g} s, this line one of {other[0]:g} s"
+                raise self.text.refuse(
+                    message, "give the right one: dt: 0.01 s beside the file, or --dt 0.01", other[1]
+                )
+        self.step_line = line
+        self.text.step(seconds, line)
+        return seconds if given is None else float(given)
+
+    def _need_step(self, why: str, line: int = 1) -> float:
+        if self.step is not None:
+            return self.step
+        unreadable = next((step for step in self.header.steps if step.seconds <= 0), None)
+        if unreadable is not None:
+            raise self.text.refuse(f"no time step can be read from '{unreadable.quote}'", GIVE_STEP, unreadable.line)
+        raise self.text.refuse(why, GIVE_STEP, line)
+
+    def _find_even_step(self, written: np.ndarray, lines: list[int], words: list[str], scale: float) -> float:
+        """Return the time step [s] of evenly rising times; refused where they are uneven or the header says another.
+
+        written : the times as the file has them, one of which is `scale` [s]; lines : their indices in the file
+        """
+        if written.size < 2:
+            raise self.text.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
+        digits = (0.0 if re.search(r"[EeDd]", word) else 10.0 ** -len(word.partition(".")[2]) for word in words[:1000])
+        digit, times, gaps = scale * min(digits), scale * written, scale * np.diff(written)
+        step = float(f"{(times[-1] - times[0]) / gaps.size:.9g}")
+        allowed = max(MAX_UNEVENNESS * step, min(1.02 * digit, 0.25 * step))
+        steps = [step] if self.step is None else [self.step, step]  # the one stated is exact, where times are rounded
+        even = [one for one in steps if np.abs(times - times[0] - one * np.arange(times.size)).max() <= allowed]
+        if not even:
+            usual = float(np.median(gaps))
+            worst = int(np.argmax(np.abs(gaps - usual)))
+            message = f"uneven times: a step of {gaps[worst]:.6g} s here, of {usual:.6g} s elsewhere"
+            raise self.text.refuse(message, f"resample the record to even steps; {_ROW_BY_ROW}", lines[worst + 1] + 1)
+        if self.step is not None and even[0] != self.step and abs(self.step - step) > 1e-3 * step:
+            if self.text.dt is not None:
+                raise self.text.refuse(
+                    f"dt is given as {self.step:g} s, but the file says {step:g} s",
+                    "leave dt out, or correct it",
+                    lines[0] + 1,
+                )
+            message = f"line {self.step_line} says a time step of {self.step:g} s, but the times rise by {step:g} s"
+            raise self.text.refuse(
+                message,
+                f"give the right one: dt: {step:g} s beside the file (--dt {step:g}), and correct that line",
+                self.step_line,
+            )
+        self.text.step(step, lines[0] + 1)
+        return even[0]
+
+    def _check_counts(self, found: int) -> None:
+        for count, line in self.counts:
+            if count != found:
+                follow = counted(found, "value follows", "values follow")
+                hint = "correct that line or take it out, or complete the file"
+                raise self.text.refuse(
+                    f"the header says {counted(count, 'value')} (samples = {count}), but {follow}", hint, line
+                )
+
+    # The unit
+
+    def _samples(self, step: float, values: list[float], heading: Heading) -> Samples:
+        begin = self.start + 1
+        stated = sorted([*heading.units, *self.header.unit_statements], key=lambda each: each[1])
+        factors = {unit: acceleration_unit(unit) or 0.0 for unit, _ in stated}
+        first = stated[0] if stated else ("", 0)
+        other = next((each for each in stated if abs(factors[each[0]] / factors[first[0]] - 1.0) > 1e-4), None)
+        if other is not None and self.text.unit is None:
+            message = (
+                f"the file says {first[0]} in line {first[1]} ({self._quote(first[1])}), "
+                f"but {other[0]} in this line ({self._quote(other[1])})"
+            )
+            raise self.text.refuse(
+                message,
+                f"say which unit the values are in: unit: {first[0]} beside the file, or --unit {first[0]}",
+                other[1],
+            )
+        if stated:
+            given = acceleration_unit(self.text.unit or "")
+            agreed = next((each for each in stated if given and abs(factors[each[0]] / given - 1.0) > 1e-4), first)
+            return Samples(step, values, begin, *agreed)
+        if heading.is_other_quantity:
+            return Samples(step, values, begin, heading.text, heading.lines[-1])
+        keyed = self.text.header.get("unit") or self.text.header.get("units")
+        if keyed and keyed[0]:
+            return Samples(step, values, begin, *keyed)
+        unclear, line = self._find_unclear(heading)
+        return Samples(step, values, begin, None, 0, unclear, line)
+
+    def _find_unclear(self, heading: Heading) -> tuple[str, int]:
+        """Return what the lines over the numbers say about the unit, where none can be read from it, and the line."""
+        words = BRACKETS.findall(heading.text) or ([heading.text] if heading.text else [])
+        plain = re.sub(
+            rf"(?i){ACCELERATION_WORD}|\b(?:ground|base|input|ag?|xg|x|y|z|values?)\b|[\s\W_]", "", " ".join(words)
+        )
+        if plain:
+            return f"'{heading.text[:60]}' names no unit of acceleration that is known", heading.lines[-1]
+        for line, text in self.header.words.items():
+            other = named_quantity(text)
+            names_unit = BRACKETS.search(text) or re.search(r"(?i)\b(?:in|en)\s+[cm]?m\b", text)
+            if other in ("velocity", "displacement") and not speaks_of_a_number(text) and names_unit:
+                raise self.text.wrong_quantity(other, line)
+            if speaks_of_a_number(text):
+                return f"'{text[:60]}' speaks of one number or of a factor, not of the unit of all values", line
+        for line, text in self.header.words.items():
+            bracket = BRACKETS.search(text)
+            if re.search(rf"(?i)(?<![a-z])units?(?![a-z])|{ACCELERATION_WORD}", text) and (
+                bracket or re.search(r"(?i)units?\W", text)
+            ):
+                return f"'{text[:60]}' names no unit of acceleration that is known", line
+        return "", 0
+
+    def _quote(self, line: int) -> str:
+        return f"'{self.text.lines[line - 1].strip()[:60]}'"

@@ -1,0 +1,289 @@
+"""The rows of numbers of a motion file, and a header of numbers over them: `8 0.02`, a count and a time step."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from pounding_cli.numbers import counted
+from pounding_cli.records.text import Text, is_numeric, number, tokens
+
+MIN_STEP, MAX_STEP = 1e-4, 0.5
+"""Numbers [s] that may be a time step in a header of numbers."""
+MAX_HEADER_LINES = 400
+"""Lines over the numbers that are looked at."""
+GIVE_STEP = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
+"""What to do about a file that does not state its time step."""
+
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
+_TWO_WHOLES = re.compile(r"[-+]?\d+,[-+]?\d+(?:[EeDd][-+]?\d+)?\Z")
+_WHOLE = re.compile(r"\+?\d{1,9}\.?\Z")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of numbers: its index in the file, its words and their values."""
+
+    index: int
+    words: list[str]
+    values: list[float]
+
+
+class NumberHeader(NamedTuple):
+    """Lines of numbers over the samples: how many, and the number of samples and time step [s] that they say."""
+
+    rows: int = 0
+    size: int | None = None
+    step: float | None = None
+    line: int = 0
+
+
+def find_rows(text: Text) -> tuple[int, list[Row]]:
+    """Return the index of the first line of numbers below all words, and the rows of numbers.
+
+    A count and a time step that stand above words, as in a header, are rows too where they fit what follows.
+    """
+    first = _find_numbers(text.lines, 0)
+    if first is None:
+        clock = next(
+            (
+                at
+                for at, line in enumerate(text.lines)
+                if re.match(r"\s*[\"']?(?:\d{4}-\d\d-\d\d|\d{1,2}:\d\d:\d\d)", line)
+            ),
+            None,
+        )
+        if clock is not None:
+            hint = (
+                "write seconds from the first sample on, or one column of values and give dt (--dt 0.01, or dt: 0.01 s)"
+            )
+            raise text.refuse("the times are dates or hours of the day, not seconds", hint, clock + 1)
+        hint = "docs/records.md has the formats: at2, cosmos, csmip, smc, knet, esm, geonet, asa, and plain columns"
+        raise text.refuse("no line of numbers found", hint, 1)
+    words = next((index for index in range(first, len(text.lines)) if _is_of_words(text.lines[index])), None)
+    below = _find_numbers(text.lines, words) if words is not None else None
+    if below is not None and below > first:
+        header = _rows_of(text, first, words)
+        if len(header) <= 2 and len(rows := header + _rows_of(text, below)) > 2:
+            pair = _count_and_step(header[0]) or (
+                int(header[0].values[0]) if _WHOLE.match(header[0].words[0]) else 0,
+                0.0,
+            )
+            if pair[0] in _sizes(rows[len(header) :]):
+                return below, rows
+    return first, _rows_of(text, first)
+
+
+def _rows_of(text: Text, start: int, end: int | None = None) -> list[Row]:
+    return [Row(*each) for each in text.words_and_numbers(start, end)]
+
+
+def _is_of_words(line: str) -> bool:
+    return bool(line.strip()) and line.lstrip()[0] not in "#%!\x1a" and not is_numeric(line)
+
+
+def _find_numbers(lines: list[str], start: int) -> int | None:
+    """Return the index of the next line of numbers."""
+    return next(
+        (
+            at
+            for at in range(start, len(lines))
+            if lines[at].lstrip()[:1] not in ("#", "%", "!") and is_numeric(lines[at])
+        ),
+        None,
+    )
+
+
+def refuse_a_row_among_headings(text: Text, start: int, width: int) -> None:
+    """Refuse a line right above the rows that would be one of them but for a word that is no number."""
+    above = next((index for index in range(start - 1, -1, -1) if text.lines[index].strip()), None)
+    if above is None or text.lines[above].lstrip()[:1] in tuple("#%!"):
+        return
+    words = tokens(text.lines[above])
+    numbers = [word for word in words if number(word) is not None]
+    begins = [word for word in words if re.match(r"[-+]?\d*\.\d", word) and number(word) is None]
+    if len(words) == width and (len(numbers) == width - 1 > 0 or (width == 1 and begins)):
+        odd = next(word for word in words if number(word) is None)
+        hint = "write plain numbers; fill or cut gaps in the record"
+        raise text.refuse(f"'{odd[:40]}' is not a finite number", hint, above + 1, text.lines[above].find(odd) + 1)
+
+
+def find_number_header(text: Text, rows: list[Row]) -> NumberHeader:
+    """Return the header of numbers over the samples: a count, a time step, or both, in one line or in two.
+
+    Raises `InputError` where the first line is unlike the others and says neither, or another count than follows.
+    """
+    if len(rows) < 3:
+        return _find_header_of_one_row(text, rows)
+    first, second, third = (len(row.values) for row in rows[:3])
+    line = rows[0].index + 1
+    if first == second == 1:
+        return _find_header_in_a_column(text, rows, third)
+    pair = _count_and_step(rows[0])
+    body = rows[1:]
+    sizes = _sizes(body)
+    if pair is not None:
+        count, step = pair
+        falls = first == second and rows[0].values[0] > rows[1].values[0] and _rises(body)
+        if first != second or count in sizes or falls:
+            if count not in sizes:
+                raise _refuse_count(text, rows[0], count, sizes[0] if second == 1 or falls else sizes[-1])
+            return NumberHeader(1, count, step, line)
+        return NumberHeader()
+    is_last_row_short = all(len(row.values) == first for row in rows[:-1])
+    if first == second or is_last_row_short:
+        return NumberHeader()
+    if first == 1 and _WHOLE.match(rows[0].words[0]):
+        count = int(rows[0].values[0])
+        if count in sizes:
+            return NumberHeader(1, count, None, line)
+        raise _refuse_count(text, rows[0], count, sizes[0])
+    quote = " ".join(rows[0].words)[:60]
+    if second == third or first > second:
+        message = (
+            f"'{quote}' is a line of numbers unlike those below it: a header that says neither count nor time step"
+        )
+        raise text.refuse(message, f"take the line out, and {GIVE_STEP}", line)
+    return NumberHeader()
+
+
+def find_number_header_in_comments(text: Text, start: int, rows: list[Row]) -> NumberHeader:
+    """Return a count and a time step that stand in a comment, `# 8 0.02`, where as many samples follow."""
+    for index in range(max(0, start - MAX_HEADER_LINES), start):
+        words = tokens(text.lines[index].lstrip("#%! "))
+        values = [number(word) for word in words]
+        if len(words) == 2 and None not in values:
+            pair = _count_and_step(Row(index, words, [value or 0.0 for value in values]))
+            if pair and pair[0] in _sizes(rows):
+                return NumberHeader(0, *pair, index + 1)
+    return NumberHeader()
+
+
+def _find_header_of_one_row(text: Text, rows: list[Row]) -> NumberHeader:
+    """Return the header of numbers of a file with one row or two."""
+    if len(rows) == 2 and len(rows[0].values) == 2 != len(rows[1].values) and (pair := _count_and_step(rows[0])):
+        if pair[0] != len(rows[1].values):
+            raise _refuse_count(text, rows[0], pair[0], len(rows[1].values))
+        return NumberHeader(1, *pair, rows[0].index + 1)
+    return NumberHeader()
+
+
+def _find_header_in_a_column(text: Text, rows: list[Row], third: int) -> NumberHeader:
+    """Return the header of numbers in the first one or two lines of one number each."""
+    line, one, two = rows[0].index + 1, rows[0], rows[1]
+    for count, step in ((one, two), (two, one)):
+        if _WHOLE.match(count.words[0]) and _is_step(step) and int(count.values[0]) in _sizes(rows[2:]):
+            return NumberHeader(2, int(count.values[0]), step.values[0], line)
+    is_whole = bool(_WHOLE.match(one.words[0])) and one.values[0] >= 2
+    others = [row for row in rows[1:] if row.values]
+    if is_whole and int(one.values[0]) == len(others) and third == 1:
+        return NumberHeader(1, int(one.values[0]), None, line)
+    if third != 1:
+        quote = f"{one.words[0]}, {two.words[0]}"
+        raise text.refuse(
+            f"'{quote}' are lines of numbers unlike those below: a header", f"take them out, and {GIVE_STEP}", line
+        )
+    if (
+        text.dt is not None
+        and one.values[0] == text.dt
+        and len(one.words[0]) < min(len(row.words[0].lstrip("-+")) for row in others)
+    ):
+        message = (
+            f"the first line, {one.words[0]}, is the time step, or looks like it: it is no sample like those below"
+        )
+        raise text.refuse(message, "take that line out, and leave dt: it is given", line)
+    fractions = [row for row in others if not _WHOLE.match(row.words[0].lstrip("-+"))]
+    largest = max(abs(row.values[0]) for row in others)
+    is_near = abs(one.values[0] - len(others)) <= 2
+    if is_whole and len(fractions) > 0.5 * len(others) and (is_near or one.values[0] > 20 * largest):
+        raise _refuse_count(text, one, int(one.values[0]), len(others))
+    return NumberHeader()
+
+
+def _refuse_count(text: Text, row: Row, count: int, found: int) -> Exception:
+    quote = " ".join(row.words)[:60]
+    follow = counted(found, "value follows", "values follow")
+    message = f"'{quote}' over the values is a header that says {counted(count, 'value')}, but {follow}"
+    return text.refuse(
+        message, "correct that line, or take it out and give dt: 0.01 s beside the file (--dt 0.01)", row.index + 1
+    )
+
+
+def _count_and_step(row: Row) -> tuple[int, float] | None:
+    """Return the count and the time step [s] of a line such as `8 0.02`; None where it is none."""
+    if len(row.values) != 2:
+        return None
+    for count, step in ((0, 1), (1, 0)):
+        is_step = MIN_STEP <= row.values[step] <= MAX_STEP and not _WHOLE.match(row.words[step])
+        if _WHOLE.match(row.words[count]) and is_step and row.values[count] >= 2:
+            return int(row.values[count]), row.values[step]
+    return None
+
+
+def _is_step(row: Row) -> bool:
+    return MIN_STEP <= row.values[0] <= MAX_STEP and not _WHOLE.match(row.words[0])
+
+
+def _sizes(rows: list[Row]) -> list[int]:
+    """Return what a count may speak of: the rows, the pairs in them, the values."""
+    total = sum(len(row.values) for row in rows)
+    return list(
+        dict.fromkeys((len(rows), *((total // 2,) if total % 2 == 0 and len(rows[0].values) > 1 else ()), total))
+    )
+
+
+def _rises(rows: list[Row]) -> bool:
+    times = [row.values[0] for row in rows]
+    return len(times) > 1 and bool((np.diff(times) > 0).all())
+
+
+def replace_decimal_commas(text: Text) -> list[str]:
+    """Return the lines with decimal points where the file writes decimal commas, as its lines of numbers show.
+
+    Raises `InputError` where commas both part the columns and are the decimal sign.
+    """
+    lines = [
+        index for index, line in enumerate(text.lines) if re.match(r"\s*[\"']?[-+]?[\d.,][-+\d.,;eEdD\s\"']*\Z", line)
+    ]
+    sample = [text.lines[index].replace('"', " ").replace("'", " ") for index in lines[:2000]]
+    rows = [[word for word in re.split(r"[;\s]+", line.strip()) if word] for line in sample]
+    words = [word for row in rows for word in row]
+    if any(word.endswith(",") for word in words) or not any("," in word for word in words):
+        return text.lines
+    is_plain = all(_DECIMAL_COMMA.match(word) or number(word) is not None for word in words)
+    if any("." in word for word in words) and (max(map(len, rows)) < 2 or not is_plain):
+        return text.lines
+    several = next((place for place, row in enumerate(rows) if any(word.count(",") > 1 for word in row)), None)
+    if several is not None:
+        if re.search(r"(?:^|,)[-+]?0\d", ",".join(rows[several])):
+            hint = "write decimal points, or semicolons between the columns"
+            raise text.refuse("commas both part the columns and are the decimal sign", hint, lines[several] + 1)
+        return text.lines
+    if not any(map(_DECIMAL_COMMA.match, words)):
+        return text.lines
+    if max(map(len, rows)) < 2 and not _is_one_column_with_commas(text, words, lines[0]):
+        return text.lines
+    chosen = set(lines)
+    return [re.sub(r"(?<=\d),(?=\d)", ".", line) if index in chosen else line for index, line in enumerate(text.lines)]
+
+
+def _is_one_column_with_commas(text: Text, words: list[str], first: int) -> bool:
+    """Return whether words such as `12,500` are one number each, not two columns of whole numbers.
+
+    Raises `InputError` where they may be both.
+    """
+    if not all(_TWO_WHOLES.match(word) or number(word) is not None for word in words):
+        return False  # a word that is no number is refused at its place
+    pairs = [word.split(",") for word in words]
+    if any(len(pair) == 1 for pair in pairs):
+        return True
+    wholes = np.array([float(whole) for whole, _ in pairs])
+    is_counting = wholes.size > 2 and np.ptp(np.diff(wholes)) == 0 and wholes[1] > wholes[0]
+    has_signs = any(re.match(r"[-+]", part) for _, part in pairs)
+    if is_counting and not has_signs:
+        hint = "write decimal points, or semicolons between the columns"
+        raise text.refuse("the commas may part two columns, or be the decimal sign", hint, first + 1)
+    return not is_counting and not has_signs
