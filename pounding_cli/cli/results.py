@@ -216,8 +216,8 @@ def report(
             for key, verdict in verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
     if choices:
-        for reason in without_sweep.values():
-            click.echo(f"{reason}: {choices[0]} does not apply to it", err=True)
+        for path, reason in without_sweep.items():
+            click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
         page, _ = compare_claims({folder.name: results for folder, results in opened}, output or Path("comparison"))
         if not quiet:

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.collections import QuadMesh
 from matplotlib.path import Path as MplPath
 
 import pounding_cli
-from tests.adapter import report
+from tests.adapter import Asked, report
 
 from .conftest import TWO
 
@@ -106,7 +107,7 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
         "report", made / "gap.h5", made / "swept.h5", "--building", "soft", "--format", "svg", "-o", "more"
     )
     assert code == 0
-    assert "gap.h5 holds the answer of `pound gap`: --building soft does not apply to it" in err
+    assert "gap.h5: the file holds the answer of `pound gap`, so --building soft does not apply to it" in err
 
 
 def test_cells_without_meaning_are_hatched(made):
@@ -122,6 +123,24 @@ def test_cells_without_meaning_are_hatched(made):
     assert np.count_nonzero(hatched.get_path().codes == MplPath.MOVETO) == 6  # all cells
     assert not panels["touching, elastic"].patches
     assert not panels["gap, elastic"].patches
+
+
+def test_maps_of_ratios_have_one_scale_with_1_in_its_middle(made):
+    """Fails if a panel has colours of its own, or 1 has another colour than white; of other quantities too there is one
+    scale."""
+    results = pounding_cli.open_results(made / "maps.h5")
+    for asked, is_ratio in ((None, True), (Asked(("acceleration_ratio",)), True), (Asked(("drift",)), False)):
+        sections = report(results, asked).sections
+        pictures = [each for section in sections for each in section.pictures if each.has_scale]
+        for axes in (picture.draw().axes for picture in pictures):
+            meshes = [mesh for ax in axes for mesh in ax.collections if isinstance(mesh, QuadMesh)]
+            *panels, bar = meshes
+            assert len(panels) >= 4
+            assert len({(mesh.norm.vmin, mesh.norm.vmax) for mesh in meshes}) == 1
+            if is_ratio:
+                assert panels[0].norm(1.0) == pytest.approx(0.5)
+                assert min(panels[0].to_rgba(1.0)) > 0.95
+                assert [1.0, 1.0] in [list(line.get_ydata()) for line in bar.axes.lines]
 
 
 def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
