@@ -104,7 +104,7 @@ def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
 @click.argument("table", type=click.Choice(TABLES), required=False, metavar="[TABLE]")
 @click.option(
     "--format", "form", type=click.Choice(("table", "csv")), default="table", show_default=True,
-    help="table: aligned columns in the units of the study; csv: every column, all digits in SI.",
+    help="table: aligned columns in the units of the study, or kN and mm; csv: every column, all digits in SI.",
 )  # fmt: skip
 @rows_options
 def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt: skip
@@ -134,23 +134,27 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
 
 def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str) -> pd.DataFrame:
     """The rows asked for; a key or value that is not there is refused with those that are."""
+    from pounding_cli.report.table import find_unit
+
     chosen = dict[str, list[Any]]()
     for given, text in wanted:
         key = _key(given, list(map(str, frame.columns)), f"the table {table}")
         there = results.axes.get(key, list(dict.fromkeys(frame[key])))
-        chosen.setdefault(key, []).extend(_meant(there, text, results.column(table, key).unit, key))
+        chosen.setdefault(key, []).extend(_meant(there, text, find_unit(results, table, key), key))
     for key, values in chosen.items():
         frame = frame[frame[key].isin(values)]
     return frame
 
 
 def _aligned(results: Results, table: str, frame: pd.DataFrame) -> str:
-    """Columns under their names with units, swept keys in those of the study, numbers to four digits."""
+    """Return columns under their names with units, those of the study or kN and mm, and numbers to four digits."""
     import pandas as pd
+
+    from pounding_cli.report.table import find_unit
 
     if frame.empty:
         return "no rows"
-    units = {name: results.column(table, name).unit for name in map(str, frame)}
+    units = {name: find_unit(results, table, name) for name in map(str, frame)}
     for name, unit in units.items():
         if unit.factor != 1 and pd.api.types.is_numeric_dtype(frame[name]):
             frame = frame.assign(**{name: [unit.number(value) for value in frame[name]]})
