@@ -183,7 +183,7 @@ def report(
 ) -> None:  # fmt: skip
     """Write the page of results files (report.html), their figures and tables, and evaluate the paper's claims.
 
-    Several files have a folder each, and comparison.md compares their claims (docs/page.md, docs/how-to/sweep.md).
+    Several files have a folder each, and comparison.md compares their answers (docs/page.md, docs/how-to/sweep.md).
 
     \b
     Example:
@@ -192,7 +192,8 @@ def report(
     """
     from pounding_cli.report import find_no_sweep
     from pounding_cli.report import report as of
-    from pounding_cli.report.claims import compare_claims, verdicts
+    from pounding_cli.report.claims import verdicts
+    from pounding_cli.report.comparison import write_comparison
     from pounding_cli.report.style import OF_PAPERS, for_paper
 
     choices = _list_choices(quantities, rows)
@@ -223,7 +224,8 @@ def report(
         for path, reason in without_sweep.items():
             click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
-        page, _ = compare_claims({folder.name: results for folder, results in opened}, output or Path("comparison"))
+        named = {folder.name: results for folder, results in opened}
+        page, *_ = write_comparison(named, reports, output or Path("comparison"))
         if not quiet:
             click.echo(str(page))
 

@@ -86,9 +86,30 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
     assert "| claim | two | swept: impact.restitution = 0.4 |" in page
     assert Path("both/two/report.html").is_file()
     assert Path("both/swept/report.html").is_file()
+    assert Path("both/comparison.csv").is_file()
     Path("two.h5").write_bytes((made / "two.h5").read_bytes())
     assert pound("report", made / "two.h5", "two.h5", "-o", "same", "--no-figures", "-q") == (0, "", "")
     assert Path("same/two-2/report.html").is_file()
+
+
+def test_several_files_of_any_study_are_compared(made, folder, pound):
+    """Of a study that names no figure of the paper, and of an answer. Fails if the page compares claims alone."""
+    for name, gap in (("near", "5 mm"), ("wide", "50 cm")):
+        Path(f"{name}.yaml").write_text(TWO.replace("gap: 5 mm", f"gap: {gap}").replace("Two small", f"{name} a|b"))
+        pound("run", f"{name}.yaml", "-o", f"{name}.h5", "-q")
+    files = ["near.h5", "wide.h5", made / "gap.h5"]
+    assert pound("report", *files, "-o", "all", "--no-figures", "-q") == (0, "", "")
+    page = Path("all/comparison.md").read_text(encoding="utf-8")
+    for name in ("near", "wide"):
+        table = report(pounding_cli.open_results(f"{name}.h5")).answer.tables[0].frame
+        row = next(line for line in page.splitlines() if line.startswith(f"| {name} | gap | inelastic |"))
+        assert table.iloc[3, 2].split("\n")[0] in row  # the largest ductility
+    assert "penetration" in page
+    assert "| wide | gap | inelastic |" in page.split("## Ratios")[0]
+    widths = report(pounding_cli.open_results(made / "gap.h5")).answer.tables[0]
+    assert f"## {widths.caption}" in page
+    assert "claims" not in page
+    assert not Path("all/comparison.csv").exists()
 
 
 def test_a_sweep_is_drawn_as_asked(made, folder, pound):
