@@ -25,6 +25,7 @@ from pounding_cli.laws.joints import Connector as Connector
 from pounding_cli.records.hazard import read_hazard as read_hazard
 from pounding_cli.report import report as report
 from pounding_cli.report.accuracy import cheapest as cheapest
+from pounding_cli.report.sweep import Asked as Asked
 from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response

@@ -107,7 +107,7 @@ def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
 @click.argument("table", type=click.Choice(TABLES), required=False, metavar="[TABLE]")
 @click.option(
     "--format", "form", type=click.Choice(("table", "csv")), default="table", show_default=True,
-    help="table: aligned columns in the units of the study; csv: every column, all digits in SI.",
+    help="table: aligned columns in the units of the study, or kN and mm; csv: every column, all digits in SI.",
 )  # fmt: skip
 @rows_options
 def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt: skip
@@ -137,23 +137,27 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
 
 def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str) -> pd.DataFrame:
     """The rows asked for; a key or value that is not there is refused with those that are."""
+    from pounding_cli.report.table import find_unit
+
     chosen = dict[str, list[Any]]()
     for given, text in wanted:
         key = _key(given, list(map(str, frame.columns)), f"the table {table}")
         there = results.axes.get(key, list(dict.fromkeys(frame[key])))
-        chosen.setdefault(key, []).extend(_meant(there, text, results.column(table, key).unit, key))
+        chosen.setdefault(key, []).extend(_meant(there, text, find_unit(results, table, key), key))
     for key, values in chosen.items():
         frame = frame[frame[key].isin(values)]
     return frame
 
 
 def _aligned(results: Results, table: str, frame: pd.DataFrame) -> str:
-    """Columns under their names with units, swept keys in those of the study, numbers to four digits."""
+    """Return columns under their names with units, those of the study or kN and mm, and numbers to four digits."""
     import pandas as pd
+
+    from pounding_cli.report.table import find_unit
 
     if frame.empty:
         return "no rows"
-    units = {name: results.column(table, name).unit for name in map(str, frame)}
+    units = {name: find_unit(results, table, name) for name in map(str, frame)}
     for name, unit in units.items():
         if unit.factor != 1 and pd.api.types.is_numeric_dtype(frame[name]):
             frame = frame.assign(**{name: [unit.number(value) for value in frame[name]]})
@@ -182,7 +186,7 @@ def report(
 ) -> None:  # fmt: skip
     """Write the page of results files (report.html), their figures and tables, and evaluate the paper's claims.
 
-    Several files have a folder each, and comparison.md compares their claims (docs/page.md, docs/how-to/sweep.md).
+    Several files have a folder each, and comparison.md compares their answers (docs/page.md, docs/how-to/sweep.md).
 
     \b
     Example:
@@ -191,7 +195,8 @@ def report(
     """
     from pounding_cli.report import find_no_sweep
     from pounding_cli.report import report as of
-    from pounding_cli.report.claims import compare_claims, verdicts
+    from pounding_cli.report.claims import verdicts
+    from pounding_cli.report.comparison import write_comparison
     from pounding_cli.report.style import OF_PAPERS, for_paper
 
     choices = _list_choices(quantities, rows)
@@ -219,10 +224,11 @@ def report(
             for key, verdict in verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
     if choices:
-        for reason in without_sweep.values():
-            click.echo(f"{reason}: {choices[0]} does not apply to it", err=True)
+        for path, reason in without_sweep.items():
+            click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
-        page, _ = compare_claims({folder.name: results for folder, results in opened}, output or Path("comparison"))
+        named = {folder.name: results for folder, results in opened}
+        page, *_ = write_comparison(named, reports, output or Path("comparison"))
         if not quiet:
             click.echo(str(page))
 

@@ -31,12 +31,13 @@ def report(results: Results, asked: Asked | None = None) -> Report:
     if asked is None:
         return make(results)
     if reason := find_no_sweep(results):
-        raise InputError(Problem(f"there are no figures over a sweep to choose: {reason}", "leave `asked` out"))
+        message = f"there are no figures over a sweep to choose: {reason}"
+        raise InputError(Problem(message, "leave `asked` out", str(results.path)))
     return make(results, asked)
 
 
 def find_no_sweep(results: Results) -> str:
     """Return why a results file has no figures over a sweep; "" where it has some."""
     if results.workflow != "run":
-        return f"{results.path.name} holds the answer of `pound {results.workflow}`"
-    return "" if results.axes else f"the study of {results.path.name} sweeps nothing"
+        return f"the file holds the answer of `pound {results.workflow}`"
+    return "" if results.axes else "its study sweeps nothing"

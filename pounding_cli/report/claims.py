@@ -5,9 +5,8 @@ rule that is printed. `evaluated` makes one DataFrame of all of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain, product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -20,7 +19,6 @@ from pounding_cli.report.evidence import points_of, told
 from pounding_cli.report.table import NOTHING, digits, from_rows
 from pounding_cli.results.tables import Table
 from pounding_cli.solver.response import DONE
-from pounding_cli.texts import cells, write_markdown
 from pounding_cli.workflows.sensitivity import Sensitivity, Series
 
 if TYPE_CHECKING:
@@ -297,7 +295,7 @@ def claim_sections(results: Results, here: str) -> list[Section]:
         _, paper, find = CLAIMS[str(key)]
         rows.append([f"{key}\n“{paper}” {' '.join(str(find.__doc__).split())}", mine["verdict"].iloc[0], ""])
         met = mine["passed"].map({True: "met", False: "missed", "": NOTHING})
-        rows += map(list, zip(mine["finding"], met, _texts(mine), strict=True))
+        rows += map(list, zip(mine["finding"], met, claim_texts(mine), strict=True))
     heads = ("claim, and its numbers", "verdict", "found")
     tables = [from_rows("The paper’s claims, and the numbers found", heads, rows)]
     said = "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does."
@@ -305,38 +303,12 @@ def claim_sections(results: Results, here: str) -> list[Section]:
     return [Section("The paper’s claims", [said], tables), Section("Numbers of the claims", (), [numbers], folded=True)]
 
 
-def compare_claims(results: Mapping[str, Results], folder: Path) -> list[Path]:
-    """Write `comparison.md` and `comparison.csv`: the claims in several results, at every point of their sweeps."""
-    found = {name: judged(each) for name, each in results.items()}
-    frame = pd.concat(f.assign(where=f"{n}: " + f["where"] if results[n].axes else n) for n, f in found.items())
-    folder.mkdir(parents=True, exist_ok=True)
-    cells(frame).to_csv(folder / "comparison.csv", index=False)
-    lines = [f"# Claims compared: {', '.join(results)}", ""]
-    if frame.empty:
-        lines.append("No results here name a figure of the paper (`claims: fig6` or `claims: fig7`).")
-    else:
-        bold = [
-            f"**{text}**" if met is False else text for text, met in zip(_texts(frame), frame["passed"], strict=True)
-        ]
-        lines += [*_compared(frame, "claim", "claim", list(frame["verdict"])), ""]
-        lines += ["Numbers found; those that miss their threshold are bold.", ""]
-        lines += _compared(frame, "finding", "number found", bold)
-    return [write_markdown(folder / "comparison.md", lines), folder / "comparison.csv"]
-
-
 def verdicts(results: Results) -> dict[str, str]:
     """Claim -> verdict, where nothing is swept and the study names a figure."""
     return {} if results.axes else {row["claim"]: row["verdict"] for row in judged(results).to_dict("records")}
 
 
-def _texts(frame: pd.DataFrame) -> list[str]:
-    """The numbers as people read them."""
+def claim_texts(frame: pd.DataFrame) -> list[str]:
+    """Return the numbers of claims as people read them."""
     numbers = zip(frame["number"], frame["unit"], strict=True)
     return [f"{digits(number, 3)} {unit}".removesuffix(" -") for number, unit in numbers]
-
-
-def _compared(frame: pd.DataFrame, down: str, head: str, values: list[str]) -> list[str]:
-    """A table in Markdown: values by a column and by where they stand, in the order of the frame."""
-    wide = frame.assign(shown=values).pivot_table("shown", down, "where", "first", sort=False).fillna(NOTHING)
-    rows = [[head, *wide.columns], ["---"] * (1 + wide.shape[1]), *wide.reset_index().to_numpy()]
-    return ["| " + " | ".join(str(cell).replace("|", "\\|") for cell in row) + " |" for row in rows]

@@ -81,7 +81,9 @@ def notes(results: Results, shown: Evidence, scene: pd.DataFrame) -> list[str]:
     said = [
         f"{trust(scene, results.units)} {motion_sentence(shown.records)}",
         "μ: ductility; over alone: μ/μ₀ of inelastic, V/V₀ of elastic storeys, to the building alone under the same "
-        "motion; drift in % of the storey height; closing: largest approach of two floors, which touch beyond the gap.",
+        "motion; alone: the same storey of the building alone under the same motion; drift in % of the storey height. "
+        "Of a gap the largest approach of two floors; beyond it they are in contact, and the penetration, which the "
+        "impact stiffness governs, is how far they press into each other.",
     ]
     if len(shown.cases) > len(shown.plotted):
         said.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
@@ -94,10 +96,13 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
     """The largest demand, ratio to the building alone, drift, acceleration, closing and shear of struck columns of
     every case and analysis over buildings, storeys, motions and points of the sweep, each with its place."""
     struck, analyses = results.struck(), scene["analysis"].unique().tolist()
-    storey = results.storey("mu", "mu_ratio", "V_ratio", "drift_ratio")  # no more: sweeps may be long
+    columns = ["mu", "mu0", "mu_ratio", "V_ratio", "drift", "drift0", "drift_ratio"]
+    storey = results.storey(*columns)  # no more: sweeps may be long
     inelastic = storey["analysis"] == "inelastic"
     storey["mu_ratio"] = storey["mu_ratio"].where(inelastic, storey.pop("V_ratio"))
     storey["mu"] = storey["mu"].where(inelastic)
+    drift = storey.pop("drift")
+    storey["drift_ratio0"] = storey["drift_ratio"] * storey.pop("drift0") / drift.where(drift > 0)
     both = "μ/μ₀ (V/V₀ elastic)" if len(analyses) > 1 else "V/V₀" if analyses == ["elastic"] else "μ/μ₀"
     wanted = {
         "μ": (storey, "mu"),
@@ -111,7 +116,7 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
     void = pd.MultiIndex.from_frame(flagged[[*results.axes, "case", "analysis", "record"]])
     wanted = {head: (frame[~frame["building"].isin(results.walls)], name) for head, (frame, name) in wanted.items()}
     cells = {head: _cells(results, name, frame, void) for head, (frame, name) in wanted.items() if name in frame}
-    table = pd.DataFrame(cells | {"closing / gap": _closing(results), "flags": _flags(scene)})
+    table = pd.DataFrame(cells | {"gap": _gaps(results), "flags": _flags(scene)})
     order = pd.MultiIndex.from_frame(scene[["case", "analysis"]].drop_duplicates())
     table = table.reindex(order).dropna(axis=1, how="all").fillna(NOTHING).reset_index()
     marked = set(zip(flagged["case"], flagged["analysis"], strict=True))
@@ -121,8 +126,8 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
 
 
 def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
-    """By case and analysis the largest number as people read it, MARK where it means nothing, and below it where it
-    stands."""
+    """By case and analysis the largest number as people read it, with that of the building alone where there is one,
+    MARK where it means nothing, and below it where it stands."""
     how, found = column_of(name, results.units), {}
     values = frame[name].dropna()
     largest = values.groupby([frame[key][values.index] for key in ("case", "analysis")], sort=False).idxmax()
@@ -135,12 +140,18 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
         point = ", ".join(f"{said} = {results.value_label(key, row[key])}" for key, said in named.items())
         mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
         number = f"{digits(row[name] / how.unit.factor, 3)} {how.unit.name}".rstrip() + mark
+        alone = row.get(f"{name}0")
+        if alone is not None:
+            number += f" (alone {digits(alone / how.unit.factor, 3)})"
         found[row["case"], row["analysis"]] = "\n".join(filter(None, (number, ", ".join(where), point)))
     return found
 
 
-def _closing(results: Results) -> dict[tuple[str, str], str]:
-    """By case and analysis the largest closing of the link that comes closest to its gap or goes furthest beyond."""
+def _gaps(results: Results) -> dict[tuple[str, str], str]:
+    """Return by case and analysis how far the link closes that comes closest to its gap or goes furthest beyond.
+
+    Floors that strike are told by their penetration beyond the gap, all others by their closing of the gap.
+    """
     link, found = results.link("kind", "gap", "max_closing", "impacts"), dict[tuple[str, str], str]()
     if link.empty:
         return found
@@ -149,9 +160,19 @@ def _closing(results: Results) -> dict[tuple[str, str], str]:
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
         row = here.iloc[int((here["max_closing"] - here["gap"]).argmax())]
         struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
-        contact = f"contact in {struck.sum()} of {counted(len(struck), 'run')}" if struck.any() else "no contact"
-        number = f"{digits(unit.number(row['max_closing']), 3)} / {unit.text(row['gap'])}"
-        found[place] = f"{number}\n{contact if drawn(row['kind']) == 'gap' else row['kind']}"
+        closing = row["max_closing"]
+        beyond = f"{digits(unit.number(closing - row['gap']), 3)} {unit.name}"
+        number = f"{digits(unit.number(closing), 3)} of {unit.text(row['gap'])}"
+        below = "no contact"
+        if drawn(row["kind"]) != "gap":
+            below = f"{row['kind']}, {beyond} beyond the gap" if closing > row["gap"] else row["kind"]
+        elif closing > row["gap"]:
+            number = f"penetration {beyond}"
+            runs = f"{struck.sum()} of {counted(len(struck), 'run')}"
+            below = f"contact in {runs}, gap {unit.text(row['gap'])}"
+        elif struck.any():
+            below = f"contact in {struck.sum()} of {counted(len(struck), 'run')}"
+        found[place] = f"{number}\n{below}"
     return found
 
 

@@ -96,18 +96,19 @@ _Drawing = ParamSpec("_Drawing")
 
 def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
     """Decorator of every function that draws: the settings hold while it draws and nowhere else; logarithmic axes get
-    plain numbers at 1, 2 and 5, those of many decades at 1."""
+    plain numbers at 1, 2 and 5, those of many decades at 1, those of less than one in even steps."""
 
     @wraps(draw)
     def drawn(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
         from matplotlib import rc_context
-        from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+        from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
         with rc_context(_SETTINGS):
             figure = draw(*args, **named)
             for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if axis.get_scale() == "log"):
                 low, high = axis.get_view_interval()
-                axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,)))
+                decades = LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,))
+                axis.set_major_locator(MaxNLocator(6) if high < 5 * low else decades)
                 axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
                 axis.set_minor_formatter(NullFormatter())
         return figure

@@ -20,7 +20,7 @@ from pounding_cli.report.figures import framed
 from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.report.table import column_of, digits
 from pounding_cli.solver.outcome import is_meaningless
-from pounding_cli.variables import RESPONSES
+from pounding_cli.variables import RESPONSES, VARIABLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,8 @@ LARGE_RANGE = 20.0
 MOST_TICKS = 12
 """Points of an axis up to which each has its own tick, and its own cell of a map."""
 COLOURS = "viridis_r"  # darker is larger; equal steps of a number are equal steps to the eye, also in grey
-
+RATIO_COLOURS = "RdBu_r"
+"""Of ratios to the building alone: white at 1, red above it, blue below it, as far on either side."""
 
 CELL = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5)])
 """Corners of a cell of a map around its middle."""
@@ -296,8 +297,8 @@ def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panel
             ax.plot(x, mean, color=how.color, ls=line, marker=how.marker, ms=size, lw=1.6, zorder=2.5)
             ax.plot(x[void], mean[void], how.marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
         ax.set_title(analysis.capitalize(), loc="left")
-        ax.set_ylabel(label := column_of(quantity, shown.results.units).head)
-        if "₀" in label:  # 1 stands for the building alone
+        ax.set_ylabel(column_of(quantity, shown.results.units).head)
+        if is_ratio(quantity):  # 1 stands for the building alone
             ax.axhline(1, color="0.35", lw=1.0, zorder=1)
         _set_axis(ax, "x", axis, 0 if is_scale else max(34 // len(x), 9))
         if is_scale and 0 < LARGE_RANGE * x[0] < x[-1]:
@@ -311,22 +312,19 @@ def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panel
 @styled
 def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
     """A line of panels for each quantity, a panel for each case; the second axis is across. Points are cells of one
-    size, with their numbers where all have room; hatched where they mean nothing.
+    size, with their numbers where all have room; hatched where they mean nothing. All panels have one scale of colours.
 
     building : filled in the drawing of the group; words : what is drawn, for the caption
     """
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import LogNorm, Normalize
-
     columns, sizes = max(len(by_case) for *_, by_case in panels), [len(axis.points) for axis in axes]
     few = max(sizes) <= MOST_TICKS
     along, across = (1.4 + 0.34 * max(size, 3) if few else 3.7 for size in sizes)
     figure, lines = framed(shown, building, len(panels), columns, (across, along))
-    for line, (quantity, analysis, by_case) in zip(lines, panels, strict=True):
-        values = np.concatenate([over["mean"].values.ravel() for over in by_case.values()])
-        low, high = np.nanmin(values), np.nanmax(values)
-        scaled: Any = LogNorm if 0 < LARGE_RANGE * low < high else Normalize
-        colours = ScalarMappable(scaled(low, high if high > low else low + 1e-3 * max(abs(low), 1.0)), COLOURS)
+    values = np.concatenate([over["mean"].values.ravel() for *_, by_case in panels for over in by_case.values()])
+    labels = list(dict.fromkeys(column_of(quantity, shown.results.units).head for quantity, *_ in panels))
+    are_ratios = all(is_ratio(quantity) for quantity, *_ in panels)
+    colours = _ratio_colours(values) if are_ratios else _colours(values)
+    for line, (_, analysis, by_case) in zip(lines, panels, strict=True):
         for ax, (case, over) in zip(line, by_case.items(), strict=False):
             _map(ax, over, colours, few)
             _set_axis(ax, "x", axes[1], 9)
@@ -335,9 +333,43 @@ def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels:
             ax.label_outer()
         for ax in line[len(by_case) :]:
             ax.axis("off")
-        bar = figure.colorbar(colours, ax=line[: len(by_case)], pad=0.02, aspect=18)
-        bar.set_label(column_of(quantity, shown.results.units).head)
+    bar = figure.colorbar(colours, ax=[ax for line in lines for ax in line], pad=0.02, aspect=18 * len(panels))
+    bar.set_label(", ".join(labels))
+    if are_ratios:
+        bar.ax.set_ylim(min(np.nanmin(values), 1 / LEAST_SPREAD), max(np.nanmax(values), LEAST_SPREAD))
+        bar.ax.axhline(1, color="black", lw=1.6)
+        words += ". White, and the line across the scale: as the building alone"
     return _finish(figure, shown, building, panels, f"{words}. Grey: no number.", "Hatched")
+
+
+def is_ratio(quantity: str) -> bool:
+    """Whether a quantity is a ratio to the building alone, whose 1 is marked."""
+    return bool(VARIABLES[quantity].ratio)
+
+
+LEAST_SPREAD = 1.1
+"""Ratio that the colours of a map of ratios reach at least, so that rounding about 1 stays white [-]."""
+
+
+def _ratio_colours(values: np.ndarray) -> Any:
+    """Return the colours of ratios: 1 in the middle, twice as far from it as half."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LogNorm
+
+    positive = values[np.isfinite(values) & (values > 0)]
+    furthest = max(LEAST_SPREAD, float(np.exp(np.abs(np.log(positive)).max(initial=0.0))))
+    return ScalarMappable(LogNorm(1 / furthest, furthest), RATIO_COLOURS)
+
+
+def _colours(values: np.ndarray) -> Any:
+    """Return the colours of numbers, logarithmic over a large range."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LogNorm, Normalize
+
+    low = np.nanmin(values)
+    high = np.nanmax(values)
+    scale: Any = LogNorm if 0 < LARGE_RANGE * low < high else Normalize
+    return ScalarMappable(scale(low, high if high > low else low + 1e-3 * max(abs(low), 1.0)), COLOURS)
 
 
 def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
@@ -349,8 +381,9 @@ def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
     y, x = (np.arange(1, size + 1) for size in mean.shape)
     ax.grid(False)
     ax.set_facecolor("0.87")
-    ax.pcolormesh(x, y, np.ma.masked_invalid(mean), norm=colours.norm, cmap=COLOURS, shading="nearest", rasterized=True)
-    lightness = colours.to_rgba(mean)[..., :3] @ (0.299, 0.587, 0.114)
+    drawn = np.ma.masked_invalid(np.maximum(mean, colours.norm.vmin))  # a logarithmic scale has no zero
+    ax.pcolormesh(x, y, drawn, norm=colours.norm, cmap=colours.cmap, shading="nearest", rasterized=True)
+    lightness = colours.to_rgba(drawn)[..., :3] @ (0.299, 0.587, 0.114)
     is_dark = np.isfinite(mean) & (lightness < 0.5)  # cells without a number show the light grey of the panel
     for ink, here in (("white", is_dark), ("black", ~is_dark)):
         cells = [Path(CELL + at, closed=True) for at in 1 + np.argwhere(void & here)[:, ::-1]]
@@ -358,7 +391,7 @@ def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
             outline = Path.make_compound_path(*cells)
             ax.add_patch(PathPatch(outline, fill=False, hatch="//", edgecolor=ink, linewidth=0))
         for row, column in np.argwhere(np.isfinite(mean) & here) if few else ():
-            colour = colours.to_rgba(mean[row, column])
+            colour = colours.to_rgba(drawn[row, column])
             box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
             text = digits(float(mean[row, column]), 3)
             ax.text(x[column], y[row], text, ha="center", va="center", fontsize=7, color=ink, bbox=box)

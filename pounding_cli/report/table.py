@@ -157,7 +157,17 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None) -> Column:
     """
     known = tables.column_of(name)
     unit = (units or {}).get(name) or _OF_COLUMNS.get(name) or _UNITS.get(known.unit.name, known.unit)
-    return replace(known, unit=replace(unit, name=unit.name.replace("m/s2", "m/s²"), si=known.unit.si))
+    return replace(known, unit=replace(unit, name=unit.name.replace("m/s2", "m/s²"), si=known.unit.si or unit.si))
+
+
+def find_unit(results: Results, table: str, name: str) -> Unit:
+    """Return the unit that people read a column of a table of a results file in: that of the study, or kN and mm."""
+    if table not in results.answers:
+        return column_of(name, results.units).unit
+    unit = results.column(table, name).unit
+    is_si = unit.factor == 1 and unit.name == unit.si
+    usual = _OF_COLUMNS.get(name) or _UNITS.get(unit.si)
+    return replace(usual, si=unit.si) if is_si and usual else unit
 
 
 def columns_of(frame: pd.DataFrame, units: Mapping[str, Unit]) -> dict[str, Column]:

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.collections import QuadMesh
 from matplotlib.path import Path as MplPath
 
 import pounding_cli
-from tests.adapter import report
+from tests.adapter import Asked, report
 
 from .conftest import TWO
 
@@ -85,9 +86,30 @@ def test_several_files_are_compared_on_one_page(made, folder, pound):
     assert "| claim | two | swept: impact.restitution = 0.4 |" in page
     assert Path("both/two/report.html").is_file()
     assert Path("both/swept/report.html").is_file()
+    assert Path("both/comparison.csv").is_file()
     Path("two.h5").write_bytes((made / "two.h5").read_bytes())
     assert pound("report", made / "two.h5", "two.h5", "-o", "same", "--no-figures", "-q") == (0, "", "")
     assert Path("same/two-2/report.html").is_file()
+
+
+def test_several_files_of_any_study_are_compared(made, folder, pound):
+    """Of a study that names no figure of the paper, and of an answer. Fails if the page compares claims alone."""
+    for name, gap in (("near", "5 mm"), ("wide", "50 cm")):
+        Path(f"{name}.yaml").write_text(TWO.replace("gap: 5 mm", f"gap: {gap}").replace("Two small", f"{name} a|b"))
+        pound("run", f"{name}.yaml", "-o", f"{name}.h5", "-q")
+    files = ["near.h5", "wide.h5", made / "gap.h5"]
+    assert pound("report", *files, "-o", "all", "--no-figures", "-q") == (0, "", "")
+    page = Path("all/comparison.md").read_text(encoding="utf-8")
+    for name in ("near", "wide"):
+        table = report(pounding_cli.open_results(f"{name}.h5")).answer.tables[0].frame
+        row = next(line for line in page.splitlines() if line.startswith(f"| {name} | gap | inelastic |"))
+        assert table.iloc[3, 2].split("\n")[0] in row  # the largest ductility
+    assert "penetration" in page
+    assert "| wide | gap | inelastic |" in page.split("## Ratios")[0]
+    widths = report(pounding_cli.open_results(made / "gap.h5")).answer.tables[0]
+    assert f"## {widths.caption}" in page
+    assert "claims" not in page
+    assert not Path("all/comparison.csv").exists()
 
 
 def test_a_sweep_is_drawn_as_asked(made, folder, pound):
@@ -106,7 +128,7 @@ def test_a_sweep_is_drawn_as_asked(made, folder, pound):
         "report", made / "gap.h5", made / "swept.h5", "--building", "soft", "--format", "svg", "-o", "more"
     )
     assert code == 0
-    assert "gap.h5 holds the answer of `pound gap`: --building soft does not apply to it" in err
+    assert "gap.h5: the file holds the answer of `pound gap`, so --building soft does not apply to it" in err
 
 
 def test_cells_without_meaning_are_hatched(made):
@@ -122,6 +144,24 @@ def test_cells_without_meaning_are_hatched(made):
     assert np.count_nonzero(hatched.get_path().codes == MplPath.MOVETO) == 6  # all cells
     assert not panels["touching, elastic"].patches
     assert not panels["gap, elastic"].patches
+
+
+def test_maps_of_ratios_have_one_scale_with_1_in_its_middle(made):
+    """Fails if a panel has colours of its own, or 1 has another colour than white; of other quantities too there is one
+    scale."""
+    results = pounding_cli.open_results(made / "maps.h5")
+    for asked, is_ratio in ((None, True), (Asked(("acceleration_ratio",)), True), (Asked(("drift",)), False)):
+        sections = report(results, asked).sections
+        pictures = [each for section in sections for each in section.pictures if each.has_scale]
+        for axes in (picture.draw().axes for picture in pictures):
+            meshes = [mesh for ax in axes for mesh in ax.collections if isinstance(mesh, QuadMesh)]
+            *panels, bar = meshes
+            assert len(panels) >= 4
+            assert len({(mesh.norm.vmin, mesh.norm.vmax) for mesh in meshes}) == 1
+            if is_ratio:
+                assert panels[0].norm(1.0) == pytest.approx(0.5)
+                assert min(panels[0].to_rgba(1.0)) > 0.95
+                assert [1.0, 1.0] in [list(line.get_ydata()) for line in bar.axes.lines]
 
 
 def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):

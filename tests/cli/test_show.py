@@ -50,12 +50,27 @@ def test_every_table_in_every_form(file, shown, table):
 
 
 def test_a_table_for_the_eye_is_in_the_units_of_the_study(shown):
-    """Fails if a gap is shown in m, or an acceleration in m/s2."""
+    """Fails if a gap is shown in m, an acceleration in m/s2, or what the study does not write in N and m."""
     head = shown("link", "--where", "gap=6 mm")[1].splitlines()[1]
     assert "cases.gap.gap [mm]" in head
     assert "gap [cm]" in head
     assert "acceleration [g]" in shown("floor")[1]
-    assert "V [N]" in shown("storey")[1]
+    storey = shown("storey", "--where", "storey=2")[1].splitlines()
+    exact = rows(shown("storey", "--where", "storey=2", "--format", "csv")[1])
+    for column, unit, factor in (("V", "kN", 1e3), ("drift0", "mm", 1e-3), ("drift_ratio", "%", 0.01)):
+        head = f"{column} [{unit}]"
+        assert head in storey[1]
+        ends = storey[1].index(head) + len(head)
+        numbers = [float(line[:ends].split()[-1]) for line in storey[2:]]
+        assert numbers == pytest.approx([float(row[column]) / factor for row in exact], rel=1e-3)
+    for table, heads in {
+        "link": ("peak_force [kN]", "impulse [kN s]", "contact_time [ms]", "max_closing [cm]"),
+        "buildings": ("mass [t]", "height [m]", "stiffness [MN/m]", "yield_shear [kN]", "separation [mm]"),
+        "scene": ("seconds [ms]", "energy_residual "),
+    }.items():
+        head = shown(table)[1].splitlines()[1] + " "
+        for wanted in heads:
+            assert wanted in head
     assert {row["gap"] for row in rows(shown("link", "--case", "gap", "--format", "csv")[1])} == {"0.005", "0.006"}
 
 
@@ -80,6 +95,7 @@ def test_some_columns_stand_in_csv_alone(shown):
         ("link --where gap=0.5cm", "gap", {"0.005"}),
         ("storey --where case=gap --case touching --where building=soft", "case", {"gap", "touching"}),
         ("buildings --where period=300ms", "building", {"stiff"}),
+        ("buildings --where yield_shear=539.36575", "storey", {"1"}),
     ],
 )
 def test_filters(shown, arguments, column, left):
