@@ -116,7 +116,7 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
     marked = set(zip(flagged["case"], flagged["analysis"], strict=True))
     places = zip(table["case"], table["analysis"], strict=True)
     table["case"] = [f"{place[0]} {MARK}" if place in marked else place[0] for place in places]
-    return from_records("Largest of all runs, and where", table.to_dict("records"))
+    return from_records("Largest of all rows, and where", table.to_dict("records"))
 
 
 def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
@@ -148,14 +148,14 @@ def _closing(results: Results) -> dict[tuple[str, str], str]:
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
         row = here.iloc[int((here["max_closing"] - here["gap"]).argmax())]
         struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
-        contact = f"contact in {struck.sum()} of {counted(len(struck), 'run')}" if struck.any() else "no contact"
+        contact = f"contact in {struck.sum()} of {counted(len(struck), 'row')}" if struck.any() else "no contact"
         number = f"{digits(unit.number(row['max_closing']), 3)} / {unit.text(row['gap'])}"
         found[place] = f"{number}\n{contact if drawn(row['kind']) == 'gap' else row['kind']}"
     return found
 
 
 def _flags(scene: pd.DataFrame) -> dict[tuple[str, str], str]:
-    """By case and analysis how many runs failed or are flagged."""
+    """By case and analysis how many rows failed or are flagged."""
     found, groups = {}, flag_groups_of(scene)
     place: Any
     for place, here in scene.groupby(["case", "analysis"], sort=False):

@@ -39,7 +39,7 @@ class FlagGroup:
     scenes: str
 
     def __str__(self) -> str:
-        where = f"{self.case}, {self.analysis}, {self.count} of {counted(self.of, 'scene')} ({self.scenes})"
+        where = f"{self.case}, {self.analysis}, {self.count} of {counted(self.of, 'row')} ({self.scenes})"
         example = f" (e.g. {self.detail})" if self.count > 1 else f": {self.detail}"
         return f"{where}: {self.flag}{example if self.detail else ''}"
 
