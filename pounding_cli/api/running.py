@@ -20,6 +20,7 @@ from pounding_cli.batch.solve import Solver
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories
 from pounding_cli.outputs import check_output
+from pounding_cli.report.summary import Summary, program_digest, read_summary
 from pounding_cli.results.file import FORMAT_VERSION, facts, is_results, write
 from pounding_cli.results.histories import kept_histories
 from pounding_cli.results.solved import solution_key, solver_version
@@ -45,11 +46,13 @@ class Outcome:
     path : the results file
     failures : the scenes that failed, in the order of the study
     engine, workers : how the scenes were solved
+    content : SHA-256 of all that the results follow from
     solver_seconds : time inside the solver now, all workers together [s]
     wall_seconds : from start to file [s]
     """
 
     path: Path
+    content: str
     done: int
     failed: int
     reused: int
@@ -97,7 +100,7 @@ def run_study(
         content = content_key(workflow)
         _check_output(output, study, workflow.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
-            return Outcome(output, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
+            return Outcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
         if cache.was_damaged:
             told.say(f"{cache.path} was damaged: what it held is solved again")
@@ -128,9 +131,31 @@ def run_study(
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
     return Outcome(
-        output, solver.solved - len(solver.failed), len(solver.failed), solver.reused, tuple(_failures(plan, solver)),
-        solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
+        output, content, solver.solved - len(solver.failed), len(solver.failed), solver.reused,
+        tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
     )  # fmt: skip
+
+
+def summarize(outcome: Outcome) -> Summary:
+    """Return what a terminal prints of results: as it was kept beside them, otherwise from the file.
+
+    Reading the file takes longer than all else that a run of a study does whose results are current.
+    """
+    path = cache_of(outcome.path)
+    key = f"{outcome.content} {program_digest()}"
+    if not (outcome.done or outcome.failed):  # nothing was solved since
+        with contextlib.suppress(InputError), contextlib.closing(Cache(path, read_only=True)) as cache:
+            summary = read_summary(cache.find_summary(key) or "")
+            if summary is not None:
+                return summary
+    from pounding_cli.api.studies import open_results
+    from pounding_cli.report import report
+
+    summary = report(open_results(outcome.path)).summary
+    if path.exists():
+        with contextlib.suppress(InputError), contextlib.closing(Cache(path)) as cache:
+            cache.keep_summary(key, summary.to_json())
+    return summary
 
 
 def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> None:

@@ -15,6 +15,7 @@ from pounding_cli.results.solved import Row
 _TABLE = """
 CREATE TABLE IF NOT EXISTS scene (digest BLOB, key TEXT, kind BLOB, numbers BLOB, sum INTEGER,
     PRIMARY KEY (digest, key));
+CREATE TABLE IF NOT EXISTS summary (key TEXT PRIMARY KEY, text TEXT);
 """
 _BUSY = sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED
 _DAMAGE = sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_ERROR
@@ -147,6 +148,20 @@ class Cache:
         with self._told(), self._db:
             other = "DELETE FROM scene WHERE substr(key, 1, ?) != ?"
             return self._db.execute(other, (len(version), version)).rowcount > 0
+
+    def find_summary(self, key: str) -> str | None:
+        """Return the summary of results that was kept under a key; None where there is none."""
+        try:
+            found = self._db.execute("SELECT text FROM summary WHERE key = ?", (key,)).fetchone()
+        except sqlite3.DatabaseError:  # of an older program, or damaged
+            return None
+        return None if found is None else str(found[0])
+
+    def keep_summary(self, key: str, text: str) -> None:
+        """Keep a summary of results in place of the one before.  Raises InputError."""
+        with self._told(), self._db:
+            self._db.execute("DELETE FROM summary")
+            self._db.execute("INSERT INTO summary VALUES (?, ?)", (key, text))
 
     def close(self) -> None:
         """Write what is left and let others at it."""

@@ -102,10 +102,9 @@ def solve_study(
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    from pounding_cli.api.running import question, run_study
-    from pounding_cli.api.studies import default_output, open_results
+    from pounding_cli.api.running import question, run_study, summarize
+    from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines, chosen
-    from pounding_cli.report import report
     from pounding_cli.study import load_study
 
     log = JsonLines() if log_json else None
@@ -123,7 +122,7 @@ def solve_study(
         _log_outcome(log, outcome)
     else:
         if not quiet:
-            report(open_results(outcome.path)).print()
+            summarize(outcome).print()
         _print_outcome(outcome, quiet)
     is_written = write is None or _write_best(cast("Optimise", asked), outcome.path, write)
     if not is_written:
