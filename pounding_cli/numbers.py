@@ -13,6 +13,16 @@ def counted(number: int, one: str, many: str = "") -> str:
     return f"{number} {one if number == 1 else many or one + 's'}"
 
 
+def count_histories(number: int) -> str:
+    """Return a number of time histories: `1 time history`, `2 time histories`."""
+    return counted(number, "time history", "time histories")
+
+
+def round_roughly(number: int) -> int:
+    """Return a number that is known about, to two digits."""
+    return int(float(f"{number:.2g}"))
+
+
 def listed(words: Iterable[str], room: int = 1600) -> str:
     """All words in a row, `a, b, c`; of more than fill a screen (`room` characters), how many are left."""
     words = list(words)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import json
 import os
 import time
@@ -13,13 +12,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from pounding_cli.api.standing import content_key, find_current
 from pounding_cli.batch.cache import Cache, cache_of
 from pounding_cli.batch.pool import pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.batch.solve import Solver
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import count_histories
 from pounding_cli.outputs import check_output
+from pounding_cli.report.summary import Summary, program_digest, read_summary
 from pounding_cli.results.file import FORMAT_VERSION, facts, is_results, write
 from pounding_cli.results.histories import kept_histories
 from pounding_cli.results.solved import solution_key, solver_version
@@ -45,11 +46,13 @@ class Outcome:
     path : the results file
     failures : the scenes that failed, in the order of the study
     engine, workers : how the scenes were solved
+    content : SHA-256 of all that the results follow from
     solver_seconds : time inside the solver now, all workers together [s]
     wall_seconds : from start to file [s]
     """
 
     path: Path
+    content: str
     done: int
     failed: int
     reused: int
@@ -94,20 +97,22 @@ def run_study(
     workers_of = pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
-        content = _content(workflow)
+        content = content_key(workflow)
         _check_output(output, study, workflow.name, replace)
-        if not replace and (scenes := _finished(output, content)) is not None:
-            return Outcome(output, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
+        if not replace and (scenes := find_current(output, content)) is not None:
+            return Outcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
         if cache.was_damaged:
             told.say(f"{cache.path} was damaged: what it held is solved again")
         if cache.forget_other(f"solver {solver_version()} "):
-            told.say(f"{cache.path} was made with another solver: all scenes are solved again")
+            told.say(f"{cache.path} was made with another solver: all time histories are solved again")
         solver = stack.enter_context(contextlib.closing(Solver(cache, workers_of, told)))
+        if workflow.extent != "has":
+            told.expected = workflow.expected_count
         try:
             found = workflow.run(solver)
         except KeyboardInterrupt:
-            told.say(f"{counted(solver.solved, 'scene')} solved now and kept in {cache.path}")
+            told.say(f"{count_histories(solver.solved)} solved now and kept in {cache.path}")
             raise
         plan = found.plan
         histories = kept_histories(plan, found.contents, told.say)
@@ -126,9 +131,31 @@ def run_study(
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
     return Outcome(
-        output, solver.solved - len(solver.failed), len(solver.failed), solver.reused, tuple(_failures(plan, solver)),
-        solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
+        output, content, solver.solved - len(solver.failed), len(solver.failed), solver.reused,
+        tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
     )  # fmt: skip
+
+
+def summarize(outcome: Outcome) -> Summary:
+    """Return what a terminal prints of results: as it was kept beside them, otherwise from the file.
+
+    Reading the file takes longer than all else that a run of a study does whose results are current.
+    """
+    path = cache_of(outcome.path)
+    key = f"{outcome.content} {program_digest()}"
+    if not (outcome.done or outcome.failed):  # nothing was solved since
+        with contextlib.suppress(InputError), contextlib.closing(Cache(path, read_only=True)) as cache:
+            summary = read_summary(cache.find_summary(key) or "")
+            if summary is not None:
+                return summary
+    from pounding_cli.api.studies import open_results
+    from pounding_cli.report import report
+
+    summary = report(open_results(outcome.path)).summary
+    if path.exists():
+        with contextlib.suppress(InputError), contextlib.closing(Cache(path)) as cache:
+            cache.keep_summary(key, summary.to_json())
+    return summary
 
 
 def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> None:
@@ -176,25 +203,6 @@ def _place_of(study: Study, results: Path) -> str:
         return os.path.relpath(study.path.resolve(), results.parent.resolve())
     except ValueError:  # another drive
         return str(study.path.resolve())
-
-
-def _content(workflow: Workflow) -> str:
-    """SHA-256 of all that results follow from: the study, its scenes, the solver."""
-    plan = workflow.plan
-    study, kept = plan.study, (plan.kept, plan.every)
-    resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
-    said = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
-    return hashlib.sha256(said.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
-
-
-def _finished(output: Path, content: str) -> int | None:
-    """The number of scenes of a results file that holds this already, every scene done; None where it does not."""
-    try:
-        known = facts(output)
-        same = known["content"] == content and int(known["scenes_failed"]) == 0
-        return int(known["scenes"]) if same else None
-    except (InputError, KeyError):
-        return None
 
 
 def _failures(plan: Plan, solver: Solver) -> Iterator[Failure]:

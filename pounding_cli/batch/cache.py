@@ -15,6 +15,7 @@ from pounding_cli.results.solved import Row
 _TABLE = """
 CREATE TABLE IF NOT EXISTS scene (digest BLOB, key TEXT, kind BLOB, numbers BLOB, sum INTEGER,
     PRIMARY KEY (digest, key));
+CREATE TABLE IF NOT EXISTS summary (key TEXT PRIMARY KEY, text TEXT);
 """
 _BUSY = sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED
 _DAMAGE = sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_ERROR
@@ -35,14 +36,19 @@ class Cache:
     Parameters
     ----------
     path : the file; one that is damaged is made anew, and `was_damaged`
+    read_only : nothing is written; a file that is missing or damaged holds nothing then
 
     Raises
     ------
     InputError : another run is at work on it; it cannot be written
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path, self.was_damaged = path, False
+    def __init__(self, path: Path, read_only: bool = False) -> None:
+        self.path = path
+        self.was_damaged = False
+        if read_only:
+            self._open_to_read()
+            return
         with self._told():
             try:
                 self._open()
@@ -62,6 +68,24 @@ class Cache:
         (found,) = self._db.execute("PRAGMA integrity_check(1)").fetchone()
         if found != "ok":
             raise sqlite3.DatabaseError(found)
+
+    def _open_to_read(self) -> None:
+        """Open the file without writing to it, or a database in memory where it is missing or damaged."""
+        if self.path.is_file():
+            is_closed = not self.path.with_name(f"{self.path.name}-wal").exists()
+            how = "mode=ro&immutable=1" if is_closed else "mode=ro"  # the other files of one in use are needed
+            with self._told():
+                self._db = sqlite3.connect(f"{self.path.absolute().as_uri()}?{how}", uri=True, timeout=0.2)
+                try:
+                    self._db.execute("SELECT digest, key, kind, numbers, sum FROM scene LIMIT 1").fetchone()
+                    return
+                except sqlite3.DatabaseError as error:
+                    self._db.close()
+                    if _code(error) in _BUSY:
+                        raise
+                    self.was_damaged = True
+        self._db = sqlite3.connect(":memory:")
+        self._db.executescript(_TABLE)
 
     @contextlib.contextmanager
     def _told(self) -> Iterator[None]:
@@ -95,6 +119,19 @@ class Cache:
                 found = self._db.execute(question, (key, *some)).fetchall()
             yield {row[0]: (zlib.decompress(row[1]).decode(), row[2]) for *row, total in found if _sum(*row) == total}
 
+    def count_by_key(self, digests: Sequence[bytes]) -> dict[str, int]:
+        """Return how many of some scenes are kept, by the key of how they were solved.  Raises InputError."""
+        counts = dict[str, int]()
+        for begin in range(0, len(digests), _AT_ONCE):
+            some = digests[begin : begin + _AT_ONCE]
+            places = ",".join("?" * len(some))
+            question = f"SELECT key, COUNT(*) FROM scene WHERE digest IN ({places}) GROUP BY key"
+            with self._told():
+                found = self._db.execute(question, some).fetchall()
+            for key, count in found:
+                counts[key] = counts.get(key, 0) + count
+        return counts
+
     def keep_only(self, key: str, digests: Sequence[bytes]) -> None:
         """Forget all other scenes, and those of other keys.  Raises InputError."""
         with self._told(), self._db:
@@ -111,6 +148,20 @@ class Cache:
         with self._told(), self._db:
             other = "DELETE FROM scene WHERE substr(key, 1, ?) != ?"
             return self._db.execute(other, (len(version), version)).rowcount > 0
+
+    def find_summary(self, key: str) -> str | None:
+        """Return the summary of results that was kept under a key; None where there is none."""
+        try:
+            found = self._db.execute("SELECT text FROM summary WHERE key = ?", (key,)).fetchone()
+        except sqlite3.DatabaseError:  # of an older program, or damaged
+            return None
+        return None if found is None else str(found[0])
+
+    def keep_summary(self, key: str, text: str) -> None:
+        """Keep a summary of results in place of the one before.  Raises InputError."""
+        with self._told(), self._db:
+            self._db.execute("DELETE FROM summary")
+            self._db.execute("INSERT INTO summary VALUES (?, ?)", (key, text))
 
     def close(self) -> None:
         """Write what is left and let others at it."""

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.batch.solve import BESIDE
-from pounding_cli.errors import InputError
 from pounding_cli.model.effects import DroppedEffect, effects_of
+from pounding_cli.solver.assemble import layout_of
+from pounding_cli.solver.kernels import is_compiled, kernel_for, read_rates
 
 if TYPE_CHECKING:
     from pounding_cli.model.scene import Scene
     from pounding_cli.study.plan import Plan
 
 MOST_SCENES = 2000
-"""Scenes whose effects are looked at; of more, as many spread evenly, each for as many as it stands for."""
+"""Time histories whose effects are looked at; of more, as many spread evenly, each for as many as it stands for."""
+
+BESIDE = 0.2e-3
+"""Time that a time history takes outside its kernel [s]."""
 
 START = 1.0
 """Time of a run besides its scenes [s]: imports, compiled kernels loaded, a file with its summary."""
@@ -52,23 +56,86 @@ def forecast(plan: Plan) -> Forecast:
     return found
 
 
-def expected(plan: Plan) -> tuple[float, int]:
-    """The time that a run of scenes takes on one core [s], from one scene of each kind (case or building, analysis,
-    motion) that is solved for it; how many were."""
+# How long it takes
+
+
+def kinds_and_work(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
+    """Return the kind of every time history of a plan and its work, as its rate takes them, both of shape (scenes,).
+
+    Work is the number of floors times the duration [s], or times the number of steps of a method that takes a time
+    step. One time history of each case or building, analysis and motion stands for all of them.
+    """
     rows, columns = plan.first
     *_, case, analysis, motion = np.unravel_index(rows, plan.shape)
-    kinds = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
-    _, first, kind = np.unique(kinds, axis=1, return_index=True, return_inverse=True)
-    seconds = np.array([_timed(plan, scene) for scene in plan.scenes(first)])[kind.ravel()]
-    return START + float((RUNS[plan.estimate] * seconds + BESIDE).sum()), len(first)
+    alike = np.stack([np.where(columns > 0, -columns, case), analysis, motion])
+    _, first, group = np.unique(alike, axis=1, return_index=True, return_inverse=True)
+    kinds = list[str]()
+    work = list[float]()
+    for scene in plan.scenes(first):
+        kinds.append(_kind_of(plan, scene))
+        floors = sum(building.storeys for building in scene.buildings)
+        work.append(floors * (scene.motion.duration + scene.tail) / (plan.time_step or 1.0))
+    group = group.ravel()
+    return np.array(kinds, object)[group], np.array(work)[group]
 
 
-def _timed(plan: Plan, scene: Scene) -> float:
-    """The time that a scene takes [s]; nothing where it is refused."""
-    from pounding_cli.solver.solve import solve
+def _kind_of(plan: Plan, scene: Scene) -> str:
+    """Return what time histories of about one rate share: kernel, method, and whether buildings stand alone."""
+    kernel = _kernel_of(plan, scene)
+    return f"{kernel}, {plan.method}, {'linked' if scene.links else 'alone'}"
 
-    told: dict[str, Any] = {} if plan.time_step is None else {"time_step": plan.time_step}
-    try:
-        return solve(scene, plan.accuracy, plan.method, **told).seconds
-    except InputError:
-        return 0.0
+
+def _kernel_of(plan: Plan, scene: Scene) -> str:
+    takes_step = plan.time_step is not None
+    has_smooth = not takes_step and (plan.method == "dop853" or layout_of(scene).has_smooth)
+    return kernel_for(takes_step, has_smooth)
+
+
+def measure_rates(plan: Plan, numbers: np.ndarray, seconds: np.ndarray) -> dict[str, float]:
+    """Return the time for a unit of work by kind, of time histories that were solved.
+
+    numbers : of the time histories
+    seconds : time in the solver of all of the plan [s], NaN where it is not known
+    """
+    every_kind, every_work = kinds_and_work(plan)
+    numbers = numbers[np.isfinite(seconds[numbers])]
+    kinds = every_kind[numbers]
+    rates = {}
+    for kind in dict.fromkeys(kinds):
+        mine = numbers[kinds == kind]
+        if (spent := float(seconds[mine].sum())) > 0:
+            rates[kind] = spent / float(every_work[mine].sum())
+    return rates
+
+
+@dataclass(frozen=True)
+class Duration:
+    """The expected time of a run on one core.
+
+    seconds : with imports and files [s]; None where no run has measured it on this computer
+    uncompiled : kernels that the run compiles first
+    """
+
+    seconds: float | None
+    uncompiled: tuple[str, ...]
+
+
+def expected_duration(plan: Plan, missing: np.ndarray, count: int, measured: Mapping[str, float]) -> Duration:
+    """Return the expected time of solving some time histories; nothing is solved or compiled for it.
+
+    Parameters
+    ----------
+    missing : numbers of time histories of the plan that stand for those that are to be solved
+    count : how many are to be solved
+    measured : rates of this study, by kind; others are taken from earlier runs on this computer
+    """
+    if not count or not missing.size:
+        return Duration(START, ())
+    kinds, work = kinds_and_work(plan)
+    rates = {**read_rates(), **measured}
+    needed = {kind.partition(",")[0] for kind in kinds[missing]}
+    uncompiled = tuple(sorted(kernel for kernel in needed if not is_compiled(kernel)))
+    if uncompiled or not set(kinds[missing]) <= rates.keys():
+        return Duration(None, uncompiled)
+    each = [RUNS[plan.estimate] * rates[kinds[number]] * work[number] + BESIDE for number in missing]
+    return Duration(START + count * float(np.mean(each)), ())

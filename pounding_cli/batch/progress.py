@@ -8,25 +8,32 @@ import sys
 import time
 from typing import Any, TextIO
 
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import count_histories, round_roughly
 
 
 class Progress:
     """Counts what a run tells, and says nothing.
 
-    done, failed, reused, left : scenes
+    done, failed, reused, left : time histories
+    expected : those of the whole question where it asks for them part by part, about; 0 where all are known at once
     """
 
     def __init__(self) -> None:
-        self.done = self.failed = self.reused = self.left = 0
+        self.done = self.failed = self.reused = self.left = self.expected = 0
 
     def start(self, total: int, reused: int) -> None:
-        """So many scenes more are to be solved; `reused` of those that are wanted were found."""
-        self.reused, self.left = reused, self.left + total
+        """Take in that so many more are to be solved; `reused` of those that are wanted were found."""
+        self.reused = reused
+        self.left += total
         self.show()
 
+    @property
+    def to_come(self) -> int:
+        """Time histories that are left of the whole question; of one that asks part by part about so many."""
+        return max(self.left, self.expected - self.done - self.failed - self.reused)
+
     def step(self, done: int, failed: int) -> None:
-        """So many scenes came back, with and without a result."""
+        """Take in that so many came back, with and without a result."""
         self.done, self.failed, self.left = self.done + done, self.failed + failed, self.left - done - failed
         self.show()
 
@@ -37,12 +44,13 @@ class Progress:
         """Something worth a line."""
 
     def stop(self) -> None:
-        """No more scenes for now."""
+        """Take in that there are no more for now."""
 
     @property
     def words(self) -> str:
         """The counts in a line."""
-        return f"{self.done} done, {self.failed} failed, {self.reused} reused, {self.left} left"
+        left = f"about {round_roughly(self.to_come)}" if self.to_come > self.left else str(self.left)
+        return f"{self.done} done, {self.failed} failed, {self.reused} reused, {left} left"
 
 
 class Lines(Progress):
@@ -67,7 +75,10 @@ class Lines(Progress):
     def report(self, event: str) -> None:
         """The counts, at the start or as they are."""
         known = f" ({self.reused} already solved)" if self.reused else ""
-        self.say(f"{counted(self.left, 'scene')} to solve{known}" if event == "start" else self.words)
+        left = count_histories(self.left)
+        if self.to_come > self.left:
+            left = f"about {count_histories(round_roughly(self.to_come))}"
+        self.say(f"{left} to solve{known}" if event == "start" else self.words)
 
 
 class JsonLines(Lines):
@@ -84,7 +95,7 @@ class JsonLines(Lines):
         super().say(json.dumps({"event": event, "time": round(time.time(), 3), **facts}))
 
     def report(self, event: str) -> None:
-        self.tell(event, done=self.done, failed=self.failed, reused=self.reused, left=self.left)
+        self.tell(event, done=self.done, failed=self.failed, reused=self.reused, left=self.to_come)
 
 
 class Bar(Progress):
@@ -95,14 +106,14 @@ class Bar(Progress):
         from rich.console import Console
 
         super().__init__()
-        columns = "scenes", progress.BarColumn(), "{task.description}", progress.TimeRemainingColumn()
+        columns = "time histories", progress.BarColumn(), "{task.description}", progress.TimeRemainingColumn()
         self._rich = progress.Progress(*columns, console=Console(stderr=True), transient=True)
         self._task = self._rich.add_task("", total=None)
 
     def show(self) -> None:
         come = self.done + self.failed
         self._rich.start()
-        self._rich.update(self._task, total=come + self.left, completed=come, description=self.words)
+        self._rich.update(self._task, total=come + self.to_come, completed=come, description=self.words)
 
     def say(self, sentence: str) -> None:
         self._rich.console.print(sentence, highlight=False, markup=False)

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.batch.cache import Cache
+from pounding_cli.batch.forecast import BESIDE, measure_rates
 from pounding_cli.batch.pool import Pool, end
 from pounding_cli.batch.progress import Progress
 from pounding_cli.results.solved import Row, Solved, encode, solution_key
+from pounding_cli.solver.kernels import store_rates
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
@@ -32,8 +34,8 @@ MOST_SCENES = 512
 TIMED = 16
 """Scenes that are solved here first, to see how long one takes."""
 
-BESIDE = 0.2e-3
-"""Time that a scene takes outside its kernel [s]."""
+MEASURED = 60
+"""Time histories of a run by which its rates are measured."""
 
 WORTH_WORKERS = 1.0
 """Work [s] from which starting workers pays."""
@@ -71,6 +73,7 @@ class Solver:
         self.engine, self.workers = "none", 1
         self._seen: set[bytes] = set()  # solved now, or found
         self._each_takes = BESIDE  # [s]
+        self._is_measured = False  # whether the rates of this run are kept
         self._executor: Executor | None = None  # of the pool, from when it is first needed
 
     def close(self) -> None:
@@ -141,6 +144,14 @@ class Solver:
                 self.progress.step(len(rows) - len(failed), len(failed))
         finally:
             self.progress.stop()
+        self._measure(plan, missing, solved)
+
+    def _measure(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
+        """Keep the rates of the first time histories of a run, for `pound check`."""
+        if not self._is_measured:
+            some = numbers[:: max(1, len(numbers) // MEASURED)]
+            store_rates(measure_rates(plan, some, solved.values["seconds"]))
+            self._is_measured = True
 
     def _each(self, plan: Plan, task: Task, order: np.ndarray) -> Iterator[Answer]:
         """Groups of scenes and their rows as they come."""

@@ -18,7 +18,7 @@ from pounding_cli.workflows import TITLES
 
 COMMANDS = {
     "init": ("study", "Write a commented study to start from."),
-    "check": ("study", "Validate a study; show what a run would solve and leave out."),
+    "check": ("study", "Validate a study; show what is solved, and how long the rest takes."),
     "run": ("solve", TITLES["run"]),
     "show": ("results", "Print a table of a results file."),
     "report": ("results", "Write figures, tables, claims and a page of results files."),
@@ -75,7 +75,7 @@ def cli(debug: bool) -> None:
       pound report results/my-study.h5
 
     \b
-    Exit codes: 0 done; 1 some scenes failed, or results differ (compare);
+    Exit codes: 0 done; 1 some time histories failed, or results differ (compare);
     2 the input or the output was refused; 70 an internal error;
     130 stopped by Ctrl-C; 141 the program that read the output has closed.
     """

@@ -324,11 +324,13 @@ def _export_demands(results: Results, output: Path | None, wanted: Sequence[tupl
 @click.command()
 @click.argument("first", type=FILE, metavar="A.h5")
 @click.argument("second", type=FILE, metavar="B.h5")
-@click.option("--numbers", is_flag=True, help="Compare only scenes and their numbers for the exit code, not the study.")
-@click.option("--all", "everything", is_flag=True, help="List every changed number and scene.")
+@click.option(
+    "--numbers", is_flag=True, help="Compare only time histories and their numbers for the exit code, not the study."
+)
+@click.option("--all", "everything", is_flag=True, help="List every changed number and row.")
 @click.pass_context
 def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everything: bool) -> None:
-    """Show what changed from A.h5 to B.h5: study, versions, scenes, and numbers beyond the errors of both files
+    """Show what changed from A.h5 to B.h5: study, versions, rows, and numbers beyond the errors of both files
     (docs/how-to/compare.md). Exit code 0: the files agree; 1: they differ; 2: a file was refused.
 
     \b
@@ -361,7 +363,7 @@ def _told(found: Comparison, everything: bool) -> Iterator[str]:
             f"Versions: {'differ' if found.software else 'the same'}.",
             [f"{name}: {one} -> {other}" for name, one, other in found.software],
         ),
-        (f"Scenes: {moved}.", scenes),
+        (f"Rows: {moved}.", scenes),
     ):
         few = len(lines) if everything else _FEW
         yield from (head, *(f"  {line}" for line in lines[:few]))
@@ -370,7 +372,7 @@ def _told(found: Comparison, everything: bool) -> Iterator[str]:
     differ = "differs" if len(found.changes) == 1 else "differ"
     yield f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files."
     if found.unestimated:
-        what = counted(found.unestimated, "scene carries", "scenes carry")
+        what = counted(found.unestimated, "row carries", "rows carry")
         yield f"  {what} no error estimate: the accuracy asked or rounding is used instead."
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
         unit = column_of(str(column), str(table)).unit.name

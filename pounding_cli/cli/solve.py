@@ -31,12 +31,12 @@ solving_options = together(
     quiet_option,
     click.option(
         "--workers", type=click.IntRange(min=1), metavar="N",
-        help="Number of scenes solved in parallel. Default: all cores.",
+        help="Number of time histories solved in parallel. Default: all cores.",
     ),
     click.option(
         "--engine", type=click.Choice(("threads", "processes", "dask", "serial")), default="threads",
         show_default=True,
-        help="How scenes are solved; the results are the same. Small studies are always solved serially.",
+        help="How time histories are solved; the results are the same. Small studies are always solved serially.",
     ),
     click.option(
         "--scheduler", metavar="ADDRESS",
@@ -44,7 +44,7 @@ solving_options = together(
     ),
     click.option(
         "--replace", is_flag=True,
-        help="Replace the results of another study; forget scenes and histories that STUDY no longer has.",
+        help="Replace the results of another study; forget what STUDY no longer has.",
     ),
     click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
 )  # fmt: skip
@@ -52,8 +52,8 @@ solving_options = together(
 
 _HELP = """{title}{more}
 
-Scenes of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run the same
-command again to resume. Exit code 0: all scenes done; 1: some failed; 2: the study or the output was refused.
+Time histories of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run
+the same command again to resume. Exit code 0: all done; 1: some failed; 2: the study or the output was refused.
 
 \b
 Example:
@@ -102,10 +102,9 @@ def solve_study(
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    from pounding_cli.api.running import question, run_study
-    from pounding_cli.api.studies import default_output, open_results
+    from pounding_cli.api.running import question, run_study, summarize
+    from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines, chosen
-    from pounding_cli.report import report
     from pounding_cli.study import load_study
 
     log = JsonLines() if log_json else None
@@ -123,7 +122,7 @@ def solve_study(
         _log_outcome(log, outcome)
     else:
         if not quiet:
-            report(open_results(outcome.path)).print()
+            summarize(outcome).print()
         _print_outcome(outcome, quiet)
     is_written = write is None or _write_best(cast("Optimise", asked), outcome.path, write)
     if not is_written:
@@ -138,7 +137,7 @@ def _print_outcome(outcome: Outcome, quiet: bool) -> None:
     if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
         click.echo(
-            f"Scenes: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
+            f"Time histories: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
             f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}\n"
             f"Results: {outcome.path}"
         )
@@ -255,7 +254,7 @@ def accuracy(
     study: Path, methods: list[str], cases: list[str], records: list[str], budget: float, output: Path | None,
     quiet: bool,
 ) -> None:  # fmt: skip
-    """Measure what accuracy costs by every method on the scenes of STUDY, at the first point of its sweep, and write a
+    """Measure what accuracy costs by every method on time histories of STUDY, at the first point of its sweep. Write a
     page, a table of all runs and diagrams (docs/accuracy.md).
 
     \b

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli.options import FILE, study_argument
-from pounding_cli.numbers import counted, time_text
+from pounding_cli.cli.options import FILE, output_option, study_argument
+from pounding_cli.errors import InputError
+from pounding_cli.numbers import count_histories, counted, round_roughly, time_text
 
 if TYPE_CHECKING:
-    from pounding_cli.batch.forecast import Forecast
+    from pounding_cli.batch.forecast import Duration, Forecast
     from pounding_cli.errors import Problem
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
@@ -62,11 +63,12 @@ def init(name: str, template: str) -> None:  # fmt: skip
 
 @click.command()
 @study_argument
-def check(study: Path) -> None:
-    """Validate STUDY and show what a run would solve, what it would leave out and about how long it would take.
+@output_option("results/STUDY.h5", "Results file, beside which solved time histories are kept.")
+def check(study: Path, output: Path | None) -> None:
+    """Validate STUDY and show what a run would solve, what is solved already and about how long the rest would take.
 
     The command reports every problem as file:line:column, what is wrong and what to write instead. It accepts studies
-    of all commands. To tell the time it runs one scene of each kind. Nothing is written.
+    of all commands. Nothing is solved, compiled or written; times are by the rates of earlier runs on this computer.
     Exit code 0: the study is valid; 2: it was refused.
 
     Example: pound check configs/fig6.yaml
@@ -85,52 +87,78 @@ def check(study: Path) -> None:
         click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
-    asked = _read_questions(read, [each for each in TITLES if each == "run" or read.root.get(each) is not None])
-    plan, *_ = [each.plan for each in asked]
+    questions = _read_questions(read, [each for each in TITLES if each == "run" or read.root.get(each) is not None])
+    plan, *_ = [each.plan for each in questions]
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
     factors = [
         counted(len(plan.cases), "case"),
         counted(len(plan.analyses), "analysis", "analyses"),
-        counted(len(plan.records), "record"),
+        counted(len(plan.records), "motion"),
         *([counted(math.prod(plan.shape[:-3]), "sweep point")] if plan.axes else []),
     ]
     rows = counted(math.prod(plan.shape), "row")
-    click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} from {counted(len(plan), 'scene')}")
-    click.echo("\n".join([*_lines(plan), *_questions(asked[1:]), "times      (on one core)"]))
-    from pounding_cli.batch.forecast import expected
-    from pounding_cli.solver import solve  # here, so that what stands above need not wait for numba
-
-    solve.say = lambda text: click.echo(text, err=True)
-    for each in asked:
-        seconds, timed = expected(each.plan)
-        most = " at most" if "at most" in each.extent else ""
-        click.echo(
-            f"  pound {each.name:<12}{most} about {time_text(seconds)}, timed by {counted(timed, 'scene')} of them"
-        )
+    click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} of {count_histories(len(plan))}")
+    click.echo("\n".join(_lines(plan)))
+    click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")
+    for each in questions:
+        click.echo(f"  pound {each.name:<12} {_describe_standing(each, output)}")
 
 
 def _read_questions(study: Study, names: Sequence[str]) -> list[Workflow]:
     """Return what the sections of a study ask.  Raises `InputError` with what is wrong in all of them."""
-    from pounding_cli.errors import InputError
     from pounding_cli.workflows import workflow_of
 
-    asked: list[Workflow] = []
+    questions: list[Workflow] = []
     problems: list[Problem] = []
     for name in names:
         try:
-            asked.append(workflow_of(name)(study))
+            questions.append(workflow_of(name)(study))
         except InputError as refused:
             problems += refused.problems
     if problems:
         raise InputError(sorted(problems, key=lambda problem: (problem.line, problem.column)))
-    return asked
+    return questions
 
 
-def _questions(asked: Sequence[Workflow]) -> list[str]:
-    """What the sections of a study ask, with the scenes that each question begins with."""
-    lines = [f"  pound {each.name:<12} {each.extent} {counted(len(each.plan), 'scene')}" for each in asked]
-    return ["questions  (the lines above are those of `pound run`)", *lines] if lines else []
+def _describe_standing(question: Workflow, output: Path | None) -> str:
+    """Return how many time histories a question has, how many are solved, why others are not, and their time."""
+    from pounding_cli.api.standing import find_standing
+    from pounding_cli.api.studies import default_output
+
+    path = output or default_output(Path(question.study.path), question.name)
+    try:
+        standing = find_standing(question, path)
+    except InputError as refused:  # another run is at work on these results
+        return f"{count_histories(len(question.plan))}; {refused.problems[0].message}"
+    if standing.is_current:
+        return f"{count_histories(standing.total)}, all solved: {path} is current"
+    total = count_histories(standing.total)
+    missing = str(standing.missing)
+    if question.extent != "has":
+        total = f"about {count_histories(round_roughly(standing.total))}"
+        missing = f"about {round_roughly(standing.missing)}"
+    if question.extent == "has at most":
+        total += f", at most {len(question.plan)}"
+    said = [total, f"{standing.solved} solved, {missing} to solve"]
+    if standing.reasons:
+        said.append(", ".join(standing.reasons))
+    return f"{'; '.join(said)}; {_describe_duration(standing.duration)}"
+
+
+def _describe_duration(duration: Duration) -> str:
+    """Return the expected time of a run, or why it is not known."""
+    from pounding_cli.solver.kernels import COMPILE_TIME
+
+    if duration.uncompiled:
+        kernels = " and ".join(duration.uncompiled)
+        is_are = "is" if len(duration.uncompiled) == 1 and not kernels.endswith("s") else "are"
+        seconds = sum(COMPILE_TIME[kernel] for kernel in duration.uncompiled)
+        compiled = f"{kernels} {is_are} not compiled on this computer yet"
+        return f"{compiled}; the first run compiles for about {seconds:.0f} s"
+    if duration.seconds is None:
+        return "the time is not known before a first run on this computer"
+    return f"about {time_text(duration.seconds)}"
 
 
 def _lines(plan: Plan) -> list[str]:
@@ -147,9 +175,9 @@ def _lines(plan: Plan) -> list[str]:
         values = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
         lines.append(f"sweep      {', '.join(axis.names)}: {values}")
     lines += [
-        f"method     {plan.method}, {step or f'accuracy {plan.accuracy:g}'}",
-        f"scenes     {len(plan)}, with estimate: {plan.estimate}",
-        *(f"  run      {count:6d} {what}" for what, count in found.scenes.items()),
+        f"method     {plan.method}, {step or f'accuracy {plan.accuracy:g}'}, estimate: {plan.estimate}",
+        f"solves     {count_histories(len(plan))}",
+        *(f"           {count:6d} {what}" for what, count in found.scenes.items()),
     ]
     lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
@@ -158,7 +186,7 @@ def _lines(plan: Plan) -> list[str]:
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
-    lines += ["effects    (in scenes of the group)", *_effects(found), "motions    (as used)"]
+    lines += ["effects    (in time histories of the group)", *_effects(found), "motions    (as used)"]
     unit = study.unit("acceleration")
     for used in study.motions(first).values():
         use = used.use
@@ -183,7 +211,7 @@ def _isolators(group: Sequence[Building], width: Unit) -> list[str]:
 
 
 def _effects(found: Forecast) -> Iterator[str]:
-    """In how many scenes each effect is simulated, and why it is left out in the others."""
+    """In how many time histories each effect is simulated, and why it is left out in the others."""
     from pounding_cli.model.effects import summarize_effects
 
     for name, here, out, why in summarize_effects(found.kept, found.dropped):

@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.laws import link_laws
 from pounding_cli.model.effects import DroppedEffect, summarize_effects
 from pounding_cli.model.links import APART
-from pounding_cli.numbers import Unit, counted, listed
+from pounding_cli.numbers import Unit, count_histories, counted, listed
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
 from pounding_cli.report.figures import sketch
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _TITLES = {
     "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
-    "struck": "Struck columns", "scene": "Runs", "flagged": "Flags", "records": "Motions", "buildings": "Buildings",
+    "struck": "Struck columns", "scene": "Outcomes", "flagged": "Flags", "records": "Motions", "buildings": "Buildings",
 }  # fmt: skip
 """The tables of scenes that a report has, and what they are called."""
 
@@ -68,7 +68,7 @@ def report_of(
         results.title,
         answer,
         lambda: [*more(), *background(results, shown, tables)],
-        f"{', '.join(lead)}: {counted(len(results.scene()), 'run')}.",
+        f"{', '.join(lead)}: {counted(len(results.scene()), 'row')}.",
         partial(sketch, shown),
         results.study_text,
     )
@@ -191,17 +191,19 @@ def _varied_motions(results: Results, point: Mapping[str, Any]) -> list[str]:
 
 def _simulated(results: Results, shown: Evidence) -> Section:
     scene = results.scene()
-    scenes = counted(int(results.attrs["scenes"]), "different scene was", "different scenes were")
-    said = [f"{counted(len(scene), 'run')}; {scenes} solved, buildings alone included, each once."]
+    histories = count_histories(int(results.attrs["scenes"]))
+    said = [
+        f"{counted(len(scene), 'row')} of {histories}: each different one is solved once, buildings alone included."
+    ]
     said += _open_gaps(scene)
     tables, failed = [_cases(shown), _effects(scene)], failed_scenes(scene)
     if len(failed):
-        said.append("The means and tables leave failed runs out.")
+        said.append("The means and tables leave failed rows out.")
         rows = [[run_label(row, results.units), row["status"], row["advice"]] for row in failed.to_dict("records")]
-        tables.insert(0, from_rows("Runs that failed", ("run", "status", "advice"), rows))
+        tables.insert(0, from_rows("Rows that failed", ("row", "status", "advice"), rows))
     flags = flag_groups_of(scene, results.units)
     notes = [f"{'Not meaningful: ' if group.meaningless else ''}{group}." for group in flags]
-    return Section("What was simulated", said, tables, notes=notes or ["No run raised a flag."])
+    return Section("What was simulated", said, tables, notes=notes or ["No row raised a flag."])
 
 
 def run_label(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:
@@ -225,7 +227,7 @@ def _cases(shown: Evidence) -> Table:
 
 
 def _effects(scene: pd.DataFrame) -> Table:
-    """The effects: in how many runs each was simulated, in how many left out, and why."""
+    """The effects: in how many rows each was simulated, in how many left out, and why."""
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
     dropped = Counter(_dropped_effects(scene))
     rows = [
@@ -259,9 +261,9 @@ def _study(results: Results) -> Section:
 
 
 def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
-    """How far the numbers go, in one line: runs, worst error, sensitivity and energy balance."""
+    """How far the numbers go, in one line: rows, worst error, sensitivity and energy balance."""
     failed, error = len(failed_scenes(scene)), scene["error_estimate"].dropna()
-    said = [f"{counted(len(scene), 'run')}, {f'{failed} failed' if failed else 'all done'}"]
+    said = [f"{counted(len(scene), 'row')}, {f'{failed} failed' if failed else 'all done'}"]
     if len(error):
         of = "all" if len(error) == len(scene) else f"{len(error)}"
         said.append(f"no peak has a numerical error above {digits(error.max(), 1)} ({of} assessed)")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,16 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
 from pounding_cli.outputs import check_folder
-from pounding_cli.report.table import TERMINAL_ROWS, to_csv, to_text
+from pounding_cli.report.summary import Summary
+from pounding_cli.report.table import to_csv, to_text_table
 from pounding_cli.results.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-PIPE_WIDTH = 250
-"""Characters of a line where no terminal sets them: nothing is cut or wrapped."""
 
 
 @dataclass(frozen=True)
@@ -90,16 +85,15 @@ class Report:
         """All sections, the answer first."""
         return [self.answer, *self.more()]
 
+    @property
+    def summary(self) -> Summary:
+        """Title and answer, as a terminal prints them."""
+        tables = tuple(map(to_text_table, self.answer.tables))
+        return Summary(self.title, tables, (*self.answer.sentences, *self.answer.notes))
+
     def print(self) -> None:
         """Print title and answer."""
-        width = None if sys.stdout.isatty() else PIPE_WIDTH
-        print(self.title)
-        for table in self.answer.tables:
-            print(to_text(table, width), end="")
-            if (left := len(table.frame) - TERMINAL_ROWS) > 0:
-                print(f"{counted(left, 'more row')}: pound report, or pound show")
-        for sentence in (*self.answer.sentences, *self.answer.notes):
-            print(textwrap.fill(sentence, 118, break_long_words=False, break_on_hyphens=False))
+        self.summary.print()
 
     def save(self, folder: Path, formats: Sequence[str] | None = None, page: bool = True) -> list[Path]:
         """Write figures, tables as CSV and the page into a folder; returns the files, the page last.

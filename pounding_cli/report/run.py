@@ -122,7 +122,7 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
     marked = set(zip(flagged["case"], flagged["analysis"], strict=True))
     places = zip(table["case"], table["analysis"], strict=True)
     table["case"] = [f"{place[0]} {MARK}" if place in marked else place[0] for place in places]
-    return from_records("Largest of all runs, and where", table.to_dict("records"))
+    return from_records("Largest of all rows, and where", table.to_dict("records"))
 
 
 def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
@@ -168,16 +168,16 @@ def _gaps(results: Results) -> dict[tuple[str, str], str]:
             below = f"{row['kind']}, {beyond} beyond the gap" if closing > row["gap"] else row["kind"]
         elif closing > row["gap"]:
             number = f"penetration {beyond}"
-            runs = f"{struck.sum()} of {counted(len(struck), 'run')}"
-            below = f"contact in {runs}, gap {unit.text(row['gap'])}"
+            rows = f"{struck.sum()} of {counted(len(struck), 'row')}"
+            below = f"contact in {rows}, gap {unit.text(row['gap'])}"
         elif struck.any():
-            below = f"contact in {struck.sum()} of {counted(len(struck), 'run')}"
+            below = f"contact in {struck.sum()} of {counted(len(struck), 'row')}"
         found[place] = f"{number}\n{below}"
     return found
 
 
 def _flags(scene: pd.DataFrame) -> dict[tuple[str, str], str]:
-    """By case and analysis how many runs failed or are flagged."""
+    """By case and analysis how many rows failed or are flagged."""
     found, groups = {}, flag_groups_of(scene)
     place: Any
     for place, here in scene.groupby(["case", "analysis"], sort=False):

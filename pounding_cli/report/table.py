@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from pounding_cli.numbers import Unit
+from pounding_cli.report.summary import TextTable
 from pounding_cli.results import tables
 from pounding_cli.results.tables import Column, Table
 from pounding_cli.texts import cells
@@ -86,23 +87,12 @@ def to_csv(table: Table, folder: Path) -> Path:
     return path
 
 
-def to_text(table: Table, width: int | None = None, most: int = TERMINAL_ROWS) -> str:
-    """The first `most` rows for a terminal of so many characters; of its own width unless given."""
-    import io
-
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table as Printed
-
+def to_text_table(table: Table, most: int = TERMINAL_ROWS) -> TextTable:
+    """Return the first `most` rows as texts for a terminal."""
     found = shown(table, most)
-    printed = Printed(box=box.SIMPLE_HEAD, pad_edge=False, title=table.caption or None, title_justify="left")
-    for place, (head, right) in enumerate(zip(found.columns, right_aligned(found), strict=True)):
-        printed.add_column(head, justify="right" if right else "left", no_wrap=place == 0)
-    for row in found.itertuples(index=False, name=None):
-        printed.add_row(*row)
-    drawn = io.StringIO()
-    Console(file=drawn, width=width, markup=False).print(printed)  # [cm] is a unit
-    return drawn.getvalue()
+    rows = tuple(found.itertuples(index=False, name=None))
+    more = len(table.frame) - len(rows)
+    return TextTable(table.caption, tuple(map(str, found.columns)), tuple(right_aligned(found)), rows, more)
 
 
 def from_rows(caption: str, heads: Sequence[str], rows: Sequence[Sequence[Any]], name: str = "") -> Table:

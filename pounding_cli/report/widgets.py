@@ -50,7 +50,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
         names = [name for name, end in zip(arrays, sizes.tolist(), strict=True) if end <= MOST_VALUES]
         cut += [f"{len(names)} of {len(arrays)} quantities"] * (len(names) < len(arrays))
         arrays = {name: arrays[name] for name in names}
-    said = "" if arrays else "Nothing to draw: no run of this study ended."
+    said = "" if arrays else "Nothing to draw: no time history of this study ended."
     if cut:
         said = f"This sweep is large: the page has {', '.join(cut)}; tables/ has all."
     if cut and not arrays:

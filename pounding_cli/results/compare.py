@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from pounding_cli.results.changes import changed_keys
 from pounding_cli.results.results import Results
 from pounding_cli.variables import COORDINATES, COUNTED, ITSELF, PLACE, RESPONSES
 
@@ -77,10 +78,9 @@ def compare(first: Results, second: Results) -> Comparison:
     changes, compared = _changes(first.data, second.data) if len(both) else (pd.DataFrame(columns=CHANGE), 0)
     lines = difflib.unified_diff(first.study_text.splitlines(), second.study_text.splitlines(), lineterm="", n=0)
     old, new = ({name: str(each.attrs.get(f"software_{name}", "-")) for name in SOFTWARE} for each in (first, second))
-    ours, theirs = (dict(_flat(each.resolved)) for each in (first, second))
     return Comparison(
         [line for line in lines if not line.startswith(("---", "+++", "@@"))],
-        [(key, ours.get(key), theirs.get(key)) for key in ours | theirs if ours.get(key) != theirs.get(key)],
+        changed_keys(first.resolved, second.resolved),
         [(name, old[name], new[name]) for name in SOFTWARE if old[name] != new[name]],
         before.index.difference(after.index, sort=False).tolist(),
         after.index.difference(before.index, sort=False).tolist(),
@@ -135,13 +135,3 @@ def _words(dims: Iterable[Any], place: Iterable[Any]) -> str:
     """A place of the tables: "cases.gap.gap = 0.05, gap, elastic, elcentro"."""
     named = zip(dims, place, strict=True)
     return ", ".join(str(value) if dim in COORDINATES else f"{dim} = {value}" for dim, value in named)
-
-
-def _flat(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted keys with their values; what is derived from them is left out."""
-    if not isinstance(value, dict):
-        yield path, value
-        return
-    for key, item in value.items():
-        if not (key == "derived" or (not path and key in ("places", "separation"))):
-            yield from _flat(item, f"{path}.{key}" if path else key)

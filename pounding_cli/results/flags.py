@@ -48,7 +48,7 @@ class FlagGroup:
     scenes: str
 
     def __str__(self) -> str:
-        where = f"{self.case}, {self.analysis}, {self.count} of {counted(self.of, 'scene')} ({self.scenes})"
+        where = f"{self.case}, {self.analysis}, {self.count} of {counted(self.of, 'row')} ({self.scenes})"
         if not self.detail:
             return f"{where}: {self.flag}"
         if self.count > 1 and self.worst:

@@ -41,11 +41,21 @@ def _variable(name: str, item: h5py.Dataset) -> xr.Variable:
 
 
 class _Stored(BackendArray):
-    """Values that stay in their file until they are asked for."""
+    """Values that stay in their file until they are asked for.
+
+    The open file is one of HDF5, which has neither copies nor pickles: copies share it, for a file that is written once
+    does not change under them; a pickle holds the values.
+    """
 
     def __init__(self, item: h5py.Dataset) -> None:
         self.is_text = h5py.check_string_dtype(item.dtype) is not None
         self.item, self.shape, self.dtype = item, item.shape, np.dtype(object) if self.is_text else item.dtype
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> _Stored:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return indexing.NumpyIndexingAdapter, (self.values(()),)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self.values)

@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, count_histories, counted
 from pounding_cli.records.scaling import SpectrumMatch
 from pounding_cli.results.file import kept, opened, plain_value, read_table, written
 from pounding_cli.results.flags import flagged_scenes, is_void
@@ -330,7 +330,7 @@ class Results:
         if self.axes:
             said.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
         failed = f" ({self.attrs['scenes_failed']} failed)" if self.attrs["scenes_failed"] else ""
-        said.append(f"{counted(self.attrs['scenes'], 'scene')}{failed}")
+        said.append(f"{count_histories(self.attrs['scenes'])}{failed}")
         return f"Results({self.title!r}: {', '.join(said)}; {self.path})"
 
     def _repr_html_(self) -> str:

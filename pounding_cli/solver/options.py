@@ -1,15 +1,14 @@
-"""Options of numba for the pieces of a run, where its compiled code is kept, and numbers that all pieces share."""
+"""Options of numba for the pieces of a run, and numbers that all pieces share."""
 
 from __future__ import annotations
 
-import hashlib
-import os
-from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
 from numba import carray, njit, types
+
+from pounding_cli.solver.kernels import FOLDER
 
 INVERSE = np.concatenate(([0.0], 1.0 / np.arange(1.0, 64.0)))
 """1 / k."""
@@ -38,19 +37,6 @@ def bare(records):
     address = held
     return carray(address, records.shape, records.dtype)
 
-
-def _digest() -> str:
-    """SHA-256 over the sources of solver and laws: numba does not see that a function that a kernel calls changed."""
-    sha = hashlib.sha256()
-    package = Path(__file__).parent.parent
-    for folder in ("laws", "solver"):
-        for source in sorted((package / folder).glob("*.*")):
-            sha.update(source.name.encode() + source.read_bytes())
-    return sha.hexdigest()[:16]
-
-
-FOLDER = Path(os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache") / "pounding_cli" / _digest()
-"""Where compiled kernels are kept."""
 
 # numba makes its settings as it is imported. Sums that stand side by side become vectors: 7 % of a run less.
 for _name, _value in (("CACHE_DIR", str(FOLDER)), ("SLP_VECTORIZE", 1)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import gc
 import time
 from collections.abc import Callable, Sequence
@@ -20,7 +19,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import assemble, outcome, records
 from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
-from pounding_cli.solver.options import FOLDER
+from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, is_compiled, kernel_for, mark_compiled
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, Flag, Response, no_peaks
 
@@ -110,7 +109,7 @@ class Prepared:
         from pounding_cli.solver.run import integrate as kernel
 
         arguments = (*self.data, *assemble.segments_of(self.scenes))
-        ready("the solver" if self.data.room is None else "the solver for smooth laws", kernel, arguments)
+        ready(kernel_for(False, self.data.room is not None), kernel, arguments)
         begin = time.perf_counter()
         kernel(*arguments)
         steps = self.data.run["steps"]
@@ -135,7 +134,7 @@ class Prepared:
             *segments(scene), elements.view(np.float64), term_matrix(self.layout), parts,
             fixed_step.FIXED.index(self.method.name),
         )  # fmt: skip
-        ready("the methods of fixed time steps", fixed_step.march, arguments)
+        ready(FIXED_STEP_KERNEL, fixed_step.march, arguments)
         begin = time.perf_counter()
         try:
             fixed_step.march(*arguments)
@@ -239,9 +238,9 @@ def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
     What is kept and cannot be read is deleted."""
     if part in _loaded:
         return
-    mark, signature = FOLDER / f"{part}.compiled", tuple(map(numba.typeof, arguments))
+    signature = tuple(map(numba.typeof, arguments))
     compiling = f"compiling {part}, once on this machine (half a minute)"
-    if not mark.exists():
+    if not is_compiled(part):
         say(compiling)
     collects = gc.isenabled()
     gc.disable()  # what the compiler makes stays: to look through it again and again takes a tenth of its time
@@ -256,6 +255,4 @@ def ready(part: str, kernel: Any, arguments: tuple[Any, ...]) -> None:
         if collects:
             gc.enable()
     _loaded.add(part)
-    with contextlib.suppress(OSError):
-        FOLDER.mkdir(parents=True, exist_ok=True)
-        mark.touch()
+    mark_compiled(part)

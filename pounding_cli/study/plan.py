@@ -210,7 +210,7 @@ def kept_rows(plan: Plan) -> Plan:
     size = sum(_bytes_of(plan.build(row), spec.every) for row in firsts.values()) * len(rows) / max(len(firsts), 1)
     if size > MOST_BYTES:
         taken = f"about {size / 1e9:.3g} GB; the most is {MOST_BYTES / 1e9:g} GB"
-        message = f"histories of {len(rows)} scenes every {1000 * spec.every:g} ms take {taken}"
+        message = f"histories of {len(rows)} rows every {1000 * spec.every:g} ms take {taken}"
         hint = "keep fewer, `keep: {histories: {cases: [..], records: [..], where: {..}}}`, or write a longer `every:`"
         problems = Problems(study.file)
         problems.at(study.root, ("keep",), message, hint, key=True)

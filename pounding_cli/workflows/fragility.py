@@ -161,6 +161,23 @@ class Fragility(Workflow):
         return dataclasses.replace(expand(self.study), workflow="fragility")
 
     @property
+    def expected_count(self) -> int:
+        """Number of time histories of the whole question.
+
+        Of `ida` it is that of demands in proportion to the intensity, with limits passed all over the levels.
+        """
+        if self.spec.method != "ida":
+            return len(self.plan)
+        numbers = set[int]()
+        for place in self._places():
+            share = (1 + self.targets.index(place.target)) / (1 + len(self.targets))
+            capacity = float(np.quantile(self.levels, share))
+            levels = expected_levels(self.levels, capacity, self.spec.fill)
+            for scenes in place.scenes.values():
+                numbers.update(scenes[:, levels].ravel().tolist())
+        return len(numbers - {-1})
+
+    @property
     def levels(self) -> np.ndarray:
         """The swept intensities, rising; 1 of motions as they are."""
         values = [(1.0,)] if self.axis is None else self.plan.axes[self.axis].values
@@ -402,6 +419,23 @@ def next_levels(intensity: np.ndarray, seen: Mapping[int, float], fill: int) -> 
     factor = _LONGEST_STEP if seen[held] * _LONGEST_STEP < _OVERSHOOT else _OVERSHOOT / seen[held]
     wanted = int(np.searchsorted(intensity, factor * intensity[max(seen)]))
     return {min(between, key=lambda level: (abs(level - wanted), level))} if between else set()
+
+
+def expected_levels(intensity: np.ndarray, capacity: float, fill: int) -> list[int]:
+    """Return the levels that `next_levels` looks at where the demand is in proportion to the intensity.
+
+    Parameters
+    ----------
+    intensity : of the levels, rising, shape (levels,)
+    capacity : intensity at which the limit is passed
+    fill : as of `next_levels`
+    """
+    seen = dict[int, float]()
+    wanted = {0}
+    while wanted:
+        seen |= {level: float(intensity[level]) / capacity for level in wanted}
+        wanted = next_levels(intensity, seen, fill)
+    return sorted(seen)
 
 
 # The curves

@@ -23,7 +23,7 @@ from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
 from pounding_cli.workflows.expressions import at_points, error_of, key_columns, read_all, values_of
-from pounding_cli.workflows.search import Point, Search
+from pounding_cli.workflows.search import Point, Search, kink
 from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, tabled
 
 if TYPE_CHECKING:
@@ -123,6 +123,16 @@ class Optimise(Workflow):
         ends = [[(n + 0.5) / each.options for n in range(each.options)] or [0.0, 1.0] for each in self.factors]
         at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
         return self.plan_of([self.written or self.middle])
+
+    @property
+    def expected_count(self) -> int:
+        """Number of time histories of the whole search, about: that of a search for the lowest point of a kink."""
+        search = Search(kink, [factor.options for factor in self.factors], self.spec, self.written)
+        search.run()
+        points = list(search.tried)[:2]
+        of_one = len(self.plan_of(points[:1]))
+        of_each_more = len(self.plan_of(points)) - of_one
+        return of_one + of_each_more * (len(search.tried) - 1)
 
     def run(self, solver: Solver) -> Found:
         """The optimum, what the buildings do there, and all points."""

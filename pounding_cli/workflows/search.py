@@ -53,6 +53,14 @@ _RETURNS = 3
 """Times that the search goes on from a lower point along a coordinate."""
 
 
+def kink(points: list[Point], rough: bool) -> np.ndarray:
+    """Return a function with one kink, as the largest of several responses has; a search for its lowest point looks at
+    about as many points as one for theirs."""
+    x = np.array(points)
+    lowest = np.modf(0.618 * np.arange(1, x.shape[1] + 1))[0]
+    return 1.0 + np.abs(x - lowest).sum(axis=1)
+
+
 class Search:
     """A search, and what it found.
 

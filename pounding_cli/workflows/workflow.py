@@ -100,6 +100,12 @@ class Workflow(ABC):
     def plan(self) -> Plan:
         """The scenes that may be wanted, as far as is known before anything is solved.  Raises InputError."""
 
+    @property
+    def expected_count(self) -> int:
+        """Number of different time histories of the whole question; about so many where their number depends on
+        results. Nothing is solved for it."""
+        return len(self.plan)
+
     @abstractmethod
     def run(self, solver: Solver) -> Found:
         """The answer.  After an interruption it is asked again, and what was solved comes from the cache.

@@ -23,7 +23,7 @@ cases:
 analyses: [elastic, inelastic]
 estimate: none
 """
-"""8 rows from 16 scenes, in which both cases strike under El Centro's stand-in."""
+"""8 rows of 16 time histories, in which both cases strike under El Centro's stand-in."""
 
 
 @pytest.fixture

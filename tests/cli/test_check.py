@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from pounding_cli import open_results
+from pounding_cli import load_study, open_results
+from pounding_cli.batch import forecast
+from pounding_cli.batch.cache import Cache
 from pounding_cli.cli.main import cli
+from pounding_cli.solver import kernels
+from pounding_cli.study import expand
 
 from .conftest import TWO
 
@@ -26,15 +37,102 @@ def test_scenes_and_effects(folder):
     """Fails if a check says something else than the run then does."""
     (folder / "two.yaml").write_text(WIDE)
     said = checked()
-    assert re.search(r"run +8 of a building alone\n", said)
-    assert re.search(r"run +8 of the group\n", said)
+    assert re.search(r"\n +8 of a building alone\n", said)
+    assert re.search(r"\n +8 of the group\n", said)
     assert re.search(r"yielding storeys +simulated in 4; left out in 4: the analysis is elastic", said)
 
 
-def test_a_check_says_where_its_times_are_from(folder):
-    """Fails if times of a formula are told as those of this computer."""
-    said = checked()
-    assert re.search(r"pound run +about [\d.]+ s, timed by \d+ scenes of them", said)
+def test_a_check_solves_and_compiles_nothing(folder, tmp_path):
+    """Fails if a check loads the solver, or tells a time where the solver is not compiled yet."""
+    empty = tmp_path / "no kernels"
+    code = (
+        "import sys; from click.testing import CliRunner; from pounding_cli.cli.main import cli\n"
+        "done = CliRunner().invoke(cli, ['check', 'two.yaml'], catch_exceptions=False)\n"
+        "print(done.output, [name for name in ('numba', 'pandas', 'xarray') if name in sys.modules])"
+    )
+    env = os.environ | {"NUMBA_CACHE_DIR": str(empty)}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=env)
+    said, _, loaded = done.stdout.strip().rpartition("\n")
+    assert loaded.strip() == "[]"
+    assert "the solver is not compiled on this computer yet; the first run compiles for about 20 s" in said
+    assert not empty.exists()
+    assert not Path("results").exists()
+
+
+def standing(*options: str) -> str:
+    """Return what a check says of `pound run`."""
+    said = CliRunner().invoke(cli, ["check", "two.yaml", *options], catch_exceptions=False).stdout
+    return re.search(r"pound run +(.*)", said)[1]
+
+
+def test_a_check_knows_what_is_solved_already(folder, pound):
+    """Fails if a check counts otherwise than the next run, or gives another reason than the change that was made."""
+
+    def solves(expected: int) -> None:
+        said = standing()
+        assert f"; {16 - expected} solved, {expected} to solve" in said
+        code, out, _ = pound("run", "two.yaml")
+        assert code == 0
+        assert f"Time histories: {expected} solved, {16 - expected} reused" in out
+
+    study = Path("two.yaml")
+    assert "16 time histories; 0 solved, 16 to solve; 16 never run: results/two.h5 does not exist; " in standing()
+    solves(16)
+    assert standing() == "16 time histories, all solved: results/two.h5 is current"
+    assert "16 never run: other.h5 does not exist" in standing("-o", "other.h5")
+    study.write_text(study.read_text().replace("1 cm", "12 mm"))
+    assert "4 new or changed since results/two.h5 was written: cases.gap.links; about " in standing()
+    solves(4)
+    study.write_text(study.read_text() + "accuracy: 1e-5\n")
+    assert "16 solved with accuracy 1e-06; " in standing()
+    solves(16)
+    Path("results/two.h5").unlink()
+    assert "16 solved, 0 to solve; about " in standing()
+    solves(0)
+    study.write_text(study.read_text().replace("12 mm", "13 mm"))
+    Path("results/two.h5.cache").unlink()
+    assert "16 not known: results/two.h5.cache, the cache of results/two.h5, does not exist" in standing()
+    Path("results/two.h5.cache").write_text("no database")
+    assert "16 not known: results/two.h5.cache is damaged" in standing()
+    assert Path("results/two.h5.cache").read_text() == "no database"
+
+
+def test_a_check_beside_a_run_says_so(folder, pound):
+    pound("run", "two.yaml")
+    study = Path("two.yaml")
+    study.write_text(study.read_text().replace("1 cm", "12 mm"))
+    with contextlib.closing(Cache(Path("results/two.h5.cache"))):
+        assert standing() == "16 time histories; another run is at work on these results"
+
+
+def test_what_failed_is_solved_again(folder, pound):
+    """Fails if a time history without a result counts as solved."""
+    Path("two.yaml").write_text(STUDY + "method: central-difference\ntime_step: 0.1 s\n")
+    assert pound("run", "two.yaml")[0] == 1
+    assert re.match(r"16 time histories; (\d+) solved, (?!0 )\d+ to solve; \d+ failed in an earlier run; ", standing())
+
+
+def test_times_are_by_rates_of_earlier_runs(folder, pound, monkeypatch, tmp_path):
+    """A run of the same scenes with another gap takes as long. Fails if the rate misses work that scenes differ in."""
+    pound("run", "two.yaml")  # compiles
+    monkeypatch.setattr(kernels, "FOLDER", tmp_path / "kernels")
+    assert "the solver is not compiled on this computer yet" in standing("-o", "other.h5")
+    monkeypatch.setattr(kernels, "is_compiled", lambda kernel: True)
+    monkeypatch.setattr(forecast, "is_compiled", lambda kernel: True)
+    assert "the time is not known before a first run on this computer" in standing("-o", "other.h5")
+    pound("run", "two.yaml", "-o", "again.h5")
+    rates = kernels.read_rates()
+    assert set(rates) == {"the solver, taylor, linked", "the solver, taylor, alone"}
+    plan = expand(load_study(Path("two.yaml")))
+    every = np.arange(len(plan))
+    kinds, work = forecast.kinds_and_work(plan)
+    seconds = np.array([open_results("again.h5").attrs["solver_seconds"]])
+    by_rates = sum(rates[kind] * each for kind, each in zip(kinds, work, strict=True))
+    assert by_rates == pytest.approx(seconds[0], rel=1e-6)
+    longer = replace(plan, estimate="none")
+    one = forecast.expected_duration(longer, every, len(every), rates).seconds
+    twice = forecast.expected_duration(longer, every, 2 * len(every), rates).seconds
+    assert twice - forecast.START == pytest.approx(2 * (one - forecast.START))
 
 
 INCHES = """\
@@ -57,7 +155,7 @@ analyses: [elastic]
         ("350 cm/s2", "0.35 g", ("peak 0.35 g,",)),
         ("{pga: 350 cm/s2}", "2.0", (" g, Arias",)),
         ("stiffness: 30 kN/mm", "stiffness: 1/5 mean storey", (" MN/m, damping ratio 21.5 % (restitution 0.5)\n",)),
-        ("analyses", "method: newmark\ntime_step: 0.5 ms\nanalyses", ("newmark, time step 0.5 ms\n",)),
+        ("analyses", "method: newmark\ntime_step: 0.5 ms\nanalyses", ("newmark, time step 0.5 ms, estimate: all\n",)),
         ("analyses", "sweep: {cases.bare.gap: [2 mm, 1 in]}\nanalyses", ("gap 38.1 mm", "gap 50.8 mm")),
     ],
 )
@@ -157,23 +255,24 @@ def test_the_questions_of_a_study(folder):
     """By hand: 20 levels x 2 motions x 3 (the pair, each alone) for `gap`, at most all of these for `fragility`. Fails
     if a question is not told, or with scenes that its command does not solve."""
     (folder / "two.yaml").write_text(QUESTIONS)
-    said = checked().split("questions  ")[1].split("times  ")[0]
-    counted = {
-        line.split()[1]: int(re.search(r"(?:has|most|with) (\d+) scene", line)[1]) for line in said.splitlines()[1:]
-    }
-    assert list(counted) == ["gap", "fragility", "sensitivity", "optimise"]
+    said = checked().split("commands  ")[1]
+    counted = {line.split()[1]: int(re.search(r"([\d]+) time histor", line)[1]) for line in said.splitlines()[1:]}
+    assert list(counted) == ["run", "gap", "fragility", "sensitivity", "optimise"]
     assert counted["gap"] == 20 * 2 * 3
-    assert counted["fragility"] == 20 * 2 * 3
-    assert re.search(r"pound gap +has", said)
-    assert re.search(r"pound fragility +has at most", said)
-    assert re.search(r"pound optimise +begins with", said)
-    for name in ("gap", "sensitivity"):
+    assert counted["fragility"] <= 20 * 2 * 3
+    assert re.search(r"pound fragility +about \d+ time histories, at most 120; ", said)
+    about = {name: int(re.search(rf"pound {name} +about (\d+) ", said)[1]) for name in ("fragility", "optimise")}
+    for name in ("gap", "sensitivity", "fragility", "optimise"):
         ran = CliRunner().invoke(cli, [name, "two.yaml", "-o", f"{name}.h5"], catch_exceptions=False)
-        assert f"{counted[name]} solved" in ran.output
+        solved = int(re.search(r"Time histories: (\d+) solved", ran.output)[1])
+        if name in about:
+            assert 0.25 < about[name] / solved < 4
+        else:
+            assert counted[name] == solved
 
 
 def test_a_study_that_asks_nothing_has_no_questions(folder):
-    assert "questions" not in checked()
+    assert re.findall(r"\n  pound (\w+)", checked()) == ["run"]
 
 
 def test_a_bad_question_is_refused_at_its_place(folder, pound):
@@ -202,10 +301,10 @@ def test_scenes_that_points_share_are_counted_once(folder):
     (folder / "two.yaml").write_text(SWEPT)
     said = checked()
     assert re.search(
-        r"^OK: two.yaml: 2 cases x 1 analysis x 2 records x 72 sweep points = 288 rows from 170 scenes", said
+        r"^OK: two.yaml: 2 cases x 1 analysis x 2 motions x 72 sweep points = 288 rows of 170 time histories", said
     )
-    assert re.search(r"scenes +170, with estimate", said)
-    assert re.search(r"run +14 of a building alone", said)
+    assert re.search(r"solves +170 time histories\n", said)
+    assert re.search(r"\n +14 of a building alone\n", said)
 
 
 def test_only_effects_that_a_scene_has_or_a_reader_may_expect_have_a_line(folder):

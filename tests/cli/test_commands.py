@@ -84,11 +84,11 @@ def test_studies_that_ship_are_sound(path):
 
 
 def test_check_counts(folder, pound):
-    first = "OK: two.yaml: 2 cases x 2 analyses x 2 records = 8 rows from 16 scenes\n"
+    first = "OK: two.yaml: 2 cases x 2 analyses x 2 motions = 8 rows of 16 time histories\n"
     assert pound("check", "two.yaml")[1].startswith(first)
     one = TWO.replace(", taft", "").replace(", inelastic", "").replace("  gap: {link: pounding, gap: 5 mm}\n", "")
     (folder / "two.yaml").write_text(one)
-    assert "1 case x 1 analysis x 1 record = 1 row from 3 scenes" in pound("check", "two.yaml")[1]
+    assert "1 case x 1 analysis x 1 motion = 1 row of 3 time histories" in pound("check", "two.yaml")[1]
 
 
 def test_a_refused_study(tmp_path):

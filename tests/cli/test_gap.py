@@ -61,7 +61,7 @@ def test_prints_what_the_floors_need_that_need_most(pound):
     code, out, _ = pound("gap", "two.yaml")
     assert code == 0
     assert re.search(r"^ 0.400\d* +A \| B +floor 2 +elastic +exact +[\d.]+ ", out, re.MULTILINE)
-    assert "Scenes: 30 solved, 0 reused, 0 failed" in out
+    assert "Time histories: 30 solved, 0 reused, 0 failed" in out
     assert "Results: results/two-gap.h5" in out
     rows = open_results("results/two-gap.h5").table("gap")
     mean = rows[(rows["rule"] == "exact") & (rows["analysis"] == "elastic") & (rows["floor"] == 2)]["mean"].iloc[0]

@@ -46,7 +46,7 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     assert f"{row['value']:.4g}" in out
     assert "cases.joined.links.1.stiffness [x mean storey of A]" in out
     assert "The search ended before the points of a generation were nearly as good" in out
-    assert re.search(r"Scenes: \d+ solved, 0 reused, 0 failed", out)
+    assert re.search(r"Time histories: \d+ solved, 0 reused, 0 failed", out)
     code, out, _ = pound("report", "results/two-optimise.h5", "-q", "--format", "png")
     assert code == 0
     folder = tmp_path / "results" / "two-optimise"

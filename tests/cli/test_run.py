@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -15,6 +17,7 @@ import pandas as pd
 import pytest
 
 import pounding_cli
+from pounding_cli.api import running
 
 from .conftest import TWO
 
@@ -31,7 +34,7 @@ def test_the_summary_is_that_of_the_tables(folder, pound):
     """Mean ratios at the roof and the largest with its storey, of every case, building and analysis."""
     code, out, err = pound("run", "two.yaml")
     assert code == 0
-    assert "16 scenes to solve" in err
+    assert "16 time histories to solve" in err
     results = pounding_cli.open_results("results/two.h5")
     means = results.storey().groupby(["case", "building", "analysis", "storey"], observed=True)[["V_ratio", "mu_ratio"]]
     means = means.mean()
@@ -46,22 +49,63 @@ def test_the_summary_is_that_of_the_tables(folder, pound):
                 wanted += [f"{ratio.iloc[-1]:#.4g}", f"{ratio.max():#.4g}", str(ratio.idxmax())]
             assert line[:7] == wanted
     assert "stand-in: elcentro, taft" in out
-    assert re.search(r"Scenes: 16 solved, 0 reused, 0 failed.*; solver \d+ ms, in all", out)
+    assert re.search(r"Time histories: 16 solved, 0 reused, 0 failed.*; solver \d+ ms, in all", out)
     assert len(results.storey()) == 2 * 2 * 2 * 5
 
 
 def test_what_is_known_is_not_solved_again(folder, pound):
     pound("run", "two.yaml", "-o", "r.h5", "-q")
     before = pounding_cli.open_results("r.h5").storey()
-    assert "Scenes: 0 solved, 16 reused, 0 failed" in pound("run", "two.yaml", "-o", "r.h5")[1]
+    assert "Time histories: 0 solved, 16 reused, 0 failed" in pound("run", "two.yaml", "-o", "r.h5")[1]
     (folder / "two.yaml").write_text(TWO + "sweep: {cases.gap.gap: [5 mm, 6 mm, 7 mm]}\n")
     code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
     assert code == 0
-    assert "Scenes: 8 solved, 16 reused, 0 failed" in out
+    assert "Time histories: 8 solved, 16 reused, 0 failed" in out
     swept = pounding_cli.open_results("r.h5").storey()
     assert list(swept.columns[:2]) == ["cases.gap.gap", "case"]
     first = swept[swept["cases.gap.gap"] == 0.005].drop(columns="cases.gap.gap").reset_index(drop=True)
     pd.testing.assert_frame_equal(first, before)
+
+
+def without_times(out: str) -> str:
+    """Return the output of a run without its counts and times."""
+    return re.sub(r"Time histories: .*", "", out)
+
+
+def test_what_is_current_is_told_without_the_results(folder, pound):
+    """Fails if the summary of a file that is current is not the one of that file, or needs what makes it anew."""
+    _, first, _ = pound("run", "two.yaml")
+    code = (
+        "import sys; from click.testing import CliRunner; from pounding_cli.cli.main import cli\n"
+        "done = CliRunner().invoke(cli, ['run', 'two.yaml'], catch_exceptions=False)\n"
+        "sys.stdout.write(done.output)\n"
+        "print([name for name in ('numba', 'pandas', 'scipy', 'xarray') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    again, _, loaded = done.stdout.strip().rpartition("\n")
+    assert loaded == "[]"
+    assert without_times(again) == without_times(first).strip()
+
+
+@pytest.mark.parametrize("change", ["another program", "no cache", "damaged summary", "other results"])
+def test_a_summary_that_is_not_of_these_results_is_made_anew(folder, pound, monkeypatch, change):
+    """The text that is kept is replaced by one that would be seen. Fails if it is printed all the same."""
+    _, first, _ = pound("run", "two.yaml")
+    cache = Path("results/two.h5.cache")
+    with contextlib.closing(sqlite3.connect(cache)) as kept, kept:
+        (text,) = kept.execute("SELECT text FROM summary").fetchone()
+        kept.execute("UPDATE summary SET text = ?", (text.replace("Two small buildings", "Something else"),))
+    assert "Something else" in pound("run", "two.yaml")[1]
+    if change == "another program":
+        monkeypatch.setattr(running, "program_digest", lambda: "of another program")
+    elif change == "no cache":
+        cache.unlink()
+    elif change == "damaged summary":
+        with contextlib.closing(sqlite3.connect(cache)) as kept, kept:
+            kept.execute("UPDATE summary SET text = '{'")
+    else:
+        (folder / "two.yaml").write_text(TWO + "# a comment\n")
+    assert without_times(pound("run", "two.yaml")[1]) == without_times(first)
 
 
 def test_quiet_prints_nothing(folder, pound):
@@ -129,7 +173,7 @@ def test_a_case_without_meaning_is_marked(folder, pound):
     assert len(rows) == 3
     assert all("†" in row for row in rows)
     assert not any("†" in line for line in out.splitlines() if line.strip().startswith("touching"))
-    assert "Not meaningful (†): spring, elastic, 2 of 2 scenes" in out
+    assert "Not meaningful (†): spring, elastic, 2 of 2 rows" in out
 
 
 @pytest.mark.parametrize(
@@ -168,7 +212,7 @@ def test_ctrl_c_keeps_what_is_solved_and_says_how_to_go_on(folder, pound):
     running.send_signal(signal.SIGINT)
     _, err = running.communicate(timeout=60)
     assert running.returncode == 130, err
-    assert int(re.search(r"(\d+) scenes solved now and kept in r.h5.cache", err)[1]) > 0
+    assert int(re.search(r"(\d+) time histories solved now and kept in r.h5.cache", err)[1]) > 0
     assert "same command" in err
     assert "Traceback" not in err
     assert not Path("r.h5").exists()

@@ -7,9 +7,15 @@ import pickle
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 import pytest
+from click.testing import CliRunner
 
 import pounding_cli as pound
+from pounding_cli.cli.main import cli
+from pounding_cli.report.run import largest
+from pounding_cli.results import netcdf, tables
+from pounding_cli.results.compare import compare
 
 STUDY = {
     "title": "A <b>bold</b> title",
@@ -67,6 +73,40 @@ def test_the_dataset_has_units_and_coordinates(results):
     assert np.isnan(data["V"].sel(storey=5, **at))
     results.path.rename(results.path)  # nothing holds the file
     assert data["seconds"].dtype == float
+
+
+OPERATIONS = {
+    "deep copy": lambda results: copy.deepcopy(results).storey(),
+    "pickle": lambda results: pickle.loads(pickle.dumps(results)).storey(),
+    "copied dataset": lambda results: results.data.copy(deep=True).to_dataframe(),
+    "sorted dataset": lambda results: results.data.sortby("case")["mu"].to_dataframe(),
+    "picked values": lambda results: results.data["mu"].isel(storey=[4, 0, 2]).to_dataframe(),
+    "process": lambda results: pickle.loads(pickle.dumps(results.data)).to_dataframe(),
+    "first sample": lambda results: results.at({}).storey(),
+    "compare": lambda results: compare(results, results).changes,
+    "largest": lambda results: largest(results, results.scene()).frame,
+    **{name: (lambda results, name=name: results.table(name)) for name in tables.TABLES},
+}
+
+
+@pytest.mark.parametrize("operation", OPERATIONS.values(), ids=OPERATIONS)
+def test_values_that_are_read_when_they_are_asked_for_are_those_that_are_read_at_once(results, monkeypatch, operation):
+    """Fails where an operation copies or pickles the open file behind large arrays, which HDF5 refuses."""
+    at_once = operation(pound.open_results(results.path))
+    monkeypatch.setattr(netcdf, "LARGE", 0)
+    when_asked = operation(pound.open_results(results.path))
+    pd.testing.assert_frame_equal(when_asked, at_once)
+
+
+@pytest.mark.parametrize(
+    "command", ["compare r.h5 r.h5", "export r.h5 -o x.nc", "show r.h5", "report r.h5 --no-figures"]
+)
+def test_commands_on_values_that_are_read_when_they_are_asked_for(results, monkeypatch, tmp_path, command):
+    monkeypatch.setattr(netcdf, "LARGE", 0)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "r.h5").write_bytes(results.path.read_bytes())
+    done = CliRunner().invoke(cli, command.split(), catch_exceptions=False)
+    assert done.exit_code == 0
 
 
 def test_a_history_is_copied_and_pickled(results):

@@ -1,0 +1,146 @@
+"""How far a study is solved already, and what a run of it would still have to do."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pounding_cli.batch.cache import Cache, cache_of
+from pounding_cli.batch.forecast import Duration, expected_duration, measure_rates
+from pounding_cli.errors import InputError
+from pounding_cli.numbers import listed
+from pounding_cli.results.changes import changed_keys, read_resolved
+from pounding_cli.results.file import facts
+from pounding_cli.results.solved import Solved, solution_key
+
+if TYPE_CHECKING:
+    from pounding_cli.study import Plan
+    from pounding_cli.workflows.workflow import Workflow
+
+MOST_KEYS = 4
+"""Changed keys that are named."""
+
+
+def content_key(workflow: Workflow) -> str:
+    """Return the SHA-256 of all that results follow from: the study, its scenes, the solver."""
+    plan = workflow.plan
+    study, kept = plan.study, (plan.kept, plan.every)
+    resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
+    said = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
+    return hashlib.sha256(said.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
+
+
+def find_current(output: Path, content: str) -> int | None:
+    """Return the number of time histories of a results file that holds this content already, all of them solved.
+
+    None where the file is missing, cannot be read, holds something else, or lacks some.
+    """
+    try:
+        known = facts(output)
+        same = known["content"] == content and int(known["scenes_failed"]) == 0
+        return int(known["scenes"]) if same else None
+    except (InputError, KeyError):
+        return None
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How far the time histories of a question are solved.
+
+    is_current : whether the results file holds the answer to the study as it is
+    total : time histories of the whole question; about so many where their number depends on results
+    solved : those of them that the cache holds, as far as they are known beforehand
+    reasons : why others are not solved
+    duration : of solving the others
+    """
+
+    is_current: bool
+    total: int
+    solved: int
+    reasons: tuple[str, ...]
+    duration: Duration
+
+    @property
+    def missing(self) -> int:
+        """Time histories that are to be solved."""
+        return max(self.total - self.solved, 0)
+
+
+def find_standing(workflow: Workflow, output: Path) -> Standing:
+    """Return how far a question is solved whose results are at `output`; nothing is solved, compiled or written.
+
+    Raises InputError: another run is at work on these results.
+    """
+    plan = workflow.plan
+    count = find_current(output, content_key(workflow))
+    if count is not None:
+        return Standing(True, count, count, (), Duration(0.0, ()))
+    every = np.arange(len(plan))
+    solved = Solved(plan)
+    path = cache_of(output)
+    with contextlib.closing(Cache(path, read_only=True)) as cache:
+        digests = {digest.tobytes(): number for number, digest in enumerate(plan.digests)}
+        for rows in cache.get(solution_key(plan), list(digests)):
+            solved.put({digests[digest]: row for digest, row in rows.items()})
+        ended = solved.ended[:-1]
+        others = cache.count_by_key([plan.digests[number].tobytes() for number in every[~solved.there[:-1]]])
+        reasons = tuple(_iter_reasons(plan, solved, others, output, cache.was_damaged))
+    measured = measure_rates(plan, every[ended], solved.values["seconds"])
+    total = max(workflow.expected_count, len(plan) if workflow.extent == "has" else 0)
+    missing = every[~ended]
+    left = max(total - int(ended.sum()), 0)
+    duration = expected_duration(plan, missing if missing.size else every, left, measured)
+    return Standing(False, total, int(ended.sum()), reasons, duration)
+
+
+def _iter_reasons(
+    plan: Plan, solved: Solved, others: dict[str, int], output: Path, was_damaged: bool
+) -> Iterator[str]:  # fmt: skip
+    """Yield why time histories of a plan are not in the cache, with how many.
+
+    others : by the key of another way to solve them, how many of the missing ones are there
+    """
+    failed = int((solved.there & ~solved.ended)[:-1].sum())
+    if failed:
+        yield f"{failed} failed in an earlier run"
+    rest = len(plan) - int(solved.there[:-1].sum())
+    by_difference = Counter[str]()
+    for key, number in others.items():
+        by_difference[_difference(key, solution_key(plan))] += number
+    for difference, number in by_difference.items():
+        yield f"{min(number, rest)} solved {difference}"
+    rest -= min(sum(others.values()), rest)
+    if not rest:
+        return
+    path = cache_of(output)
+    before = read_resolved(output)
+    if was_damaged:
+        yield f"{rest} not known: {path} is damaged"
+    elif not path.exists() and before is None:
+        yield f"{rest} never run: {output} does not exist"
+    elif not path.exists():
+        yield f"{rest} not known: {path}, the cache of {output}, does not exist"
+    elif before is None:
+        yield f"{rest} not reached: the run before was stopped, or the study was changed since"
+    else:
+        keys = [key for key, *_ in changed_keys(before, json.loads(json.dumps(plan.study.resolved(), default=str)))]
+        said = listed(keys[:MOST_KEYS]) + (f" and {len(keys) - MOST_KEYS} more" if len(keys) > MOST_KEYS else "")
+        since = f"since {output} was written"
+        yield f"{rest} new or changed {since}: {said}" if keys else f"{rest} changed {since}: motions, not the study"
+
+
+def _difference(key: str, wanted: str) -> str:
+    """Return what differs between two keys of how scenes are solved: "with accuracy 1e-06"."""
+    solver, *ways = key.split(" | ")
+    solver_wanted, *ways_wanted = wanted.split(" | ")
+    if solver != solver_wanted:
+        return "by another version of the program"
+    return f"with {', '.join(way for way, other in zip(ways, ways_wanted, strict=False) if way != other)}"
