@@ -99,7 +99,7 @@ _SAMPLE_NUMBER = re.compile(
     r"(?:[\s_.]*(?:no|nr|num|number|index|id|#|de|del|punto|muestra)?\.?)*(?:\s*[(\[]\s*[-#]?\s*[)\]])?\Z",
     re.IGNORECASE,
 )
-_SPECTRUM = re.compile(r"per[ií]od[oe]?s?\b|freq\w*\b|спектр|周期|s[av]\b|psa\b", re.IGNORECASE)
+_SPECTRUM = re.compile(r"per[ií]od[oe]?s?\b|freq\w*\b|спектр|周期|sa\b|psa\b", re.IGNORECASE)
 _COMPONENT = re.compile(
     r"(?:a(?:_?[xyzgneu])?|ag|ug|ax|ay|az|x|y|z|n-?s|e-?w|u-?d|s-?n|w-?e|n|e|v|h[12n]?[enz]?|hn[enz12]|[nse]\d{2}[nsew]|u\(\+\)|n\(\+\)|e\(\+\)|long\w*|tran\w*|vert\w*|up)\b",
     re.IGNORECASE,

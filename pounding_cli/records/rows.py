@@ -23,7 +23,7 @@ _TWO_WHOLES = re.compile(r"[-+]?\d+,[-+]?\d+(?:[EeDd][-+]?\d+)?\Z")
 _WHOLE = re.compile(r"\+?\d{1,9}\.?\Z")
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Row:
     """A line of numbers: its index in the file, its words and their values."""
 
@@ -245,6 +245,8 @@ def replace_decimal_commas(text: Text) -> list[str]:
 
     Raises `InputError` where commas both part the columns and are the decimal sign.
     """
+    if not any("," in line for line in text.lines):
+        return text.lines
     lines = [
         index for index, line in enumerate(text.lines) if re.match(r"\s*[\"']?[-+]?[\d.,][-+\d.,;eEdD\s\"']*\Z", line)
     ]
