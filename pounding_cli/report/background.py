@@ -22,7 +22,6 @@ from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
 from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.tables import Column, Table
-from pounding_cli.workflows.hazard import INTENSITY_KEYS
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -150,6 +149,8 @@ def _motions_as_written(results: Results) -> tuple[pd.DataFrame, dict[str, Any]]
 
     A written intensity need not be one of those that are swept: every way to scale is in proportion to its value.
     """
+    from pounding_cli.workflows.hazard import INTENSITY_KEYS  # with SciPy; a terminal does not need it
+
     frame, point = results.records(), dict[str, Any]()
     columns = ["record", "source", "scale", "window", "pga", "arias", "digest"]
     for keys in results.swept:
