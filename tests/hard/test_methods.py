@@ -74,7 +74,7 @@ def assert_methods_agree(
     assert run.status == other.status
     if run.status == "done":
         error = difference(run, other, numbers)
-        assert error <= max(BELOW * run.error, 0.1 * accuracy), (error, run.error)
+        assert error <= max(BELOW * run.error, accuracy), (error, run.error)
         assert run.error <= accuracy or run.flags
     return run.flags
 
