@@ -309,7 +309,11 @@ def term_matrix(layout: Layout) -> np.ndarray:
     return matrix
 
 
-def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+Segments = tuple[np.ndarray, np.ndarray]
+"""Acceleration at the start of every segment of a motion [m/s2], and its slope [m/s3]."""
+
+
+def segments(scene: Scene) -> Segments:
     """(acceleration at each segment's start [m/s2], its slope [m/s3]); a tail is still ground. Scenes of one motion
     share the arrays; nothing writes to them."""
     return _segments(scene.motion, math.ceil(max(scene.tail, 0.0) / scene.motion.dt - 1e-9))
@@ -322,9 +326,9 @@ def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate((motion.acceleration[:-1], tail)), np.concatenate((slopes, tail))
 
 
-def segments_of(scenes: Sequence[Scene]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The segments of scenes one after the other, and of every scene where its own end, shape (scenes,)."""
-    grounds, slopes = zip(*map(segments, scenes), strict=True)
+def join_segments(each: Sequence[Segments]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the segments of scenes one after the other, and of every scene where its own end, shape (scenes,)."""
+    grounds, slopes = zip(*each, strict=True)
     return np.concatenate(grounds), np.concatenate(slopes), np.cumsum([ground.size for ground in grounds])
 
 

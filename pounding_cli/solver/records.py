@@ -82,10 +82,11 @@ SERIES = _dtype(
 )
 RUN = _dtype(
     # begun: when the motion began [s]; still: 1 before
+    # resumes: 1 for a run that goes on from its records, which an earlier one has left
     # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
     f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset across input drag dashpots time begun",
     i8="n m drags columns trials active max_order order steps events orders instant status smooth always_smooth"
-    " follows has_lean most_steps most_events output still",
+    " follows has_lean most_steps most_events output still resumes",
     # p: room for one polynomial and its derivative
     # values: of a polynomial at the places that it is fitted to
     f8_=f"p:{2 * (ORDERS + 8)} values:8",

@@ -144,10 +144,11 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
     for scene in range(run.size):
         r, dofs, elements = run[scene], bare(all_dofs[scene]), bare(all_elements[scene])
         series, columns = bare(all_series[scene]), bare(all_columns[scene])
-        begin(dofs, elements, terms, r, series)
+        pinned = r.resumes != 0  # what was known exactly at the end of the run before
+        if not pinned:
+            begin(dofs, elements, terms, r, series)
         if watch.times.size > 0:
             keep(dofs, elements, r, watch)
-        pinned = False
         for segment in range(ends[scene] - first):
             elapsed, r.longest, r.follows = 0.0, r.dt, 0
             while r.status == DONE and elapsed < r.dt:
