@@ -18,6 +18,7 @@ from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.joints import Maxwell
 from pounding_cli.laws.law import JOINED, PARAMETERS, Behaviour, LinkLaw
 from pounding_cli.laws.pounding import reduced_mass
+from pounding_cli.laws.slider import Slider
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
@@ -126,7 +127,7 @@ def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
     yield."""
     if law is None:
         return _element(JOINED, (k, c), c=c)
-    return _element(law.behaviour, law.numbers(), c=c, yields=1)
+    return _element(law.behaviour, law.numbers(), c=c, yields=1, slides=int(isinstance(law, Slider)))
 
 
 class _Building:
@@ -266,8 +267,8 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
     each = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
-    smooth = np.flatnonzero([behaviour.force is not None for behaviour in each[:n]])
-    elements["row"][smooth] = elements.size - n + np.arange(smooth.size)
+    in_rows = np.flatnonzero([own.force is not None or own is Slider.behaviour for own in each[:n]])
+    elements["row"][in_rows] = elements.size - n + np.arange(in_rows.size)
     changing = [e for e, own in enumerate(each) if own.history_rate is not None or own is Maxwell.behaviour]
     elements["state"][changing] = 2 * n + np.arange(len(changing))
     return Layout(
@@ -362,7 +363,9 @@ def records_of(
         changing = int(np.count_nonzero(layout.elements["state"]))
         room = Room(np.zeros((count, 2 * n + changing), STATE), formulas)
         room.states["scale"] = LEAST_STATE
-    series = np.zeros((count, max(m - n + n * layout.has_smooth, 1)), SERIES)
+    has_sliders = bool(layout.elements["slides"].any())
+    r["has_sliders"] = has_sliders
+    series = np.zeros((count, max(m - n + n * (layout.has_smooth or has_sliders), 1)), SERIES)
     watch = NOTHING_KEPT
     if times is not None:
         t = times.size

@@ -54,6 +54,12 @@ STEPS_A_PERIOD = 8
 UNDAMPED = 1e-6
 """Damping ratio [-] below which a mode counts as undamped."""
 
+STUCK_WITHIN = 1e-6
+"""Displacement [m] at which a spring in place of a slider that sticks would reach its friction."""
+
+ROUNDING = 1e-13
+"""Drift at rest over the largest displacement [-] below which it is rounding."""
+
 NUDGE = 1e-6
 """Part of a deformation by which the slope of a curved force is found."""
 
@@ -117,7 +123,10 @@ def find_rest(run: Prepared, is_done: np.ndarray) -> Rest:
 def _has_memory(layout: Layout, scene: Scene) -> bool:
     """Return whether anything may hold a scene away from where it was before the motion."""
     remembers = any(link.law.remembers or isinstance(link.law, WrittenLaw) for link in scene.links)
-    return remembers or bool(layout.elements["yields"].any())
+    yields = layout.elements["yields"] > 0
+    if not scene.links:  # isolators hold a base away from the middle, but no storey above it
+        yields = np.concatenate([yields[floors] for floors in layout.floors])
+    return remembers or bool(yields.any())
 
 
 def _always_takes_energy(law: LinkLaw) -> bool:
@@ -196,6 +205,8 @@ def _modes(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     n = layout.number
     k = np.zeros((1, layout.elements.size))
     k[0, :n] = layout.elements["p"][:n, 0]
+    slides = layout.elements["slides"] > 0
+    k[0, slides] += layout.elements["p"][slides, 1] / STUCK_WITHIN
     root = np.sqrt(layout.dofs["inv_mass"])
     squares, shapes = np.linalg.eigh(_stiffness_matrix(layout, k)[0] * np.outer(root, root))
     moves = squares > 0.0
@@ -241,6 +252,7 @@ class _State:
         self.is_curved[:, :n] = is_smooth
         self.k[:, :n] = np.where(is_smooth, e["p"][:, :n, 0], self.k[:, :n])
         self.f0[:, :n] = np.where(is_smooth, forces_now(e[:, :n]) - self.k[:, :n] * e["v1"][:, :n], self.f0[:, :n])
+        self._put_held_sliders()
         relaxes = e["relaxation"] > 0.0
         self.k[relaxes] = 0.0
         curved = (e["acts"] > 0) & ((e["smooth"] > 0) | (e["cubic"] != 0.0))
@@ -248,6 +260,16 @@ class _State:
         for row, place in np.argwhere(curved).tolist():
             self.k[row, place], self.f0[row, place] = self._line_at(row, place)
             self.is_curved[row, place] = self.k[row, place] != 0.0
+
+    def _put_held_sliders(self) -> None:
+        """Enter stiff springs for sliders that stick, which hold the base where it is up to their friction."""
+        e = self.data.elements
+        self.low, self.high = e["low"].copy(), e["high"].copy()
+        holds = e["holds"] > 0
+        friction, v = e["p"][holds, 1], e["v1"][holds]
+        self.k[holds] += friction / STUCK_WITHIN
+        self.f0[holds] = -friction / STUCK_WITHIN * v
+        self.low[holds], self.high[holds] = v - STUCK_WITHIN, v + STUCK_WITHIN
 
     def _line_at(self, row: int, place: int) -> tuple[float, float]:
         """Return the tangent (stiffness [N/m], offset [N]) of a curved force at the present deformation, at rest."""
@@ -279,6 +301,8 @@ class _State:
         self.matrix[~self.is_stable] = np.eye(self.layout.number)
         self.displacement = np.linalg.solve(self.matrix, pull[..., None])[..., 0]
         self.drift = self.displacement @ shape.T - offset
+        size = np.abs(self.displacement).max(axis=1, keepdims=True, initial=0.0)
+        self.drift[np.abs(self.drift) <= ROUNDING * size] = 0.0
 
     def _bound(self) -> None:
         """Find how far the energy that is left takes every element."""
@@ -313,7 +337,7 @@ class _State:
         e, n = self.data.elements, self.layout.number
         is_open = self.is_contact & ~self.is_pressed
         fits = np.where(is_open, self.drift <= TOUCH, ~self.is_contact | (self.drift > 0.0))
-        stays = (self.drift - self.reach > e["low"]) & (self.drift + self.reach < e["high"])
+        stays = (self.drift - self.reach > self.low) & (self.drift + self.reach < self.high)
         stays &= np.isneginf(e["slow"]) & np.isposinf(e["fast"]) & ~self.is_curved
         stays &= np.abs(self.drift) + self.reach < e["collapse"]
         scale = np.maximum(np.abs(self.drift[:, :n]), LEAST_DRIFT * largest)

@@ -14,6 +14,7 @@ import numba
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.laws.slider import Slider
 from pounding_cli.methods import Method, method_named
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
@@ -234,6 +235,11 @@ def refusal_of(method: Method, scene: Scene) -> str:
     """Why a method does not run a scene; "" when it does."""
     if method.remembers:
         return ""
+    if any(isinstance(building.isolators, Slider) for building in scene.buildings):
+        return (
+            "the slider of a friction pendulum sticks, which it does not follow "
+            "(with yield_displacement, e.g. 0.01 mm, it is a spring up to there)"
+        )
     laws = {link.kind for link in scene.links if link.law.remembers}
     if effects_of(scene).yielding:
         laws |= {b.storey_law.name for b in scene.buildings if b.storey_law.behaviour.history_rate is not None}
