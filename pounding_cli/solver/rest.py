@@ -51,6 +51,10 @@ MAX_STEPS = 50_000
 STEPS_A_PERIOD = 8
 """Segments of still ground in the longest period."""
 
+LONGEST_STRETCH = 6.0
+"""Longest periods after which a scene is looked at again at the latest: what is long at rest is rounding, which smooth
+laws follow by short steps."""
+
 UNDAMPED = 1e-6
 """Damping ratio [-] below which a mode counts as undamped."""
 
@@ -116,7 +120,7 @@ def find_rest(run: Prepared, is_done: np.ndarray) -> Rest:
         places = places[goes_on]
         data = _copy_scenes(data, np.flatnonzero(goes_on))
         if places.size:
-            elapsed += _go_on(run, data, places, period, period + 0.5 * elapsed)
+            elapsed += _go_on(run, data, places, period, min(period + 0.5 * elapsed, LONGEST_STRETCH * period))
     return rest
 
 
@@ -160,9 +164,10 @@ def _find_reasons(state: _State, is_at_rest: np.ndarray, elapsed: float) -> list
         reason = ""
         if status == records.COLLAPSED:
             reason = COLLAPSES_LATER
+        elif status in (records.STEP_BOUND, records.EVENT_BOUND):
+            reason = "" if is_at_rest[row] else NOT_FOLLOWED
         elif status != records.DONE:
-            is_long = status in (records.STEP_BOUND, records.EVENT_BOUND)
-            reason = NOT_FOLLOWED if is_long else NOT_SOLVED
+            reason = NOT_SOLVED
         elif is_undamped[row] and not (is_at_rest[row] and not state.drift[row].any()):
             reason = NEVER_AT_REST
         elif not is_at_rest[row] and elapsed >= MAX_TAIL:
