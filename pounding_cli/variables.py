@@ -69,7 +69,7 @@ RESPONSES = (
     Variable("drift0", STOREY, "m", "largest storey drift of the building alone",
              of="building.drift", alone=True, judged=ITSELF, label="drift alone"),
     Variable("drift_ratio", STOREY, "1", "drift / height of the storey", charts=_BOTH, always=False),
-    Variable("residual_drift", STOREY, "m", "storey drift at the end",
+    Variable("residual_drift", STOREY, "m", "storey drift at rest, long after the motion",
              of="building.residual_drift", judged="drift", charts=_BOTH),
     Variable("acceleration", FLOOR, "m/s2", "largest total floor acceleration",
              of="building.acceleration", judged="acceleration", charts=_BOTH),

@@ -126,7 +126,7 @@ class Task:
         known, spent = known | more, spent | spent_more
         for number in open_ones:
             response = known[apart[number].digest]
-            if response.status == DONE:
+            if response.status == DONE and _stays_apart_to_rest(scenes[number], apart[number], response):
                 answer = _answer(scenes[number], apart[number], response)
                 found[number] = replace(answer, seconds=found[number].seconds)
         for number, other in apart.items():  # of scenes that share a run, the first is told its time
@@ -148,12 +148,13 @@ class Task:
         return known, spent
 
     def _stays_apart(self, scene: Scene, apart: Scene, known: Response) -> bool:
-        """Whether no link of a scene acts at the closings with nothing between, and at the most they may be wrong."""
+        """Whether no link of a scene acts at the closings with nothing between until its neighbours are at rest, and at
+        the most they may be wrong."""
         if known.status != DONE:
             return False
         moved = [known.peaks[name].ravel() for name in ("displacement_max", "displacement_min")]
         furthest = np.nanmax(np.abs(np.concatenate(moved)), initial=0.0)  # a wall that moves with the ground has none
-        left_open = _left_open(scene, _closings(scene, apart, known))
+        left_open = _left_open(scene, _closings(scene, apart, known.closing_to_rest))
         return bool(np.all(left_open > ERRORS * self.accuracy * furthest))
 
 
@@ -174,9 +175,16 @@ def _apart(scene: Scene) -> Scene:
     return replace(scene, links=tuple(dict.fromkeys(map(_ends, scene.links))))
 
 
-def _closings(scene: Scene, apart: Scene, known: Response) -> np.ndarray:
-    """The largest closing of every link of a scene with nothing between its neighbours [m]."""
-    return known.peaks["max_closing"][[apart.links.index(_ends(link)) for link in scene.links]]
+def _closings(scene: Scene, apart: Scene, known: np.ndarray) -> np.ndarray:
+    """Return, for every link of a scene, the largest closing [m] that is `known` of its neighbours with nothing between
+    them."""
+    return known[[apart.links.index(_ends(link)) for link in scene.links]]
+
+
+def _stays_apart_to_rest(scene: Scene, apart: Scene, known: Response) -> bool:
+    """Return whether no link of a scene acts before its neighbours with nothing between them are at rest: then their
+    residual drifts are those of the scene."""
+    return bool(np.all(_left_open(scene, _closings(scene, apart, known.closing_to_rest)) > 0.0))
 
 
 def _answer(scene: Scene, apart: Scene, known: Response) -> Response:
@@ -186,7 +194,7 @@ def _answer(scene: Scene, apart: Scene, known: Response) -> Response:
         peaks[name] = known.peaks[name]
     for name in LINKS:
         peaks[name] = 0.0
-    peaks["max_closing"] = _closings(scene, apart, known)
+    peaks["max_closing"] = _closings(scene, apart, known.peaks["max_closing"])
     return replace(known, peaks=peaks, effects=effects.kept, dropped=effects.dropped)
 
 

@@ -15,6 +15,7 @@ from pounding_cli.laws.infill import Infill
 from pounding_cli.laws.joints import Connector, Damper, Friction, Maxwell, Viscous
 from pounding_cli.laws.law import JOINED, Behaviour, Law, LinkLaw
 from pounding_cli.laws.pounding import Pounding
+from pounding_cli.laws.slider import Slider
 from pounding_cli.laws.storey import StoreyLaw
 
 BUILT_IN: tuple[type[Law], ...] = (
@@ -40,7 +41,7 @@ BUILT_IN: tuple[type[Law], ...] = (
 """In the order in which reference pages list them."""
 
 
-_ACTING = (*(law for law in BUILT_IN if issubclass(law, LinkLaw | StoreyLaw)), WrittenLaw)
+_ACTING = (*(law for law in BUILT_IN if issubclass(law, LinkLaw | StoreyLaw)), Slider, WrittenLaw)
 BEHAVIOURS: tuple[Behaviour, ...] = tuple(dict.fromkeys((JOINED, *(law.behaviour for law in _ACTING))))
 """What the elements of all laws do, each once: the `kind` of an element is its place here."""
 

@@ -1,7 +1,7 @@
 """What stands under a base: springs and dashpots where it sways or rocks (paper, Fig. 1), or isolators.
 
-Friction pendulums and lead-rubber bearings are bilinear in the displacement of the base (`laws.bilinear`), high-damping
-rubber is a spring and a dashpot of equivalent values."""
+Friction pendulums stick and slide (`laws.slider`), lead-rubber bearings are bilinear in the displacement of the base
+(`laws.bilinear`), high-damping rubber is a spring and a dashpot of equivalent values."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.law import Law, parameter
+from pounding_cli.laws.slider import Slider
 from pounding_cli.units import GRAVITY
 
 
@@ -62,15 +63,14 @@ class Isolation(Law):
     acts_on = "isolation"
 
     @abstractmethod
-    def bilinear(self, weight: float) -> Bilinear | None:
+    def law_under(self, weight: float) -> Bilinear | Slider | None:
         """What they do under a weight [N], which stays the same; None where they are linear."""
 
     def effective(self, weight: float, displacement: float) -> tuple[float, float]:
         """Period [s] and damping ratio [-] that a linear oscillator has with the secant stiffness, and the energy lost
-        in a cycle, of an amplitude D [m] under a weight [N]; of a friction pendulum 2 pi / sqrt(g (1 / R + mu / D)) and
-        2 / pi mu / (mu + D / R), less the share yield displacement / D of the damping."""
-        law = self.bilinear(weight)
-        assert law is not None
+        in a cycle, of an amplitude D [m] under a weight [N]."""
+        law = self.law_under(weight)
+        assert isinstance(law, Bilinear)
         beyond = max(displacement - law.yield_drift, 0.0)
         force = law.stiffness * (min(displacement, law.yield_drift) + law.hardening * beyond)
         lost = 4 * (1 - law.hardening) * law.yield_shear * beyond
@@ -80,21 +80,36 @@ class Isolation(Law):
 
 @dataclass(frozen=True)
 class FrictionPendulum(Isolation):
-    """F = W u / R + mu W sgn(u'), with a spring up to the yield displacement in place of a stuck slider: the energy of
-    a cycle of amplitude D is less by the share yield displacement / D (Zayas, V. A., Low, S. S. and Mahin, S. A.
-    (1990). A simple pendulum technique for achieving seismic isolation. Earthquake Spectra 6(2), 317-333)."""
+    """F = W u / R + mu W sgn(u'): the slider sticks while less than mu W holds it. With a yield displacement a spring
+    up to there takes the place of sticking, and a cycle of amplitude D loses less by the share yield displacement / D
+    (Zayas, V. A., Low, S. S. and Mahin, S. A. (1990). A simple pendulum technique for achieving seismic isolation.
+    Earthquake Spectra 6(2), 317-333)."""
 
     name = "friction-pendulum"
     citation = (("zayas1990", "friction pendulums"),)
 
     radius: float = parameter("radius R of the sliding surface of a friction pendulum", "m", open_low=True)
     friction: float = parameter("its friction coefficient mu", "-", high=1.0, open_low=True)
-    yield_displacement: float = parameter("displacement at which it slides", "m", default=1e-5, open_low=True)
+    yield_displacement: float = parameter(
+        "displacement at which it slides, of a spring in place of a slider that sticks; 0: it sticks", "m", default=0.0
+    )
     capacity: float = parameter("displacement that it can take", "m", default=math.inf, open_low=True, endless=True)
 
-    def bilinear(self, weight: float) -> Bilinear:
+    def law_under(self, weight: float) -> Bilinear | Slider:
         """Strength mu W, stiffness W / R."""
-        return _bilinear(self.friction * weight, weight / self.radius, self.yield_displacement)
+        strength, stiffness = self.friction * weight, weight / self.radius
+        if self.yield_displacement == 0.0:
+            return Slider(stiffness, strength)
+        return _bilinear(strength, stiffness, self.yield_displacement)
+
+    def effective(self, weight: float, displacement: float) -> tuple[float, float]:
+        """2 pi / sqrt(g (1 / R + mu / D)) and 2 / pi mu / (mu + D / R) (1 - yield displacement / D)."""
+        if displacement <= self.yield_displacement:
+            return super().effective(weight, displacement)
+        stiffness = 1.0 / self.radius + self.friction / displacement  # over the weight
+        share = 1.0 - self.yield_displacement / displacement
+        damping = 2 / math.pi * self.friction / (self.friction + displacement / self.radius)
+        return 2 * math.pi / math.sqrt(GRAVITY * stiffness), share * damping
 
 
 @dataclass(frozen=True)
@@ -108,7 +123,7 @@ class Bearings(Isolation):
     yield_displacement: float = parameter("displacement at which they yield", "m", open_low=True)
     capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
 
-    def bilinear(self, weight: float) -> Bilinear:
+    def law_under(self, weight: float) -> Bilinear:
         """Whatever the weight."""
         return _bilinear(self.strength, self.stiffness, self.yield_displacement)
 
@@ -123,7 +138,7 @@ class Rubber(Isolation):
     damping_ratio: float = parameter("their equivalent damping ratio xi", "-", high=1.0)
     capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
 
-    def bilinear(self, weight: float) -> None:
+    def law_under(self, weight: float) -> None:
         """They are linear."""
 
     def dashpot(self, weight: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
+from pounding_cli.laws.slider import Slider
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.numbers import counted
 from pounding_cli.records.motion import GRAVITY
@@ -235,10 +236,10 @@ class Building:
         return tuple(self.storey_law(*values, **dict(self.law_parameters)) for values in each)
 
     @cached_property
-    def isolators(self) -> Bilinear | None:
+    def isolators(self) -> Bilinear | Slider | None:
         """What the isolators do under its weight; None where it has none, or linear ones."""
         base = self.foundation
-        return None if base is None or base.isolation is None else base.isolation.bilinear(self.weight)
+        return None if base is None or base.isolation is None else base.isolation.law_under(self.weight)
 
     @property
     def base_spring(self) -> tuple[float, float]:

@@ -21,7 +21,8 @@ UNITS = {"PFA": "mps2", "PID": "rad", "RID": "rad"}
 
 def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[pd.DataFrame, int]:
     """The demand table of one building in one case and analysis, and the number of scenes that are left out because a
-    storey collapsed or they failed: Pelicun takes the probability of collapse apart.
+    storey collapsed or they failed: Pelicun takes the probability of collapse apart. A scene without residual drifts
+    (a flag of it has the reason) is left out too.
 
     Parameters
     ----------
@@ -56,7 +57,8 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     rows = rows.assign(
         PFA=rows["acceleration"], PID=rows["drift_ratio"], RID=rows["residual_drift"].abs() * over_height
     )
-    wide = rows[rows["status"] == DONE].pivot_table(list(UNITS), scene, "storey")
+    is_complete = (rows["status"] == DONE) & rows["RID"].notna()
+    wide = rows[is_complete].pivot_table(list(UNITS), scene, "storey")
     wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns.to_list()]  # type: ignore[str-unpack]
     wide = points.merge(wide.reset_index(), on=scene)
     records = results.records()
@@ -70,5 +72,6 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
 
 def left_out_in_words(count: int, of: int) -> str:
     """What to do about scenes that are left out."""
-    told = f"{count} of {counted(of, 'scene')} collapsed or failed and {'is' if count == 1 else 'are'} left out"
-    return f"{told}: give Pelicun the share that collapsed as probability of collapse"
+    verb = "is" if count == 1 else "are"
+    told = f"{count} of {counted(of, 'scene')} collapsed, failed or have no residual drift and {verb} left out"
+    return f"{told} (pound show FILE flagged): give Pelicun the share that collapsed as probability of collapse"

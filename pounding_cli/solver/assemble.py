@@ -18,6 +18,7 @@ from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.joints import Maxwell
 from pounding_cli.laws.law import JOINED, PARAMETERS, Behaviour, LinkLaw
 from pounding_cli.laws.pounding import reduced_mass
+from pounding_cli.laws.slider import Slider
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
@@ -133,7 +134,7 @@ def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
     yield."""
     if law is None:
         return _element(JOINED, (k, c), c=c)
-    return _element(law.behaviour, law.numbers(), c=c, yields=1)
+    return _element(law.behaviour, law.numbers(), c=c, yields=1, slides=int(isinstance(law, Slider)))
 
 
 class _Building:
@@ -273,8 +274,8 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
     each = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
-    smooth = np.flatnonzero([behaviour.force is not None for behaviour in each[:n]])
-    elements["row"][smooth] = elements.size - n + np.arange(smooth.size)
+    in_rows = np.flatnonzero([own.force is not None or own is Slider.behaviour for own in each[:n]])
+    elements["row"][in_rows] = elements.size - n + np.arange(in_rows.size)
     changing = [e for e, own in enumerate(each) if own.history_rate is not None or own is Maxwell.behaviour]
     elements["state"][changing] = 2 * n + np.arange(len(changing))
     return Layout(
@@ -316,7 +317,11 @@ def term_matrix(layout: Layout) -> np.ndarray:
     return matrix
 
 
-def segments(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+Segments = tuple[np.ndarray, np.ndarray]
+"""Acceleration at the start of every segment of a motion [m/s2], and its slope [m/s3]."""
+
+
+def segments(scene: Scene) -> Segments:
     """(acceleration at each segment's start [m/s2], its slope [m/s3]); a tail is still ground. Scenes of one motion
     share the arrays; nothing writes to them."""
     return _segments(scene.motion, _tail_segments(scene))
@@ -348,9 +353,9 @@ def _segments(motion: Motion, still: int) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate((motion.acceleration[:-1], tail)), np.concatenate((slopes, tail))
 
 
-def segments_of(scenes: Sequence[Scene]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The segments of scenes one after the other, and of every scene where its own end, shape (scenes,)."""
-    grounds, slopes = zip(*map(segments, scenes), strict=True)
+def join_segments(each: Sequence[Segments]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the segments of scenes one after the other, and of every scene where its own end, shape (scenes,)."""
+    grounds, slopes = zip(*each, strict=True)
     return np.concatenate(grounds), np.concatenate(slopes), np.cumsum([ground.size for ground in grounds])
 
 
@@ -388,7 +393,9 @@ def records_of(
         changing = int(np.count_nonzero(layout.elements["state"]))
         room = Room(np.zeros((count, 2 * n + changing), STATE), formulas)
         room.states["scale"] = LEAST_STATE
-    series = np.zeros((count, max(m - n + n * layout.has_smooth, 1)), SERIES)
+    has_sliders = bool(layout.elements["slides"].any())
+    r["has_sliders"] = has_sliders
+    series = np.zeros((count, max(m - n + n * (layout.has_smooth or has_sliders), 1)), SERIES)
     watch = NOTHING_KEPT
     if times is not None:
         t = times.size

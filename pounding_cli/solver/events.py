@@ -17,6 +17,8 @@ from pounding_cli.laws.guards import (
     HIGH,
     LEVELS,
     LOW,
+    SLIPS_LEFT,
+    SLIPS_RIGHT,
     SLOWER,
     START,
 )
@@ -25,6 +27,7 @@ from pounding_cli.solver.options import CALLED, FLOAT, INVERSE, PART
 from pounding_cli.solver.polynomial import NEVER, first_crossing, value
 from pounding_cli.solver.records import COLLAPSED
 from pounding_cli.solver.series import LAST_DIGITS, LAST_OF_FIT, told
+from pounding_cli.solver.stick import find_drive, hold_or_release
 
 VALUE, ITS_FORCE, RATE, RATE_AND_SLOPE = 1, 2, 3, 4
 """What is exactly known of an element after an event, `pinned`: its deformation is that of the guard; its force is
@@ -170,6 +173,12 @@ def _until_guard(el, r, s, guard):
         if el.pinned == ITS_FORCE:
             p[0] = 0.0
         return degree
+    if guard == SLIPS_RIGHT or guard == SLIPS_LEFT:
+        side = 1.0 if guard == SLIPS_RIGHT else -1.0
+        for k in range(n):
+            p[k] = -side * s.f[k]
+        p[0] += el.p[1]
+        return n - 1
     side = 1.0 if el.acts else -1.0
     for k in range(n):
         p[k] = side * s.f[k]
@@ -195,7 +204,7 @@ def _stays(el):
     is_inside = min(el.v0, el.v1) - el.dv > el.low and max(el.v0, el.v1) + el.dv < el.high
     keeps_way = min(el.r0, el.r1) - el.dr > el.slow and max(el.r0, el.r1) + el.dr < el.fast
     stands = max(abs(el.v0), abs(el.v1)) + el.dv <= el.collapse
-    return is_inside and keeps_way and stands and not (el.levels or el.cuts or el.crosses)
+    return is_inside and keeps_way and stands and not (el.levels or el.cuts or el.crosses or el.holds)
 
 
 @njit(**PART)
@@ -216,6 +225,8 @@ def _may_meet(el, guard, is_link):
         return el.levels != 0
     if guard >= COLLAPSE_LOW:
         return max(abs(el.v0), abs(el.v1)) + el.dv > el.collapse
+    if guard == SLIPS_RIGHT or guard == SLIPS_LEFT:
+        return el.holds != 0
     return el.cuts != 0 if guard == FORCE else el.crosses != 0
 
 
@@ -245,6 +256,8 @@ def first_event(dofs, elements, terms, r, series):
         el.at = NEVER
         if _stays(el):
             continue
+        if el.holds:
+            find_drive(dofs, elements, terms, r, series, e)
         for guard in range(COLLAPSE_HIGH + 1):
             if _may_meet(el, guard, e >= r.n):
                 rate_series(dofs, elements, terms, r, e)
@@ -274,6 +287,8 @@ def commit(dofs, elements, terms, r, series):
             if el.smooth and el.guard == LOW:
                 r.across = r.h
             next_branch(el, el.guard)
+            if el.slides:
+                hold_or_release(dofs[e], el)
             if was_open and el.closed:
                 el.hits = 1 if el.least > -TOUCH else el.hits + 1
                 if el.smooth:
@@ -304,6 +319,9 @@ def _pin(el, end):
         el.r0 = el.r1 = el.slow if guard == SLOWER else el.fast
         el.pinned = RATE
     elif guard == LEVELS:
+        el.pinned = RATE_AND_SLOPE if end > INSTANT else RATE
+    elif guard == SLIPS_RIGHT or guard == SLIPS_LEFT:  # from rest, with forces that balance unless they jumped
+        el.r0 = el.r1 = 0.0
         el.pinned = RATE_AND_SLOPE if end > INSTANT else RATE
     elif end > 0.0:
         el.pinned = ITS_FORCE

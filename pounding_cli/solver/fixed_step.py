@@ -211,7 +211,8 @@ def march(dofs, elements, terms, run, series, columns, room, ground, slopes, mem
     LinAlgError : the matrix of Newton's method is singular
     """
     r = run[0]
-    begin(dofs, elements, terms, r, series)
+    if not r.resumes:
+        begin(dofs, elements, terms, r, series)
     half = np.zeros(r.n)
     r.g0 = ground[0]
     forces(dofs, elements, terms, r, room, r.g0)

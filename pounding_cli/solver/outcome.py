@@ -58,12 +58,12 @@ def ends_of(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]
     return ends
 
 
-def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene]) -> np.ndarray:
-    """The peaks of scenes, records of `peaks_type`, shape (scenes,)."""
+def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest: np.ndarray) -> np.ndarray:
+    """The peaks of scenes, records of `peaks_type`, shape (scenes,); `drift_at_rest` as of `rest.Rest`."""
     storeys = [building.storeys for building in layout.buildings]
     peaks = np.full(len(scenes), np.nan, peaks_type(len(storeys), max(storeys), len(scenes[0].links)))
     for b in range(len(storeys)):
-        _put_building(peaks, b, layout, data)
+        _put_building(peaks, b, layout, data, drift_at_rest)
     links = data.elements[:, layout.of_links]
     peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
     peaks["max_closing"] = links["peak_v"] + links["offset"]
@@ -78,7 +78,7 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene]) -> np.ndarray:
     return peaks
 
 
-def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data) -> None:
+def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data, drift_at_rest: np.ndarray) -> None:
     """Enter the peaks of a building; a wall does not yield, and one that moves as the ground does has none."""
     building, reach = layout.buildings[b], np.maximum(data.dofs["u_max"], -data.dofs["u_min"])
     for name, place in (("sway", layout.bases[b]), ("rocking", layout.feet[b])):
@@ -92,7 +92,7 @@ def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data) -> None
     found = (
         np.where(storeys["yields"] > 0, storeys["peak_f"], building.stiffness * drift), drift,
         np.nan if isinstance(building, Wall) else drift / building.yield_drift,
-        floors["a_max"], floors["u_max"], floors["u_min"], storeys["v1"],
+        floors["a_max"], floors["u_max"], floors["u_min"], drift_at_rest[:, layout.floors[b]],
     )  # fmt: skip
     for name, values in zip(STOREYS, found, strict=True):
         peaks[name][:, b, : building.storeys] = values
@@ -131,7 +131,7 @@ def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float =
     """
     dofs, elements, r, n = data.dofs, data.elements, data.run, layout.number
     storeys, of_links = elements[:, :n], elements[:, layout.of_links]
-    stored, yielding = stored_in_storeys(layout, storeys["v1"], _forces_now(storeys), dofs["u0"])
+    stored, yielding = stored_in_storeys(layout, storeys["v1"], forces_now(storeys), dofs["u0"])
     in_links, drags = _stored_in_links(scenes, of_links), elements["work"][:, n : layout.of_links.start]
     entries = {
         "input": r["input"] + before,
@@ -150,7 +150,7 @@ def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float =
     return entries | {"residual": np.where(scale > 0, missing / scale, 0.0)}
 
 
-def _forces_now(storeys: np.ndarray) -> np.ndarray:
+def forces_now(storeys: np.ndarray) -> np.ndarray:
     """Forces of storeys at the end of a run, without dashpots [N]."""
     p, z = storeys["p"], storeys["h"][..., 0]
     smooth = (1.0 - p[..., 2]) * p[..., 0] * p[..., 1] * z  # of Bouc-Wen, the one law of storeys that is smooth

@@ -65,7 +65,8 @@ ELEMENT = _dtype(
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
     # yields: 1 for a storey whose work is kept; eased: 1 for a contact that DOP853 steps (`events.FROM_REST`)
-    i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased",
+    # holds: 1 for a slider that sticks; slides: 1 for a slider
+    i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased holds slides",
     # v = u_left - hold u_right - offset + further terms, first to last; hold: 0 where the right end is the ground
     # formula: place of its formula among those of the scene
     u8="left right first last formula",
@@ -85,11 +86,13 @@ RUN = _dtype(
     # begun: when the motion began [s]; still: 1 before
     # most_h: longest step of the run [s]; rest: length of the last segment, where a tail ends between samples [s]
     # smaller: part of the step that the tolerance of DOP853 allows, where finer is asked than it can be [-]
+    # has_sliders: 1 where bases stand on sliders
+    # resumes: 1 for a run that goes on from its records, which an earlier one has left
     # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
     f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset across input drag dashpots time begun"
     " most_h rest smaller",
     i8="n m drags columns trials active max_order order steps events orders instant status smooth always_smooth"
-    " follows has_lean most_steps most_events output still",
+    " follows has_lean most_steps most_events output still resumes has_sliders",
     # p: room for one polynomial and its derivative
     # values: of a polynomial at the places that it is fitted to
     f8_=f"p:{2 * (ORDERS + 8)} values:8",

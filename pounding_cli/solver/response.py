@@ -78,6 +78,7 @@ class Response:
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
     time_step : of a method that takes one [s]; nan for the others
     collapse_time : when a storey collapsed [s], nan where none did
+    closing_to_rest : largest closing of every link until the scene is at rest, that of the motion included [m]
     collapse_building, collapse_storey : place of its building from 0, and storey from 1; -1 and 0 where none did
     """
 
@@ -102,6 +103,7 @@ class Response:
     collapse_time: float = float("nan")
     collapse_building: int = -1
     collapse_storey: int = 0
+    closing_to_rest: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def buildings(self) -> tuple[SimpleNamespace, ...]:
@@ -113,7 +115,7 @@ class Response:
         ductility : drift / yield drift [-], the same yield drift in elastic runs
         acceleration : largest |total acceleration| of each floor [m/s2]
         displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
-        residual_drift : drift at the end [m]
+        residual_drift : drift at rest, long after the motion [m]; NaN where it is not found (a flag has the reason)
         sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
         isolator_displacement : the sway of a base on isolators [m]; NaN of others
         """

@@ -24,6 +24,7 @@ from pounding_cli.solver.peaks import raise_peaks
 from pounding_cli.solver.records import DONE, EVENT_BOUND, NOT_FINITE, STALLED, STEP_BOUND, Room
 from pounding_cli.solver.series import expand, shorten, shrink, start
 from pounding_cli.solver.smooth import end_of_smooth, take_smooth
+from pounding_cli.solver.stick import hold_or_release, keep_held_forces
 
 FORGET = 0.9
 """What is left of an acceleration as a scale after one step."""
@@ -104,6 +105,8 @@ def begin(dofs, elements, terms, r, series):
         d.u_max = d.u_min = d.u0
     ends_of_elements(dofs, elements, terms, r)
     enter_all(elements, r, series)
+    for i in range(r.n):
+        hold_or_release(dofs[i], elements[i])
     for e in range(r.m):
         el = elements[e]
         el.v0, el.r0 = el.v1, el.r1
@@ -125,6 +128,7 @@ def keep(dofs, elements, r, watch):
         f = el.acts * (el.f1 if el.smooth else line_force(el, el.v1, el.r1))
         if e < r.n:
             f -= 0.0 if el.smooth else el.c * el.r1
+            f += el.f1 if el.holds else 0.0
         elif e < r.n + r.drags:
             on_drags += el.work
         else:
@@ -145,10 +149,11 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
     for scene in range(run.size):
         r, dofs, elements = run[scene], bare(all_dofs[scene]), bare(all_elements[scene])
         series, columns = bare(all_series[scene]), bare(all_columns[scene])
-        begin(dofs, elements, terms, r, series)
+        pinned = r.resumes != 0  # what was known exactly at the end of the run before
+        if not pinned:
+            begin(dofs, elements, terms, r, series)
         if watch.times.size > 0:
             keep(dofs, elements, r, watch)
-        pinned = False
         for segment in range(ends[scene] - first):
             elapsed, r.longest, r.follows = 0.0, r.most_h, 0
             length = r.rest if first + segment + 1 == ends[scene] else r.dt
@@ -180,6 +185,8 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
                 if rooms is not None:
                     if smooth:
                         end_of_smooth(elements, r, Room(rooms.states[scene], rooms.formulas[scene]))
+                if r.has_sliders:
+                    keep_held_forces(elements, r, series)
                 add_energy(dofs, elements, r, series)
                 raise_peaks(dofs, elements, terms, r, series, columns)
                 if pinned and r.end > INSTANT:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import ceil, nan
 from typing import Any
 
@@ -13,6 +13,7 @@ import numba
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.laws.slider import Slider
 from pounding_cli.methods import Method, method_named
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
@@ -21,7 +22,8 @@ from pounding_cli.solver import assemble, outcome, records
 from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
 from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, is_compiled, kernel_for, mark_compiled
 from pounding_cli.solver.records import Data, Room
-from pounding_cli.solver.response import COLLAPSED, Flag, Response, no_peaks
+from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_peaks
+from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT, find_rest
 
 say: Callable[[str], None] = lambda text: None  # noqa: E731 (replaced by whoever shows progress)
 """Told when something is about to be compiled, which takes its time."""
@@ -102,36 +104,40 @@ class Prepared:
     def integrate(self) -> None:
         """Run them, with a kernel that is compiled or loaded first if it has to be."""
         self.seconds = np.zeros(len(self.scenes))
+        self.integrate_records(self.data, np.arange(len(self.scenes)), [segments(scene) for scene in self.scenes])
+
+    def integrate_records(self, data: Data, places: np.ndarray, grounds: Sequence[assemble.Segments]) -> None:
+        """Run the records of the scenes at `places` through their `grounds`, one a scene."""
         if self.method.takes_step:
-            for number in range(len(self.scenes)):
-                self._march(number)
+            for row, place in enumerate(places.tolist()):
+                self._march(data, row, place, grounds[row])
             return
         from pounding_cli.solver.run import integrate as kernel
 
-        arguments = (*self.data, *assemble.segments_of(self.scenes))
-        ready(kernel_for(False, self.data.room is not None), kernel, arguments)
+        arguments = (*data, *assemble.join_segments(grounds))
+        ready(kernel_for(False, data.room is not None), kernel, arguments)
         begin = time.perf_counter()
         kernel(*arguments)
-        steps = self.data.run["steps"]
-        self.seconds = (time.perf_counter() - begin) * steps / max(steps.sum(), 1)
+        steps = data.run["steps"]
+        self.seconds[places] += (time.perf_counter() - begin) * steps / max(steps.sum(), 1)
 
-    def _march(self, number: int) -> None:
+    def _march(self, data: Data, row: int, number: int, ground: assemble.Segments) -> None:
         """Run one of the scenes by a method of fixed time steps; not where the step is too long."""
         from pounding_cli.solver import fixed_step
 
-        scene, elements, room = self.scenes[number], self.data.elements[number], self.data.room
+        scene, elements, room = self.scenes[number], data.elements[row], data.room
         dt = scene.motion.dt
         parts = max(1, ceil(dt / self.time_step - 1e-9))  # the fewest in a sample that are not longer
         if self.method.name == "central-difference":
             limit = fixed_step.central_difference_limit(self.layout, elements, scene.links)
             if dt / parts > limit:
-                self.data.run["status"][number], self.limit[number] = records.UNSTABLE, limit
+                data.run["status"][row], self.limit[number] = records.UNSTABLE, limit
                 return
         assert room is not None  # of every method of fixed time steps
         arguments = (
-            self.data.dofs[number], elements, self.data.terms, self.data.run[number : number + 1],
-            self.data.series[number], self.data.columns[number], Room(room.states[number], room.formulas[number]),
-            *segments(scene), elements.view(np.float64), term_matrix(self.layout), parts,
+            data.dofs[row], elements, data.terms, data.run[row : row + 1],
+            data.series[row], data.columns[row], Room(room.states[row], room.formulas[row]),
+            *ground, elements.view(np.float64), term_matrix(self.layout), parts,
             fixed_step.FIXED.index(self.method.name),
         )  # fmt: skip
         ready(FIXED_STEP_KERNEL, fixed_step.march, arguments)
@@ -139,8 +145,8 @@ class Prepared:
         try:
             fixed_step.march(*arguments)
         except np.linalg.LinAlgError:  # Newton's method has no direction
-            self.data.run["status"][number] = records.NO_ROOT
-        self.seconds[number] = time.perf_counter() - begin
+            data.run["status"][row] = records.NO_ROOT
+        self.seconds[number] += time.perf_counter() - begin
 
     def responses(self) -> list[Response]:
         """What came of them."""
@@ -148,9 +154,17 @@ class Prepared:
         with np.errstate(all="ignore"):  # a run that failed may have ended at any numbers
             energies = {} if self.method.takes_step else outcome.balance(layout, data, scenes, self.before)
             residuals = energies.get("residual", np.zeros(len(scenes)))
-            ends, peaks = outcome.ends_of(data, self.accuracy, residuals), outcome.peaks_of(layout, data, scenes)
-        told = ({name: float(each[number]) for name, each in energies.items()} for number in range(len(scenes)))
-        return [self._response(*each) for each in zip(range(len(scenes)), ends, peaks, told, strict=True)]
+            ends = outcome.ends_of(data, self.accuracy, residuals)
+            rest = find_rest(self, np.array([status == DONE for status, _ in ends], bool))
+            peaks = outcome.peaks_of(layout, data, scenes, rest.drift)
+        responses = []
+        for number, end in enumerate(ends):
+            energy = {name: float(each[number]) for name, each in energies.items()}
+            response = self._response(number, end, peaks[number], energy)
+            if rest.reasons[number]:
+                response = replace(response, flags=(*response.flags, Flag(NO_RESIDUAL_DRIFT, rest.reasons[number])))
+            responses.append(replace(response, closing_to_rest=rest.max_closing[number]))
+        return responses
 
     def _response(self, number: int, end: outcome.Outcome, peaks: np.void, energy: dict[str, float]) -> Response:
         """What came of one of them."""
@@ -225,6 +239,11 @@ def refusal_of(method: Method, scene: Scene) -> str:
     """Why a method does not run a scene; "" when it does."""
     if method.remembers:
         return ""
+    if any(isinstance(building.isolators, Slider) for building in scene.buildings):
+        return (
+            "the slider of a friction pendulum sticks, which it does not follow "
+            "(with yield_displacement, e.g. 0.01 mm, it is a spring up to there)"
+        )
     laws = {link.kind for link in scene.links if link.law.remembers}
     if effects_of(scene).yielding:
         laws |= {b.storey_law.name for b in scene.buildings if b.storey_law.behaviour.history_rate is not None}

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tests.adapter import Bearings, FrictionPendulum, Rubber, Scene, refused, solve
+from pounding_cli import InputError
+from tests.adapter import Bearings, FrictionPendulum, Rubber, Run, Scene, refused, solve
 from tests.physics.cases import shake
+from tests.reference.sliding import Sliding
 
 G = 9.80665
 MASS, FLOOR, STIFFNESS, H = 3e5, 2e5, 1e8, 3.0
@@ -88,6 +90,60 @@ def test_a_slider_that_sticks_is_the_limit_of_a_stiff_spring() -> None:
     assert found[1] / found[2] == pytest.approx(10, rel=0.6)
 
 
+SLIDING, BETA, WALL, GAP, CONTACT, XI = {"radius": 2.0, "friction": 0.06}, 2e-3, (4e5, 1.75e8), 0.004, 2e9, 0.2
+
+
+def on_a_slider(ground: np.ndarray, strikes: bool, accuracy: float = 1e-9, **settings: Any) -> Run:
+    """A base of 300 t and three floors on friction pendulums that stick; `strikes`: a wall on soil strikes the base."""
+    damped = {"alpha": 0.0, "beta": BETA}
+    keys = {"storeys": 3, "stiffness": [2 * STIFFNESS] * 3, "rayleigh": damped}
+    house = isolated(SLIDING, **keys)
+    if not strikes:
+        return solve(Scene((house,), ground, 0.02), accuracy, **settings)
+    wall = {"wall": {"height": 0.0, "mass": WALL[0], "stiffness": WALL[1], "damping": 0.0}}
+    case = {"link": "pounding", "gap": GAP, "floors": "base"}
+    more = {"impact": {"stiffness": CONTACT, "damping_ratio": XI}}
+    return solve(Scene((wall, house), ground, 0.02, case, more=more), accuracy, **settings)
+
+
+@pytest.mark.parametrize("strikes", [False, True], ids=["alone", "struck"])
+@pytest.mark.parametrize("method", ["taylor", "dop853"])
+def test_a_slider_that_sticks(method: str, strikes: bool) -> None:
+    """Against an integrator of its own. Fails if a spring takes the place of sticking."""
+    ground = shake(2.5, 4.0)
+    masses = [MASS, FLOOR, FLOOR, FLOOR]
+    weight = G * sum(masses)
+    surface, friction = weight / SLIDING["radius"], SLIDING["friction"] * weight
+    one = Sliding(masses, [2 * STIFFNESS] * 3, surface, friction, BETA)
+    if strikes:
+        reduced = WALL[0] * MASS / (WALL[0] + MASS)
+        dashpot = 2 * XI * math.sqrt(CONTACT * reduced)
+        one = Sliding(one.masses, one.springs, surface, friction, BETA, WALL, GAP, CONTACT, dashpot)
+    expected, run = one.run(ground, 0.02), on_a_slider(ground, strikes, method=method)
+    assert run.status == "done"
+    assert abs(run.energy["residual"]) < 1e-9
+    assert run.sway[-1] == pytest.approx(expected["base"], rel=1e-7)
+    np.testing.assert_allclose(run.drift[-3:], expected["drift"], rtol=1e-6)
+    assert run.impacts.sum() == expected["impacts"]
+    assert (run.impacts.sum() > 0) == strikes
+
+
+def test_a_slider_keeps_the_base_where_it_stops() -> None:
+    """At rest the surface pulls at the base with less than the friction."""
+    run, late = (solve(Scene((isolated(SLIDING),), shake(3.0), 0.02, tail=tail)) for tail in (0.0, 20.0))
+    assert (run.residual_drift == 0.0).all()
+    assert abs(late.end_velocity).max() < 1e-6
+    assert 0.0 < abs(late.end[0]) < SLIDING["friction"] * SLIDING["radius"]
+
+
+def test_methods_of_fixed_steps_refuse_a_slider_that_sticks() -> None:
+    ground = shake(0.2)
+    with pytest.raises(InputError, match="yield_displacement"):
+        on_a_slider(ground, False, method="newmark", time_step=1e-3)
+    spring = isolated(SLIDING | {"yield_displacement": 1e-5})
+    assert solve(Scene((spring,), ground, 0.02), method="newmark", time_step=1e-3).status == "done"
+
+
 def test_high_damping_rubber_is_a_spring_and_a_dashpot() -> None:
     rubber = {"stiffness": 6e6, "damping_ratio": 0.12}
     c = 2 * 0.12 * math.sqrt(6e6 * WEIGHT / G)
@@ -100,15 +156,15 @@ def test_high_damping_rubber_is_a_spring_and_a_dashpot() -> None:
 
 
 def test_sliding_period() -> None:
-    law = FrictionPendulum(radius=30 * 0.0254, friction=0.05).bilinear(WEIGHT)
-    assert 2 * math.pi * math.sqrt(WEIGHT / G / (law.hardening * law.stiffness)) == pytest.approx(1.7514, abs=5e-5)
+    law = FrictionPendulum(radius=30 * 0.0254, friction=0.05).law_under(WEIGHT)
+    assert 2 * math.pi * math.sqrt(WEIGHT / G / law.stiffness) == pytest.approx(1.7514, abs=5e-5)
 
 
-@pytest.mark.parametrize("isolation", [PENDULUM, LEAD], ids=["pendulum", "bearings"])
+@pytest.mark.parametrize("isolation", [PENDULUM | {"yield_displacement": 1e-5}, LEAD], ids=["pendulum", "bearings"])
 @pytest.mark.parametrize("analysis", ["elastic", "inelastic"])
 def test_isolators_are_a_lowest_storey(isolation: dict[str, float], analysis: str) -> None:
     """In both analyses; the storeys above have the shears of those of a building of three."""
-    law = (FrictionPendulum if "radius" in isolation else Bearings)(**isolation).bilinear(WEIGHT)
+    law = (FrictionPendulum if "radius" in isolation else Bearings)(**isolation).law_under(WEIGHT)
     undamped = {"rayleigh": {"alpha": 0.0, "beta": 0.0}}
     three = {
         "storeys": 3, "mass": [MASS, FLOOR, FLOOR], "stiffness": [law.stiffness, STIFFNESS, STIFFNESS], "height": H,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
 from pathlib import Path
 from typing import Any
@@ -170,3 +171,17 @@ def test_the_gap_to_a_wall_is_how_far_the_building_moves(tmp_path: Path) -> None
     assert exact["largest"].iloc[1] == pytest.approx(-moved.min(), rel=1e-9)
     sway = results.data["sway"].sel(building="house").values
     assert exact["largest"].iloc[0] <= sway.max() * (1 + 1e-9)
+
+
+def test_a_stiff_contact_converges_with_the_square_root_of_its_stiffness() -> None:
+    """An oscillator under a harmonic motion against a wall, as docs/contact.md has it (`impact_oscillator.py`)."""
+    path = Path(__file__).parents[2] / "docs/figures/impact_oscillator.py"
+    spec = importlib.util.spec_from_file_location("impact_oscillator", path)
+    assert spec is not None
+    assert spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    exact = script.speed_of_rigid_blow()
+    assert exact == pytest.approx(2 * np.pi * 0.404864, rel=1e-5)
+    errors = [1 - script.speed_of_blow(stiffness) / exact for stiffness in (1e3, 1e5)]
+    assert errors == pytest.approx([0.130, 0.0103], rel=0.01)

@@ -38,7 +38,6 @@ class Result:
     impulse: np.ndarray
     contact_time: np.ndarray
     impacts: np.ndarray
-    residual_drift: np.ndarray
     displacement: np.ndarray
     velocity: np.ndarray
     energy: dict[str, float]
@@ -243,7 +242,7 @@ class _Run:
         work = dict(zip(("input", "damping", "storeys", "links"), self.y[-4:], strict=True))
         return Result(
             parts[0], parts[1], parts[2], parts[3], -parts[4], parts[5], parts[6],
-            self.y[2 * self.n : 2 * self.n + m].copy(), self.contact_time, self.impacts, c.drift @ q,
+            self.y[2 * self.n : 2 * self.n + m].copy(), self.contact_time, self.impacts,
             q[floors], rate[floors], work | {"kinetic": float(c.mass @ rate**2 / 2), "springs": float(q @
             c.springs @ q / 2)}, parts[7], self.changes,
         )  # fmt: skip

@@ -45,7 +45,7 @@ def test_it_is_the_scene_of_the_study(results, case):
     for name, response in zip(("stiff", "soft"), ours.buildings, strict=True):
         wanted = storey.query(f"building == '{name}'")
         assert response.shear == pytest.approx(wanted["V"].to_numpy(), rel=1e-12)
-        assert response.residual_drift == pytest.approx(wanted["residual_drift"].to_numpy(), rel=1e-9, abs=1e-12)
+    assert ours.steps == int(results.scene().query(f"case == '{case}'")["steps"].iloc[0])
     forces = results.link().query(f"case == '{case}'")["peak_force"].to_numpy()
     assert ours.links.peak_force == pytest.approx(forces, rel=1e-12)
 

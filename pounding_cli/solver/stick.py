@@ -1,0 +1,71 @@
+"""Bases that a slider holds: the force that would move them, and their degrees of freedom while they are held.
+
+A held base moves as the ground does: its velocity is zero and so is its inverse mass, which keeps every order of its
+motion zero. The slider takes the force of all that acts on the base, which is known once the series of a step are."""
+
+from __future__ import annotations
+
+from numba import njit
+
+from pounding_cli.solver.options import CALLED, INVERSE, PART
+from pounding_cli.solver.polynomial import value
+
+
+@njit(**PART)
+def hold_or_release(d, el):
+    """Hold the degree of freedom above a slider that sticks, and release it where it slides."""
+    if el.holds:
+        d.w[0] = 0.0
+        d.inv_mass = 0.0
+    elif el.slides:
+        d.inv_mass = 1.0 / d.mass
+
+
+@njit(**CALLED)
+def find_drive(dofs, elements, terms, r, series, i):
+    """Find the polynomial of the force that would move the held degree of freedom i [N], positive to the right, but for
+    the friction below it; it goes to the forces of its row of `series`."""
+    d, el = dofs[i], elements[i]
+    f, count = series[el.row].f, r.order
+    for k in range(count):
+        f[k] = 0.0
+    f[0] = -d.mass * d.loaded * r.g0 - el.k * el.v0
+    f[1] = -d.mass * d.loaded * r.g1
+    for a in range(r.active):
+        s = series[a]
+        link = elements[s.element]
+        weight = (1.0 if link.left == i else 0.0) - (1.0 if link.right == i else 0.0)
+        for x in range(link.first, link.last):
+            if terms[x].dof == i:
+                weight += terms[x].weight
+        if link.acts and weight != 0.0:
+            for k in range(count):
+                f[k] -= weight * s.f[k]
+    if i + 1 < r.n and dofs[i + 1].below != 0.0:
+        _add_storey_above(dofs, elements, terms, r, series, i + 1, f)
+
+
+@njit(**PART)
+def _add_storey_above(dofs, elements, terms, r, series, j, f):
+    """Add the pull of the storey j that stands on a held base, which does not move, to the polynomial f."""
+    d, el = dofs[j], elements[j]
+    own, foot = d.w, dofs[d.foot].w
+    smooth = series[el.row].f
+    f[0] += (0.0 if el.smooth else el.k * el.v0 + el.f0) - el.load * (d.u0 - dofs[j - 1].u0)
+    for k in range(r.order):
+        rate = own[k] + d.lean * foot[k]
+        f[k] += el.c * rate
+        if el.smooth:
+            f[k] += smooth[k]
+        if k > 0:
+            moved, leaned = own[k - 1], d.lean * foot[k - 1]
+            f[k] += r.h * INVERSE[k] * ((0.0 if el.smooth else el.k) * (moved + leaned) - el.load * moved)
+
+
+@njit(**CALLED)
+def keep_held_forces(elements, r, series):
+    """Keep the forces of sliders that stick at the end of the step, without that of their surface."""
+    for i in range(r.n):
+        el = elements[i]
+        if el.holds:
+            el.f1 = value(series[el.row].f, r.order - 1, r.end)
