@@ -57,7 +57,13 @@ API = {
         "pounding_cli.laws.law.opened",
         "pounding_cli.laws.law.parameter",
     ),
-    "What a solution holds": ("pounding_cli.solver.response.Response",),
+    "What a solution holds": (
+        "pounding_cli.solver.response.Response",
+        "pounding_cli.solver.response.BuildingPeaks",
+        "pounding_cli.solver.response.LinkPeaks",
+        "pounding_cli.solver.response.ColumnPeaks",
+        "pounding_cli.model.effects.DroppedEffect",
+    ),
     "Exporting and comparing": (
         "pounding_cli.results.export.export",
         "pounding_cli.results.compare.compare",

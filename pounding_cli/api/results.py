@@ -39,7 +39,8 @@ class Results(results.Results):
         name = building or shown.main
         if name not in shown.group:
             raise InputError(Problem(f"no building '{name}' in these results", f"there are {', '.join(shown.group)}"))
-        swept = sweep_pictures(self, shown, Asked(places={"building": name}))
+        has_sweep = any(len(values) > 1 for values in self.axes.values())
+        swept = sweep_pictures(self, shown, Asked(places={"building": name})) if has_sweep else []
         figure = swept[0].draw() if swept else response(shown, name)
         plt.figure(FigureClass=lambda *_, **__: figure)  # type: ignore[arg-type]  # pyplot shows it from here on
         return [ax for ax in figure.axes if ax.get_title(loc="left")]

@@ -27,22 +27,48 @@ LARGEST = ("displacement", "drift", "total_acceleration", "shear", "closing", "l
 """Quantities whose largest values are told."""
 
 
-class History:
-    """What a scene does over time; NaN where a floor, storey or link does not exist.
+def _series(name: str, text: str) -> property:
+    """Return a property that gives a variable of the dataset as an array; `text` : its meaning, shape and unit."""
+    return property(lambda history: history.dataset[name].values, doc=text)
 
-    dataset : everything over time, building, floor, storey and link, with units (docs/histories.md).  Its variables are
-        attributes too, as arrays: `history.drift`, shape (times, buildings, storeys) [m]
-    buildings, links : names, left to right; `left|right floor j`
-    energy : of every kind (input, kinetic, stored, damping, hysteresis, links), shape (times,) [J]
+
+class History:
+    """The response of a scene over time; NaN where a floor, storey or link does not exist.
+
+    Attributes
+    ----------
+    dataset : everything over time, building, floor, storey and link, with units (docs/histories.md)
     """
+
+    time = _series("time", "Time since the motion began [s], shape (times,).")
+    ground_acceleration = _series("ground_acceleration", "Ground acceleration [m/s2], shape (times,).")
+    ground_displacement = _series(
+        "ground_displacement", "Ground displacement from rest, without baseline correction [m], shape (times,)."
+    )
+    displacement = _series(
+        "displacement", "Floor displacements relative to the ground [m], shape (times, buildings, floors)."
+    )
+    total_acceleration = _series(
+        "total_acceleration", "Floor accelerations, ground included [m/s2], shape (times, buildings, floors)."
+    )
+    drift = _series("drift", "Storey drifts [m], shape (times, buildings, storeys).")
+    shear = _series("shear", "Storey shears, without damping force [N], shape (times, buildings, storeys).")
+    sway = _series("sway", "Translations of the foundations [m], shape (times, buildings).")
+    rocking = _series("rocking", "Rotations of the foundations [rad], shape (times, buildings).")
+    base_force = _series(
+        "base_force", "Forces of springs or isolators under the bases, undamped [N], shape (times, buildings)."
+    )
+    link_force = _series("link_force", "Link forces, pulling negative [N], shape (times, links).")
+    closing = _series("closing", "Closings of the ends of links, gap not subtracted [m], shape (times, links).")
+    energy_input = _series("energy_input", "Energy put in by the ground so far [J], shape (times,).")
+    energy_kinetic = _series("energy_kinetic", "Kinetic energy [J], shape (times,).")
+    energy_stored = _series("energy_stored", "Elastic energy in storeys and foundations [J], shape (times,).")
+    energy_damping = _series("energy_damping", "Energy lost in structural damping so far [J], shape (times,).")
+    energy_hysteresis = _series("energy_hysteresis", "Energy lost in yielding storeys so far [J], shape (times,).")
+    energy_links = _series("energy_links", "Energy the links took so far, stored or lost [J], shape (times,).")
 
     def __init__(self, dataset: xr.Dataset) -> None:
         self.dataset = dataset
-
-    def __getattr__(self, name: str) -> np.ndarray:
-        if name == "dataset" or (name != "time" and name not in self.dataset):  # the first while it is unpickled
-            raise AttributeError(f"a history has no {name!r}")
-        return self.dataset[name].values
 
     @property
     def buildings(self) -> tuple[str, ...]:

@@ -366,6 +366,20 @@ class Results:
         return pd.DataFrame(found)
 
 
+def _describe_columns(names: Sequence[str]) -> str:
+    """Return a section of a docstring with unit and meaning of every column."""
+    columns = [(name, VARIABLES[name]) for name in names if name in VARIABLES]
+    lines = [f"{name} : {v.text} [{v.unit if v.unit != '1' else '-'}]".replace(" []", "") for name, v in columns]
+    return "".join(f"\n        {line}" for line in ("", "Columns", "-------", *lines)) + "\n        "
+
+
+for _table, _columns in {
+    Results.storey: _OVER[STOREY], Results.floor: _OVER[FLOOR], Results.link: ("kind", "gap", *_OVER[LINK]),
+    Results.base: _BASE, Results.scene: _SCENE, Results.accuracy: _ACCURACY,
+}.items():  # fmt: skip
+    _table.__doc__ = f"{_table.__doc__}{_describe_columns(_columns)}"
+
+
 def _same(one: Any, other: Any) -> bool:
     """Whether two values of a key are the same, numbers to nine digits."""
     if isinstance(one, float) and isinstance(other, int | float):

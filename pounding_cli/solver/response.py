@@ -6,7 +6,6 @@ import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,6 +50,76 @@ class Flag(str):
         flag = super().__new__(cls, f"{kind}: {detail}" if detail else kind)
         flag.severity = severity
         return flag
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class BuildingPeaks:
+    """The largest values of a building over time; of storeys and floors arrays of shape (storeys,), from the ground up.
+
+    Attributes
+    ----------
+    shear : largest |restoring force| of each storey, without damping force [N]
+    drift : largest |drift| of each storey [m]
+    ductility : largest drift of each storey over its yield drift, in elastic runs too [-]
+    acceleration : largest |total acceleration| of each floor [m/s2]
+    displacement_max : largest displacement of each floor relative to the ground [m]
+    displacement_min : smallest displacement of each floor relative to the ground [m]
+    residual_drift : drift of each storey at rest, long after the motion [m]; NaN where it is not found (a flag has the
+        reason)
+    sway : largest |translation| of the foundation, 0 on a fixed base [m]
+    rocking : largest |rotation| of the foundation, 0 on a fixed base [rad]
+    isolator_displacement : sway of a base on isolators; NaN of others [m]
+    """
+
+    shear: np.ndarray
+    drift: np.ndarray
+    ductility: np.ndarray
+    acceleration: np.ndarray
+    displacement_max: np.ndarray
+    displacement_min: np.ndarray
+    residual_drift: np.ndarray
+    sway: float
+    rocking: float
+    isolator_displacement: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LinkPeaks:
+    """The largest values of the links of a scene over time, in the order of `scene.links`; arrays of shape (links,).
+
+    Attributes
+    ----------
+    impacts : number of times the link closed [-]
+    peak_force : largest |force| [N]
+    max_closing : largest closing u_l - u_r, gap not subtracted [m]
+    impulse : integral of the force over time; pulling counts negative [N s]
+    contact_time : time with a force [s]
+    """
+
+    impacts: np.ndarray
+    peak_force: np.ndarray
+    max_closing: np.ndarray
+    impulse: np.ndarray
+    contact_time: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ColumnPeaks:
+    """The largest values of columns that slabs strike, one entry a link that asks for them; arrays of shape (columns,).
+
+    Attributes
+    ----------
+    link : number of the link in the scene, from 0
+    shear_below : largest |shear| in the columns below the blow, without damping force [N]
+    shear_above : largest |shear| in the columns above the blow, without damping force [N]
+    demand : the larger of both over the columns' share of the storey's yield shear, in elastic runs too; NaN where the
+        storey cannot yield [-]
+    """
+
+    link: np.ndarray
+    shear_below: np.ndarray
+    shear_above: np.ndarray
+    demand: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,52 +175,29 @@ class Response:
     closing_to_rest: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
-    def buildings(self) -> tuple[SimpleNamespace, ...]:
-        """Largest values over time of every building, left to right; of storeys and floors shape (n,), from the ground
-        up.
-
-        shear : largest |restoring force| of each storey, without damping force [N]
-        drift : largest |drift| of each storey [m]
-        ductility : drift / yield drift [-], the same yield drift in elastic runs
-        acceleration : largest |total acceleration| of each floor [m/s2]
-        displacement_max, displacement_min : largest and smallest displacement relative to the ground [m]
-        residual_drift : drift at rest, long after the motion [m]; NaN where it is not found (a flag has the reason)
-        sway, rocking : largest |u_b| [m] and |phi_b| [rad] of the foundation (0 on a fixed base)
-        isolator_displacement : the sway of a base on isolators [m]; NaN of others
-        """
+    def buildings(self) -> tuple[BuildingPeaks, ...]:
+        """The largest values over time of every building, left to right."""
         return tuple(
-            SimpleNamespace(
-                **{name: self.peaks[name][place, :n] for name in STOREYS},
-                **{name: float(self.peaks[name][place]) for name in BASES},
+            BuildingPeaks(
+                *(self.peaks[name][place, :n] for name in STOREYS),
+                *(float(self.peaks[name][place]) for name in BASES),
             )
             for place, n in enumerate(self.storeys)
         )
 
     @property
-    def links(self) -> SimpleNamespace:
-        """Of the links of the scene, in their order; shape (m,).
-
-        impacts : number of times the link closed [-]
-        peak_force : largest |force| [N]
-        max_closing : largest closing u_l - u_r [m], gap not subtracted
-        impulse : integral of the force over time [N s]; pulling counts negative
-        contact_time : time with a force [s]
-        """
-        found = SimpleNamespace(**{name: self.peaks[name] for name in LINKS})
-        found.impacts = found.impacts.astype(np.int64) if self.has_result else found.impacts
-        return found
+    def links(self) -> LinkPeaks:
+        """The largest values over time of the links of the scene, in their order."""
+        found = {name: self.peaks[name] for name in LINKS}
+        if self.has_result:
+            found["impacts"] = found["impacts"].astype(np.int64)
+        return LinkPeaks(**found)
 
     @property
-    def columns(self) -> SimpleNamespace:
-        """Of columns that slabs strike, one entry for each link that asks for them (`Link.columns`); shape (c,).
-
-        link : number of the link in the scene, from 0
-        shear_below, shear_above : largest |shear| in the columns below and above the blow, without damping force [N]
-        demand : the larger of both over the columns' share of the storey's yield shear, in elastic runs too [-]; NaN
-            where the storey cannot yield
-        """
+    def columns(self) -> ColumnPeaks:
+        """The largest values of columns that slabs strike, of each link that asks for them (`Link.columns`)."""
         struck = np.flatnonzero(~np.isnan(self.peaks["shear_below"]))
-        return SimpleNamespace(link=struck, **{name: self.peaks[name][struck] for name in COLUMNS})
+        return ColumnPeaks(struck, **{name: self.peaks[name][struck] for name in COLUMNS})
 
     @property
     def flag_severity(self) -> tuple[str, ...]:
