@@ -364,6 +364,8 @@ class _State:
         c[:, :n] = e["c"][:, :n]
         c[:, n : layout.of_links.start] = e["p"][:, n : layout.of_links.start, 1]
         c[:, layout.of_links] = np.where(self.is_contact[:, layout.of_links], 0.0, e["c"][:, layout.of_links])
+        slides = np.flatnonzero(layout.elements["slides"])  # friction damps the base that it holds
+        c[:, slides] = np.sqrt(layout.elements["p"][slides, 1] / STUCK_WITHIN * layout.dofs["mass"][slides])
         in_modes = (_shape_of(layout) @ modes) ** 2
         own = (layout.dofs["drag"] * layout.dofs["mass"]) @ modes**2
         ratios = (c @ in_modes + own) / (2.0 * omega)
