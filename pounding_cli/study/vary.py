@@ -191,7 +191,10 @@ def read_uncertain(root: Map, problems: Problems) -> list[Factor]:
             elif can_vary(key, mark, root, problems, "the key"):
                 mine += _factor(key, entry, problems)
             seen.setdefault(key, mark)
-        found += _together(mine, problems) if is_list else mine
+        if is_list:
+            mine = _together(mine, problems)
+        _refuse_equal_options(entry, mine, problems)
+        found += mine
     return found
 
 
@@ -202,6 +205,7 @@ def read_searched(root: Map, problems: Problems) -> list[Factor]:
     for key, mark in _keys("over", over, at, root, problems, RANGE):
         if can_vary(key, mark, root, problems, "the key"):
             found += _factor(key, over, problems, is_range=True)
+    _refuse_equal_options(over, found, problems)
     return found
 
 
@@ -270,16 +274,28 @@ def _chosen(
         what = f"'{key}': a choice is a list of two values or more"
         problems.add(at, what, f"write `{key}: {EXAMPLES[CHOICE]}`")
         return []
-    alike = [same(option, quantity) for option in options]
-    for number, place in enumerate(options.marks):
-        if (first := alike.index(alike[number])) != number:
-            what = f"'{key}': {options[number]} and {options[first]} are one value"
-            problems.add(place, what, "remove one of the two")
     if quantity is not None:
         refuse_bare([(*each, quantity) for each in zip(options, options.marks, strict=True)], problems)
     if len(problems.found) > before:
         return []
     return [Factor(key, mark, unit_of(options, quantity), len(options), tuple(options), quantity=quantity)]
+
+
+def _refuse_equal_options(entry: Map, factors: Sequence[Factor], problems: Problems) -> None:
+    """Note the options of a choice that are one value; of keys that move together, if they are so in every key."""
+    for factor in factors:
+        if not factor.choices:
+            continue
+        columns = [[same(option, member.quantity) for option in member.choices] for member in factor.members]
+        rows = list(zip(*columns, strict=True))
+        for number, row in enumerate(rows):
+            first = rows.index(row)
+            if first == number:
+                continue
+            what = f"'{factor.key}': {factor.choices[number]} and {factor.choices[first]} are one value"
+            if factor.together:
+                what += ", and so are the options of the keys that move with it"
+            problems.add(entry[factor.key][CHOICE].marks[number], what, "remove one of the two")
 
 
 def _distribution(
