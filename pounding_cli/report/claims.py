@@ -143,6 +143,14 @@ def is_softer(data: xr.Dataset, building: int) -> xr.DataArray:
     return periods.isel(building=building) > SAME_PERIOD * periods.min("building")
 
 
+def code_separation(data: xr.Dataset) -> xr.DataArray:
+    """Return the largest separation by the code of two neighbours with different periods [m]."""
+    periods = data["period"]
+    longer = np.fmax(periods, periods.shift(building=-1))
+    shorter = np.fmin(periods, periods.shift(building=-1))
+    return data["separation"].where(longer > SAME_PERIOD * shorter).max("building")
+
+
 def find_links(data: xr.Dataset, name: str, kind: str) -> xr.DataArray:
     """Return a variable of the links of one kind in the case `connected`, over its other dimensions; NaN at others."""
     is_kind = data["kind"].reindex(case=["connected"]).isel(case=0, drop=True) == kind
@@ -204,17 +212,17 @@ def code_gap(data: xr.Dataset) -> Iterator[Finding]:
 @claim("[...] a gap of 5cm (less than the UBC specification) for the 2-system.", "fig6")
 def narrow_gap(data: xr.Dataset) -> Iterator[Finding]:
     """The separation by the code less the gap."""
-    gap, code = data["gap"].reindex(case=["gap"]).isel(case=0).max("link"), data["separation"].max("building")
+    gap = data["gap"].reindex(case=["gap"]).isel(case=0).max("link")
     words = "separation by the code less the gap of the study"
-    yield Finding(words, 100 * (code - gap), Threshold(low=0, is_open=True), "cm")
+    yield Finding(words, 100 * (code_separation(data) - gap), Threshold(low=0, is_open=True), "cm")
 
 
 @claim("The UBC specified separation distance (equal to the sum of the design maximum displacements) is approximately "
        "7cm.")  # fmt: skip
 def separation(data: xr.Dataset) -> Iterator[Finding]:
-    """The separation by the code, which should round to 7 cm."""
+    """The separation by the code of a stiff and a soft building, which should round to 7 cm."""
     words = "separation by the code, sum of the design displacements at the roof"
-    yield Finding(words, 100 * data["separation"].max("building"), Threshold(6.5, 7.5), "cm")
+    yield Finding(words, 100 * code_separation(data), Threshold(6.5, 7.5), "cm")
 
 
 @claim("There is a substantial increase to the response of the stiffer building, especially for the inelastic case.")
