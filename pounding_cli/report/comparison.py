@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from pounding_cli.report.claims import claim_texts, judged
+from pounding_cli.report.claims import claim_texts, format_verdicts, judged
 from pounding_cli.report.document import Report
 from pounding_cli.report.table import NOTHING, shown
 from pounding_cli.results.tables import Table
@@ -89,7 +89,7 @@ def _compared_claims(claims: pd.DataFrame) -> Iterator[str]:
     numbers = claim_texts(claims)
     bold = [f"**{text}**" if met is False else text for text, met in zip(numbers, claims["passed"], strict=True)]
     yield from ("", "## The paper’s claims", "")
-    yield from markdown_table(_side_by_side(claims, "claim", "claim", list(claims["verdict"])))
+    yield from markdown_table(_side_by_side(claims, "claim", "claim", format_verdicts(claims)))
     yield from ("", "Numbers found; those that miss their threshold are bold.", "")
     yield from markdown_table(_side_by_side(claims, "finding", "number found", bold))
 

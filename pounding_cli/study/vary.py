@@ -200,9 +200,9 @@ def read_uncertain(root: Map, problems: Problems) -> list[Factor]:
                 hint = "write `motion: any` (one of them) or `motion: bootstrap` (as many, drawn with replacement)"
                 problems.add(entry.marks[key][1], f"motion: '{entry[key]}' is not known", hint)
             elif can_vary(key, mark, root, problems, "the key"):
-                mine += _factor(key, entry, problems)
+                mine += _factor(key, entry, problems, is_joined=is_list and len(entry) > 1)
             seen.setdefault(key, mark)
-        found += _together(mine, problems) if is_list else mine
+        found += _together(entry, mine, problems) if is_list else mine
     return found
 
 
@@ -230,8 +230,8 @@ def _keys(section: str, node: Any, at: Mark, root: Map, problems: Problems, exam
             yield key, mark
 
 
-def _together(factors: list[Factor], problems: Problems) -> list[Factor]:
-    """One factor of several keys; none where they cannot move together."""
+def _together(entry: Map, factors: list[Factor], problems: Problems) -> list[Factor]:
+    """One factor of several keys of an entry; none where they cannot move together."""
     if len(factors) < 2:
         return factors
     first, *others = factors
@@ -240,13 +240,30 @@ def _together(factors: list[Factor], problems: Problems) -> list[Factor]:
             what = "keys that move together need as many options each, or a range each; the motion moves by itself"
             problems.add(other.mark, what, "give as many of each, or write an entry of its own, `- motion: ...`")
             return []
+    columns = [[same(option, factor.quantity) for option in factor.choices] for factor in factors]
+    _refuse_equal_options(first.key, entry, list(zip(*columns, strict=True)), problems, "in every key of the entry")
     return [replace(first, together=tuple(others))]
 
 
-def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False) -> list[Factor]:
+def _refuse_equal_options(key: str, holder: Map, options: Sequence[Any], problems: Problems, where: str = "") -> None:
+    """Note the options of a choice that are one value.
+
+    options : canonical values; of keys that move together a tuple each
+    where : the keys that are compared, in words
+    """
+    written = holder[key].get(CHOICE, ())
+    for number, option in enumerate(options):
+        first = options.index(option)
+        if first < number:
+            what = f"'{key}': {written[number]} and {written[first]} are one value {where}".rstrip()
+            problems.add(written.marks[number], what, "remove one of the two")
+
+
+def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False, is_joined: bool = False) -> list[Factor]:
     """How one key varies; none where something is wrong, which is noted.
 
     is_range : whether it is searched over a range, which is read as the uniform distribution between its ends
+    is_joined : whether other keys move with it, so that a value may occur twice
     """
     (mark, at), node, quantity = holder.marks[key], holder[key], quantity_at(schema.Study, tuple(key.split(".")))
     if is_range and not (isinstance(node, Map) and CHOICE in node):
@@ -263,7 +280,7 @@ def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False) -
         return []
     below, at = node[name], node.marks[name][1]
     if name == CHOICE:
-        return _chosen(key, mark, below, at, quantity, problems)
+        return _chosen(key, holder, quantity, problems, is_joined)
     if quantity is None:
         hint = f"write the values to choose from: `{key}: {{choice: [...]}}`"
         problems.add(at, f"'{key}' takes no number that could be drawn from a range", hint)
@@ -276,20 +293,18 @@ def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False) -
     return [Factor(key, mark, unit, drawn=drawn, quantity=quantity, spacing=below.get("spacing", "linear"))]
 
 
-def _chosen(
-    key: str, mark: Mark, options: Any, at: Mark, quantity: Quantity | None, problems: Problems
-) -> list[Factor]:
+def _chosen(key: str, holder: Map, quantity: Quantity | None, problems: Problems, is_joined: bool) -> list[Factor]:
     """A key that takes one of some values; none where something is wrong, which is noted."""
     before = len(problems.found)
+    mark = holder.marks[key][0]
+    options = holder[key][CHOICE]
     if not isinstance(options, Items) or len(options) < 2:
         what = f"'{key}': a choice is a list of two values or more"
-        problems.add(at, what, f"write `{key}: {distribution_example(CHOICE, quantity)}`")
+        example = distribution_example(CHOICE, quantity)
+        problems.add(holder[key].marks[CHOICE][1], what, f"write `{key}: {example}`")
         return []
-    alike = [same(option, quantity) for option in options]
-    for number, place in enumerate(options.marks):
-        if (first := alike.index(alike[number])) != number:
-            what = f"'{key}': {options[number]} and {options[first]} are one value"
-            problems.add(place, what, "remove one of the two")
+    if not is_joined:
+        _refuse_equal_options(key, holder, [same(option, quantity) for option in options], problems)
     if quantity is not None:
         refuse_bare([(*each, quantity) for each in zip(options, options.marks, strict=True)], problems)
     if len(problems.found) > before:

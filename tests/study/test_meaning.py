@@ -15,6 +15,7 @@ import yaml
 from scipy.signal import lsim
 
 import pounding_cli as pound
+from pounding_cli.workflows.sensitivity import Sensitivity
 from tests.adapter import expand, study_of
 
 G = 9.80665
@@ -375,6 +376,20 @@ def test_axes_are_crossed_and_keys_of_one_axis_move_together():
     points = found[["impact.restitution", "buildings.stiff.period", "cases.case.gap"]].to_numpy().tolist()
     assert points == [[0.4, 0.3, 0.0], [0.4, 0.4, 0.02], [0.5, 0.3, 0.0], [0.5, 0.4, 0.02]]
     assert found["gap"].tolist() == [0.0, 0.02, 0.0, 0.02]
+
+
+def test_options_of_keys_that_move_together_may_repeat_in_one_of_them():
+    """Three places of a stiff building in a row: one key has the same period twice."""
+    first = {"choice": ["0.36 s", "0.60 s", "0.60 s"]}
+    second = {"choice": ["0.60 s", "0.36 s", "0.60 s"]}
+    uncertain = [
+        {"buildings.stiff.period": first, "buildings.soft.period": second},
+        {"impact.restitution": {"choice": [0.4, 0.5]}},
+    ]
+    asked = {"outputs": ["mu"], "samples": 16}
+    plan = Sensitivity(pound.load_study(study(uncertain=uncertain, sensitivity=asked))).plan
+    periods = {values[:2] for values in plan.axes[-1].values}
+    assert periods == {(0.36, 0.6), (0.6, 0.36), (0.6, 0.6)}
 
 
 def test_a_swept_value_reaches_who_inherits_it():
