@@ -84,8 +84,8 @@ class Rest:
     """The drifts at rest of the scenes of a run.
 
     drift : of every storey and base spring [m], NaN where there is none; shape (scenes, degrees of freedom)
-    reasons : why there is none, "" where there is; one a scene
-    max_closing : largest closing of every link until the scene is at rest, the motion included [m];
+    reasons : why there is none, "" where there is or where none is asked for; one a scene
+    max_closing : largest closing of every link in the motion, and until the scene is at rest where that is asked [m];
         shape (scenes, links)
     """
 
@@ -95,14 +95,18 @@ class Rest:
 
 
 def find_rest(run: Prepared, is_done: np.ndarray) -> Rest:
-    """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`)."""
+    """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`), where they are
+    asked for."""
     layout, n, links = run.layout, run.layout.number, run.data.elements[:, run.layout.of_links]
     offsets, peaks = links["offset"], run.data.elements["peak_v"][:, :n].copy()
     rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), links["peak_v"] + offsets)
+    is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
-        rest.drift[is_done] = 0.0
+        rest.drift[is_asked] = 0.0
         return rest
-    places = np.flatnonzero(is_done)
+    places = np.flatnonzero(is_asked)
+    if not places.size:
+        return rest
     data = _copy_scenes(run.data, places)
     data.run["resumes"] = 1
     data.run["steps"] = 0
