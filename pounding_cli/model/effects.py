@@ -14,7 +14,13 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import APART
 from pounding_cli.model.scene import Analysis, Scene
 
-EXPECTED = ("yielding storeys", "foundation motions", "P-Delta")
+RESIDUAL_DRIFTS = "residual drifts"
+"""The effect of a scene that is followed until it is at rest."""
+
+NOT_ASKED = "the study does not ask for them (key residual_drift)"
+"""The reason to leave them out; without a colon, which ends the name of an effect."""
+
+EXPECTED = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS)
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is told."""
 
 
@@ -103,12 +109,15 @@ class Effects:
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
     links = {(e.kind, e.law.damped, e.law.cut, getattr(e.law, "tension_cut", False)) for e in scene.links}
-    return _effects_of(scene.buildings, tuple(sorted(links)), scene.analysis)
+    return _effects_of(scene.buildings, tuple(sorted(links)), scene.analysis, scene.residual_drift)
 
 
 @functools.lru_cache(maxsize=256)  # the same for every motion and gap
 def _effects_of(
-    buildings: tuple[Building, ...], links: tuple[tuple[str, bool, bool, bool], ...], analysis: Analysis
+    buildings: tuple[Building, ...],
+    links: tuple[tuple[str, bool, bool, bool], ...],
+    analysis: Analysis,
+    residual_drift: bool,
 ) -> Effects:
     """Of links the kind, whether they have a dashpot, whether their tension is cut, whether that is asked."""
     kept = list[str]()
@@ -136,6 +145,7 @@ def _effects_of(
         "collapse",
         "the analysis is elastic" if can_collapse else "no storey can lose its resistance, and none is asked for",
     )
+    decide(residual_drift, RESIDUAL_DRIFTS, NOT_ASKED)
     decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(building.beta > 0 for building in buildings), "stiffness-proportional damping", "beta is 0")
     kinds = sorted({kind for kind, _, _, _ in links})

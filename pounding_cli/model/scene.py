@@ -6,7 +6,7 @@ import functools
 import hashlib
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 
@@ -54,6 +54,7 @@ class Scene:
     motion : already windowed and scaled
     analysis : Analysis
     tail : free vibration after the motion [s], >= 0
+    residual_drift : whether the drifts at rest, long after the motion, are asked for
 
     Raises
     ------
@@ -66,6 +67,7 @@ class Scene:
     motion: Motion
     analysis: Analysis
     tail: float = 0.0
+    residual_drift: bool = True
 
     def __post_init__(self) -> None:
         if not self.buildings:
@@ -83,12 +85,12 @@ class Scene:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the scene: two scenes with one digest have the same response (names are left out)."""
-        ending = Digests.ending(self.motion, self.analysis, self.tail)
+        ending = Digests.ending(self.motion, self.analysis, self.tail, self.residual_drift)
         return Digests(self.buildings, self.links).ended(ending).hex()
 
     def alone(self, place: int) -> Scene:
         """The baseline of the building at `place`: the same motion, no neighbours, no links."""
-        return Scene((self.buildings[place],), (), self.motion, self.analysis, self.tail)
+        return replace(self, buildings=(self.buildings[place],), links=())
 
 
 class Digests:
@@ -102,9 +104,10 @@ class Digests:
         self._begun = hashlib.sha256("\n".join(parts).encode())
 
     @staticmethod
-    def ending(motion: Motion, analysis: Analysis, tail: float) -> bytes:
-        """What stands in a digest for motion, analysis and tail [s]."""
-        return f"\n{motion.digest}\n{analysis}\n{float(tail)!r}".encode()
+    def ending(motion: Motion, analysis: Analysis, tail: float, residual_drift: bool) -> bytes:
+        """Return what stands in a digest for motion, analysis, tail [s], and whether residual drifts are asked for."""
+        asked = "\nresidual drift" if residual_drift else ""
+        return f"\n{motion.digest}\n{analysis}\n{float(tail)!r}{asked}".encode()
 
     def ended(self, ending: bytes) -> bytes:
         """The digest, 32 bytes, of the scene with this `ending`."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.model.effects import RESIDUAL_DRIFTS
 from pounding_cli.numbers import counted
 from pounding_cli.results.flags import point_label
 from pounding_cli.solver.response import DONE
@@ -38,7 +39,7 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
 
     Raises
     ------
-    InputError : no rows, or those of more than one building, case or analysis
+    InputError : no rows, or those of more than one building, case or analysis; a file without residual drifts
     """
     import pandas as pd
 
@@ -48,6 +49,7 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
         if len(there) != 1:
             hint = f"name one by --{name}: {', '.join(map(str, there))}" if there else "name others"
             raise InputError(Problem(f"Pelicun takes one {name}, not {len(there)}", hint))
+    _refuse_without_residual_drifts(results)
     scene = [*results.axes, "record"]
     points = rows[scene].drop_duplicates()  # in the order of the study, which a pivot table does not keep
     keys = [*scene, "case", "analysis", "building", "storey"]
@@ -68,6 +70,14 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     demand.insert(0, f"PFA-0-{direction}", ground["pga"].to_numpy())
     units = {name: UNITS[name.split("-")[0]] for name in demand.columns}
     return pd.concat([pd.DataFrame(units, index=["Units"]), demand]), len(points) - len(demand)
+
+
+def _refuse_without_residual_drifts(results: Results) -> None:
+    """Raise InputError where the study of a file asks for no residual drifts, which Pelicun reads."""
+    effects = results.scene()["effects"]
+    if not effects.map(lambda cell: RESIDUAL_DRIFTS in cell.splitlines()).any():
+        wrong = f"{results.path}: the residual drifts that Pelicun reads were not found, since the study asks for none"
+        raise InputError(Problem(wrong, "add `residual_drift: true` to the study and run it again"))
 
 
 def left_out_in_words(count: int, of: int) -> str:

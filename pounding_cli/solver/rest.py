@@ -26,6 +26,7 @@ from pounding_cli.laws import BEHAVIOURS
 from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, WrittenLaw, carried_out
 from pounding_cli.laws.joints import Maxwell
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.laws.slider import FRICTION
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import NOTHING_KEPT, Layout, term_matrix
@@ -58,8 +59,9 @@ laws follow by short steps."""
 UNDAMPED = 1e-6
 """Damping ratio [-] below which a mode counts as undamped."""
 
-STUCK_WITHIN = 1e-6
-"""Displacement [m] at which a spring in place of a slider that sticks would reach its friction."""
+DASHPOTS_OF_BLOW = 3.0
+"""Largest force of a blow over that of its spring alone at the largest closing [-]: the dashpot 2 xi sqrt(k m) adds at
+most 2 sqrt(2 H k) to sqrt(2 H k)."""
 
 ROUNDING = 1e-13
 """Drift at rest over the largest displacement [-] below which it is rounding."""
@@ -82,8 +84,8 @@ class Rest:
     """The drifts at rest of the scenes of a run.
 
     drift : of every storey and base spring [m], NaN where there is none; shape (scenes, degrees of freedom)
-    reasons : why there is none, "" where there is; one a scene
-    max_closing : largest closing of every link until the scene is at rest, the motion included [m];
+    reasons : why there is none, "" where there is or where none is asked for; one a scene
+    max_closing : largest closing of every link in the motion, and until the scene is at rest where that is asked [m];
         shape (scenes, links)
     """
 
@@ -93,14 +95,18 @@ class Rest:
 
 
 def find_rest(run: Prepared, is_done: np.ndarray) -> Rest:
-    """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`)."""
+    """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`), where they are
+    asked for."""
     layout, n, links = run.layout, run.layout.number, run.data.elements[:, run.layout.of_links]
     offsets, peaks = links["offset"], run.data.elements["peak_v"][:, :n].copy()
     rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), links["peak_v"] + offsets)
+    is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
-        rest.drift[is_done] = 0.0
+        rest.drift[is_asked] = 0.0
         return rest
-    places = np.flatnonzero(is_done)
+    places = np.flatnonzero(is_asked)
+    if not places.size:
+        return rest
     data = _copy_scenes(run.data, places)
     data.run["resumes"] = 1
     data.run["steps"] = 0
@@ -188,6 +194,11 @@ def _shape_of(layout: Layout) -> np.ndarray:
     return term_matrix(layout)
 
 
+def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Return the products of matrices (scenes, n, n) and vectors (scenes, n)."""
+    return np.einsum("sij,sj->si", matrices, vectors)
+
+
 @functools.lru_cache(maxsize=64)
 def _load_matrix(layout: Layout) -> np.ndarray:
     """Return the stiffness that P-Delta takes away [N/m], shape (n, n). The weight acts on the floors alone."""
@@ -198,28 +209,30 @@ def _load_matrix(layout: Layout) -> np.ndarray:
 
 
 def _stiffness_matrix(layout: Layout, k: np.ndarray) -> np.ndarray:
-    """Return the stiffness matrices of elements of the stiffnesses k [N/m], shape (scenes, n, n). What does not move
-    has 1 N/m on the diagonal and nothing beside it."""
+    """Return the stiffness matrices of elements of the stiffnesses k [N/m], shape (scenes, n, n)."""
     shape = _shape_of(layout)
-    matrix = shape.T @ (k[:, :, None] * shape) - _load_matrix(layout)
-    still = np.flatnonzero(layout.dofs["inv_mass"] == 0.0)
-    matrix[:, still, :] = 0.0
-    matrix[:, :, still] = 0.0
-    matrix[:, still, still] = 1.0
-    return matrix
+    return shape.T @ (k[:, :, None] * shape) - _load_matrix(layout)
+
+
+def _hold(matrix: np.ndarray, is_still: np.ndarray, diagonal: float) -> np.ndarray:
+    """Return matrices with `diagonal` and nothing beside it for degrees of freedom that do not move."""
+    held = np.where(is_still[:, :, None] | is_still[:, None, :], 0.0, matrix)
+    row, place = np.nonzero(is_still)
+    held[row, place, place] = diagonal
+    return held
 
 
 @functools.lru_cache(maxsize=64)
 def _modes(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Return the frequencies [rad/s] of the buildings with their initial stiffnesses, without links, and their shapes
-    over the square roots of the masses, of what moves; shapes (modes,) and (n, modes)."""
+    """Return the frequencies [rad/s] of the buildings with their initial stiffnesses, without links and on sliders that
+    stick, and their shapes over the square roots of the masses, of what moves; shapes (modes,) and (n, modes)."""
     n = layout.number
     k = np.zeros((1, layout.elements.size))
     k[0, :n] = layout.elements["p"][:n, 0]
-    slides = layout.elements["slides"] > 0
-    k[0, slides] += layout.elements["p"][slides, 1] / STUCK_WITHIN
-    root = np.sqrt(layout.dofs["inv_mass"])
-    squares, shapes = np.linalg.eigh(_stiffness_matrix(layout, k)[0] * np.outer(root, root))
+    is_still = (layout.dofs["inv_mass"] == 0.0) | (layout.elements["slides"][:n] > 0)
+    root = np.sqrt(np.where(is_still, 0.0, layout.dofs["inv_mass"]))
+    matrix = _hold(_stiffness_matrix(layout, k), is_still[None, :], 0.0)[0]
+    squares, shapes = np.linalg.eigh(matrix * np.outer(root, root))
     moves = squares > 0.0
     return np.sqrt(squares[moves]), root[:, None] * shapes[:, moves]
 
@@ -232,8 +245,12 @@ def _longest_period(layout: Layout) -> float:
 class _State:
     """Scenes of one layout at a time after the motion, on their present branches.
 
+    A base on a slider that sticks is where it is, and everything else vibrates about the equilibrium beside it.
+
     drift : deformation of every element at the equilibrium of these branches [m], shape (scenes, elements)
     reach : how far every element may ever get from there [m], inf where that is not bounded
+    drive : force at the equilibrium that would move a base held by a slider [N], shape (scenes, degrees of freedom)
+    drive_reach : how far it may ever get from there [N]
     """
 
     def __init__(self, layout: Layout, scenes: Sequence[Scene], data: Data) -> None:
@@ -244,6 +261,8 @@ class _State:
         for row, scene in enumerate(scenes):
             self.is_contact[row, layout.of_links] = [not link.law.joins for link in scene.links]
         self.is_pressed = np.zeros_like(self.is_contact)
+        self.is_held = data.elements["holds"][:, : layout.number] > 0
+        self.is_still = self.is_held | (layout.dofs["inv_mass"] == 0.0)
         self._put_lines()
         self._solve()
         would_press = self.is_contact & (self.drift > TOUCH) & (data.elements["closed"] > 0)
@@ -263,7 +282,6 @@ class _State:
         self.is_curved[:, :n] = is_smooth
         self.k[:, :n] = np.where(is_smooth, e["p"][:, :n, 0], self.k[:, :n])
         self.f0[:, :n] = np.where(is_smooth, forces_now(e[:, :n]) - self.k[:, :n] * e["v1"][:, :n], self.f0[:, :n])
-        self._put_held_sliders()
         relaxes = e["relaxation"] > 0.0
         self.k[relaxes] = 0.0
         curved = (e["acts"] > 0) & ((e["smooth"] > 0) | (e["cubic"] != 0.0))
@@ -272,58 +290,108 @@ class _State:
             self.k[row, place], self.f0[row, place] = self._line_at(row, place)
             self.is_curved[row, place] = self.k[row, place] != 0.0
 
-    def _put_held_sliders(self) -> None:
-        """Enter stiff springs for sliders that stick, which hold the base where it is up to their friction."""
-        e = self.data.elements
-        self.low, self.high = e["low"].copy(), e["high"].copy()
-        holds = e["holds"] > 0
-        friction, v = e["p"][holds, 1], e["v1"][holds]
-        self.k[holds] += friction / STUCK_WITHIN
-        self.f0[holds] = -friction / STUCK_WITHIN * v
-        self.low[holds], self.high[holds] = v - STUCK_WITHIN, v + STUCK_WITHIN
-
     def _line_at(self, row: int, place: int) -> tuple[float, float]:
         """Return the tangent (stiffness [N/m], offset [N]) of a curved force at the present deformation, at rest."""
         element = self.data.elements.view(np.recarray)[row, place]
         v = float(element.v1)
         step = NUDGE * max(abs(v), NUDGE)
-        above, below = self._force(element, row, v + step), self._force(element, row, v - step)
+        above = self._force(element, row, v + step, 0.0)
+        below = self._force(element, row, v - step, 0.0)
         k = (above - below) / (2.0 * step)
         return k, 0.5 * (above + below) - k * v
 
-    def _force(self, element: Any, row: int, v: float) -> float:
-        """Return the force of an element at the deformation v without a rate [N]."""
-        force = float(element.k * v + element.cubic * v**3 + element.f0)
+    def _force(self, element: Any, row: int, v: float, rate: float) -> float:
+        """Return the force [N] of an element at the deformation v [m] and the rate [m/s]."""
+        force = float(element.k * v + element.c * rate + element.cubic * v**3 + element.f0)
         if element.smooth and BEHAVIOURS[element.kind] is WRITTEN_BEHAVIOUR:
             assert self.data.room is not None  # of every scene with a formula
-            return force + float(carried_out(self.data.room.formulas.view(np.recarray)[row, element.formula], v, 0.0))
+            formula = self.data.room.formulas.view(np.recarray)[row, element.formula]
+            return force + float(carried_out(formula, v, rate))
         own = BEHAVIOURS[element.kind].force
-        return force + float(own(element, v, 0.0)) if element.smooth and own is not None else force
+        return force + float(own(element, v, rate)) if element.smooth and own is not None else force
 
     def _solve(self) -> None:
         """Find the equilibrium, with the contacts that are pressed and without the others."""
         shape = _shape_of(self.layout)
         acts = ~self.is_contact | self.is_pressed
         k, f0, offset = np.where(acts, self.k, 0.0), np.where(acts, self.f0, 0.0), self.data.elements["offset"]
-        self.matrix = _stiffness_matrix(self.layout, k)
+        self.whole_matrix = _stiffness_matrix(self.layout, k)
+        self.matrix = _hold(self.whole_matrix, self.is_still, 1.0)
+        place = np.where(self.is_held, self.data.dofs["u0"], 0.0)  # of what does not move
         pull = (k * offset - f0) @ shape
-        pull[:, self.layout.dofs["inv_mass"] == 0.0] = 0.0
+        free_pull = np.where(self.is_still, place, pull - _times(self.whole_matrix, place))
         self.is_stable = np.linalg.eigvalsh(self.matrix)[:, 0] > 0.0
         self.matrix[~self.is_stable] = np.eye(self.layout.number)
-        self.displacement = np.linalg.solve(self.matrix, pull[..., None])[..., 0]
+        self.displacement = np.linalg.solve(self.matrix, free_pull[..., None])[..., 0]
+        self.drive = pull - _times(self.whole_matrix, self.displacement)
         self.drift = self.displacement @ shape.T - offset
         size = np.abs(self.displacement).max(axis=1, keepdims=True, initial=0.0)
         self.drift[np.abs(self.drift) <= ROUNDING * size] = 0.0
 
     def _bound(self) -> None:
-        """Find how far the energy that is left takes every element."""
+        """Find how far the energy that is left takes every element, and the force on every held base."""
         shape, dofs = _shape_of(self.layout), self.data.dofs
         away = dofs["u0"] - self.displacement
         energy = 0.5 * (dofs["mass"] * dofs["w"][:, :, 0] ** 2).sum(axis=1)
         energy += 0.5 * np.einsum("si,sij,sj->s", away, self.matrix, away) + self._stored_beside()
-        flexibility = np.einsum("en,snk,ek->se", shape, np.linalg.inv(self.matrix), shape)
-        self.reach = np.sqrt(2.0 * np.maximum(energy[:, None] * flexibility, 0.0))
+        self.twice_energy = 2.0 * np.maximum(energy[:, None], 0.0)
+        inverse = _hold(np.linalg.inv(self.matrix), self.is_still, 0.0)
+        flexibility = np.einsum("en,snk,ek->se", shape, inverse, shape)
+        self.reach = np.sqrt(self.twice_energy * np.maximum(flexibility, 0.0))
         self.reach[~self.is_stable] = math.inf
+        self.drive_reach = np.zeros(self.is_held.shape)
+        if self.is_held.any():
+            self._bound_drives(inverse)
+
+    def _bound_drives(self, inverse: np.ndarray) -> None:
+        """Find how far the force on every held base may get from that at the equilibrium.
+
+        It is linear in displacements, velocities and forces of Maxwell dampers, whose squares make up the energy; the
+        forces of contacts that may close, and of links whose forces are curved, come on top of it.
+        """
+        shape, e, n = _shape_of(self.layout), self.data.elements, self.layout.number
+        inverse_mass = np.where(self.is_still, 0.0, self.layout.dofs["inv_mass"])
+        slopes = np.where(self.is_still[:, None, :], 0.0, self.whole_matrix)
+        squares = np.einsum("sij,sjk,sik->si", slopes, inverse, slopes)
+        rates = shape.T @ (self._dashpots()[:, :, None] * shape)
+        squares += np.einsum("sij,sj->si", rates**2, inverse_mass)
+        squares += np.where(e["relaxation"] > 0.0, e["k"], 0.0) @ shape**2
+        self.drive_reach = np.where(self.is_held, np.sqrt(self.twice_energy * squares), 0.0)
+        rate_reach = np.sqrt(self.twice_energy * (inverse_mass @ (shape**2).T))
+        is_beside = (self.is_contact & ~self.is_pressed & (self.drift + self.reach > 0.0)) | (
+            (e["acts"] > 0) & (e["smooth"] > 0) & ~self.is_contact
+        )
+        is_beside[:, :n] = False
+        for row, place in np.argwhere(is_beside).tolist():
+            weights = np.where(self.is_held[row], np.abs(shape[place]), 0.0)
+            if weights.any():
+                self.drive_reach[row] += weights * self._largest_force(row, place, float(rate_reach[row, place]))
+
+    def _largest_force(self, row: int, place: int, rate: float) -> float:
+        """Return how far the force of a contact or of a link whose force is curved may get from that at rest [N].
+
+        rate : largest rate [m/s]
+        """
+        rest, reach = float(self.drift[row, place]), float(self.reach[row, place])
+        element = self.data.elements.view(np.recarray)[row, place]
+        if self.is_contact[row, place]:
+            law = self.scenes[row].links[place - self.layout.of_links.start].law
+            closing = rest + reach + float(element.offset)
+            step = NUDGE * (rest + reach)
+            gained = law.stored(closing + step, 0.0) - law.stored(closing, 0.0)
+            return DASHPOTS_OF_BLOW * gained / step
+        ends = [(rest + side * reach, way * rate) for side in (-1.0, 1.0) for way in (-1.0, 1.0)]
+        at_rest = self._force(element, row, rest, 0.0)
+        tangent = float(self.k[row, place]) * reach  # which is in the linear part
+        return max(abs(self._force(element, row, v, r) - at_rest) for v, r in ends) + tangent
+
+    def _dashpots(self) -> np.ndarray:
+        """Return the dashpots of all elements that act [N s/m], shape (scenes, elements)."""
+        e, n, first_link = self.data.elements, self.layout.number, self.layout.of_links.start
+        is_open = self.is_contact & ~self.is_pressed
+        c = np.where(is_open, 0.0, e["c"])
+        c[:, n:first_link] = e["p"][:, n:first_link, 1]
+        return c
 
     def _stored_beside(self) -> np.ndarray:
         """Return the energy [J] in contacts that are open at rest and in Maxwell dampers, shape (scenes,)."""
@@ -348,24 +416,21 @@ class _State:
         e, n = self.data.elements, self.layout.number
         is_open = self.is_contact & ~self.is_pressed
         fits = np.where(is_open, self.drift <= TOUCH, ~self.is_contact | (self.drift > 0.0))
-        stays = (self.drift - self.reach > self.low) & (self.drift + self.reach < self.high)
+        stays = (self.drift - self.reach > e["low"]) & (self.drift + self.reach < e["high"])
         stays &= np.isneginf(e["slow"]) & np.isposinf(e["fast"]) & ~self.is_curved
         stays &= np.abs(self.drift) + self.reach < e["collapse"]
         scale = np.maximum(np.abs(self.drift[:, :n]), LEAST_DRIFT * largest)
         is_still = (self.reach[:, :n] <= STILL * scale).all(axis=1)
-        return self.is_stable & fits.all(axis=1) & ((is_open | stays).all(axis=1) | is_still)
+        friction = np.where(self.is_held, e["p"][:, :n, FRICTION], math.inf)
+        holds = (np.abs(self.drive) + self.drive_reach < friction).all(axis=1)
+        return self.is_stable & fits.all(axis=1) & holds & ((is_open | stays).all(axis=1) | is_still)
 
     def is_undamped(self) -> np.ndarray:
         """Return whether a mode of the buildings has no damping, neither of theirs nor of links; shape (scenes,)."""
-        layout, e, n = self.layout, self.data.elements, self.layout.number
+        layout = self.layout
         omega, modes = _modes(layout)
         takes = [[_always_takes_energy(link.law) for link in scene.links] for scene in self.scenes]
-        c = np.zeros(e.shape)
-        c[:, :n] = e["c"][:, :n]
-        c[:, n : layout.of_links.start] = e["p"][:, n : layout.of_links.start, 1]
-        c[:, layout.of_links] = np.where(self.is_contact[:, layout.of_links], 0.0, e["c"][:, layout.of_links])
-        slides = np.flatnonzero(layout.elements["slides"])  # friction damps the base that it holds
-        c[:, slides] = np.sqrt(layout.elements["p"][slides, 1] / STUCK_WITHIN * layout.dofs["mass"][slides])
+        c = np.where(self.is_contact, 0.0, self._dashpots())
         in_modes = (_shape_of(layout) @ modes) ** 2
         own = (layout.dofs["drag"] * layout.dofs["mass"]) @ modes**2
         ratios = (c @ in_modes + own) / (2.0 * omega)

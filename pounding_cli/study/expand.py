@@ -109,7 +109,8 @@ class _Expansion:
         assert group is not None  # the study was validated at every point
         assert links is not None
         motions = [used[name].motion for name in self.records]
-        return Scene(tuple(group.buildings), links, motions[0], self.analyses[0], study.section(at, "tail")), motions
+        tail, asked = study.section(at, "tail"), study.asks_residual_drift
+        return Scene(tuple(group.buildings), links, motions[0], self.analyses[0], tail, asked), motions
 
     def _begin(self, case: str, table: list[Any], point: Point) -> Digests | None:
         """What the digests of a case at a point begin with, None where something is wrong there; what tables say of its
@@ -148,8 +149,9 @@ class _Expansion:
     def _endings_of(self, point: Point) -> list[bytes]:
         """How the digests of all analyses and motions at a point end; empty where something is wrong."""
         motions, tail = self.study.motions(point), self.study.section(point, "tail")
+        to_rest = self.study.asks_residual_drift
         asked = product(self.analyses, self.records if motions else ())
-        return [Digests.ending(motions[name].motion, analysis, tail) for analysis, name in asked]
+        return [Digests.ending(motions[name].motion, analysis, tail, to_rest) for analysis, name in asked]
 
     def _note(self) -> None:
         """Take over what is wrong at the points asked so far.  Raises `InputError` where that is much."""

@@ -49,6 +49,12 @@ Point = tuple[int, ...]
 Subject = str | tuple[str, str]
 """What an axis can touch: a section of the file, or one entry of a section."""
 
+QUESTIONS = ("fragility", "sensitivity", "optimise")
+"""Sections that may name quantities in limits, outputs and optima."""
+
+RESIDUAL_DRIFT = "residual_drift"
+"""The key and the quantity of the drifts at rest."""
+
 MOST_KEPT = 200_000
 """Answers kept at a time: many points share one answer, but not the memory of all of them."""
 
@@ -183,6 +189,11 @@ class Study:
             return found
 
         return tree
+
+    @functools.cached_property
+    def asks_residual_drift(self) -> bool:
+        """Whether the drifts at rest are asked for, by their key or by a question that names them."""
+        return bool(self.model.residual_drift) or any(_names_residual_drift(self.root.get(name)) for name in QUESTIONS)
 
     def _valid(self, kind: Any, value: Any, path: tuple[str, ...], point: Point) -> Any:
         """A part of the file validated; None where it is faulty."""
@@ -451,6 +462,15 @@ def load_study(path: str | Path) -> Study:
     """
     path = Path(path)
     return Study(path, *read_study(path))
+
+
+def _names_residual_drift(node: Any) -> bool:
+    """Return whether a text anywhere in a part of a file names residual drifts."""
+    if isinstance(node, Mapping):
+        return any(map(_names_residual_drift, (*node.keys(), *node.values())))
+    if isinstance(node, list):
+        return any(map(_names_residual_drift, node))
+    return isinstance(node, str) and RESIDUAL_DRIFT in node
 
 
 def touched_by(names: Sequence[str], root: Map) -> frozenset[Subject]:

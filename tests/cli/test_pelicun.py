@@ -13,7 +13,8 @@ from pounding_cli import open_results
 
 from .conftest import TWO
 
-STUDY = TWO.replace("[elcentro, taft]", "[taft, elcentro]") + "sweep: {records.scale: [2, 1]}\n"  # not in order
+STUDY = TWO.replace("[elcentro, taft]", "[taft, elcentro]") + "residual_drift: true\nsweep: {records.scale: [2, 1]}\n"
+"""Motions and scales not in order."""
 ONE = ("--case", "gap", "--analysis", "inelastic", "--building", "soft")
 
 
@@ -44,6 +45,16 @@ def test_without_a_sweep_a_row_is_called_by_its_motion(folder, pound):
     pound("run", "two.yaml", "-o", "r.h5")
     assert pound("export", "r.h5", "--pelicun", *ONE, "-o", "d.csv")[0] == 0
     assert pd.read_csv("d.csv", index_col=0).index.tolist() == ["Units", "taft", "elcentro"]
+
+
+def test_a_file_without_residual_drifts_is_refused(folder, pound):
+    (folder / "two.yaml").write_text(TWO)
+    pound("run", "two.yaml", "-o", "r.h5")
+    assert open_results("r.h5").storey()["residual_drift"].isna().all()
+    code, _, err = pound("export", "r.h5", "--pelicun", *ONE, "-o", "d.csv")
+    assert code == 2
+    assert "residual_drift: true" in err
+    assert not (folder / "d.csv").exists()
 
 
 def test_what_is_not_one_building_is_refused(folder, pound):
