@@ -19,14 +19,13 @@ from pounding_cli.records.rows import (
     GIVE_STEP,
     MAX_HEADER_LINES,
     NumberHeader,
-    Row,
     find_number_header,
     find_number_header_in_comments,
     find_rows,
     refuse_a_row_among_headings,
     replace_decimal_commas,
 )
-from pounding_cli.records.text import Samples, Text, is_numeric
+from pounding_cli.records.text import Row, Samples, Text, is_numeric
 from pounding_cli.records.units import (
     ACCELERATION_WORD,
     BRACKETS,

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
 from pounding_cli.numbers import counted
-from pounding_cli.records.text import Text, is_numeric, number, tokens
+from pounding_cli.records.text import Row, Text, is_numeric, number, tokens
 
 MIN_STEP, MAX_STEP = 1e-4, 0.5
 """Numbers [s] that may be a time step in a header of numbers."""
@@ -18,18 +18,13 @@ MAX_HEADER_LINES = 400
 GIVE_STEP = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
 """What to do about a file that does not state its time step."""
 
+MAX_LINES_OF_COMMAS = 2000
+"""Lines of numbers that are looked at for decimal commas."""
+
+_OF_NUMBERS = re.compile(r"\s*[\"']?[-+]?[\d.,][-+\d.,;eEdD\s\"']*\Z")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _TWO_WHOLES = re.compile(r"[-+]?\d+,[-+]?\d+(?:[EeDd][-+]?\d+)?\Z")
 _WHOLE = re.compile(r"\+?\d{1,9}\.?\Z")
-
-
-@dataclass(slots=True)
-class Row:
-    """A line of numbers: its index in the file, its words and their values."""
-
-    index: int
-    words: list[str]
-    values: list[float]
 
 
 class NumberHeader(NamedTuple):
@@ -63,22 +58,20 @@ def find_rows(text: Text) -> tuple[int, list[Row]]:
             raise text.refuse("the times are dates or hours of the day, not seconds", hint, clock + 1)
         hint = "docs/records.md has the formats: at2, cosmos, csmip, smc, knet, esm, geonet, asa, and plain columns"
         raise text.refuse("no line of numbers found", hint, 1)
+    if plain := text.read_plain_rows(first):
+        return first, plain
     words = next((index for index in range(first, len(text.lines)) if _is_of_words(text.lines[index])), None)
     below = _find_numbers(text.lines, words) if words is not None else None
     if below is not None and below > first:
-        header = _rows_of(text, first, words)
-        if len(header) <= 2 and len(rows := header + _rows_of(text, below)) > 2:
+        header = text.read_rows(first, words)
+        if len(header) <= 2 and len(rows := header + text.read_rows(below)) > 2:
             pair = _count_and_step(header[0]) or (
                 int(header[0].values[0]) if _WHOLE.match(header[0].words[0]) else 0,
                 0.0,
             )
             if pair[0] in _sizes(rows[len(header) :]):
                 return below, rows
-    return first, _rows_of(text, first)
-
-
-def _rows_of(text: Text, start: int, end: int | None = None) -> list[Row]:
-    return [Row(*each) for each in text.words_and_numbers(start, end)]
+    return first, text.read_rows(first)
 
 
 def _is_of_words(line: str) -> bool:
@@ -195,10 +188,12 @@ def _find_header_in_a_column(text: Text, rows: list[Row], third: int) -> NumberH
             f"the first line, {one.words[0]}, is the time step, or looks like it: it is no sample like those below"
         )
         raise text.refuse(message, "take that line out, and leave dt: it is given", line)
+    if not is_whole:
+        return NumberHeader()
     fractions = [row for row in others if not _WHOLE.match(row.words[0].lstrip("-+"))]
     largest = max(abs(row.values[0]) for row in others)
     is_near = abs(one.values[0] - len(others)) <= 2
-    if is_whole and len(fractions) > 0.5 * len(others) and (is_near or one.values[0] > 20 * largest):
+    if len(fractions) > 0.5 * len(others) and (is_near or one.values[0] > 20 * largest):
         raise _refuse_count(text, one, int(one.values[0]), len(others))
     return NumberHeader()
 
@@ -247,10 +242,8 @@ def replace_decimal_commas(text: Text) -> list[str]:
     """
     if not any("," in line for line in text.lines):
         return text.lines
-    lines = [
-        index for index, line in enumerate(text.lines) if re.match(r"\s*[\"']?[-+]?[\d.,][-+\d.,;eEdD\s\"']*\Z", line)
-    ]
-    sample = [text.lines[index].replace('"', " ").replace("'", " ") for index in lines[:2000]]
+    lines = list(islice((at for at, line in enumerate(text.lines) if _OF_NUMBERS.match(line)), MAX_LINES_OF_COMMAS))
+    sample = [text.lines[index].replace('"', " ").replace("'", " ") for index in lines]
     rows = [[word for word in re.split(r"[;\s]+", line.strip()) if word] for line in sample]
     words = [word for row in rows for word in row]
     if any(word.endswith(",") for word in words) or not any("," in word for word in words):
@@ -268,8 +261,7 @@ def replace_decimal_commas(text: Text) -> list[str]:
         return text.lines
     if max(map(len, rows)) < 2 and not _is_one_column_with_commas(text, words, lines[0]):
         return text.lines
-    chosen = set(lines)
-    return [re.sub(r"(?<=\d),(?=\d)", ".", line) if index in chosen else line for index, line in enumerate(text.lines)]
+    return [re.sub(r"(?<=\d),(?=\d)", ".", line) if _OF_NUMBERS.match(line) else line for line in text.lines]
 
 
 def _is_one_column_with_commas(text: Text, words: list[str], first: int) -> bool:
