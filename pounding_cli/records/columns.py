@@ -25,7 +25,7 @@ from pounding_cli.records.rows import (
     refuse_a_row_among_headings,
     replace_decimal_commas,
 )
-from pounding_cli.records.text import Row, Samples, Text, is_numeric
+from pounding_cli.records.text import Doubt, Row, Samples, Text, is_numeric
 from pounding_cli.records.units import (
     ACCELERATION_WORD,
     BRACKETS,
@@ -78,11 +78,13 @@ class _Columns:
     def __init__(self, text: Text, rows: list[Row], header: Header, numbers: NumberHeader, format: str | None) -> None:
         self.text, self.rows, self.header, self.format = text, rows, header, format
         self.width = len(rows[0].values)
-        self.start = rows[0].index
+        self.start = rows[0].line_index
         self.counts = list(header.counts)
         if numbers.size is not None:
             self.counts.append((numbers.size, numbers.line))
         self.step_line = 0
+        self.contradicted: tuple[float, int] | None = None
+        self.doubt: Doubt | None = None
         self.step = self._find_stated_step(numbers)
 
     def read(self) -> tuple[str, Samples]:
@@ -150,7 +152,7 @@ class _Columns:
             hint = "leave 'column' and 'format' out: the pairs are read one after the other"
             raise self.text.refuse(message, hint, self.start + 1)
         self._check_counts(times.size)
-        lines = [row.index for row in self.rows for _ in range(len(row.values) // 2)]
+        lines = [row.line_index for row in self.rows for _ in range(len(row.values) // 2)]
         words = [word for row in self.rows for word in row.words[::2]]
         step = self._find_even_step(times, lines, words, 1.0)
         return self._samples(step, list(values), Heading())
@@ -199,7 +201,7 @@ class _Columns:
         times = np.array([row.values[time] for row in self.rows])
         scale = 1e-3 if headings[time].is_in_milliseconds else 1.0
         words = [row.words[time] if len(row.words) == self.width else "0.0" for row in self.rows]
-        step = self._find_even_step(times, [row.index for row in self.rows], words, scale)
+        step = self._find_even_step(times, [row.line_index for row in self.rows], words, scale)
         return self._samples(step, values, heading)
 
     def _find_column(self, headings: list[Heading], time: int | None, numbering: list[int]) -> int:
@@ -272,36 +274,38 @@ class _Columns:
         odd = next((row for row in self.rows if width and len(row.values) != width), None)
         if odd is not None:
             message = f"{counted(len(odd.values), 'value')} on this line, where every other has {width}"
-            raise self.text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd.index + 1)
+            raise self.text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd.line_index + 1)
 
     # Time step and count
 
     def _find_stated_step(self, numbers: NumberHeader) -> float | None:
-        """Return the time step [s] that the header or the user says; None where nobody does.
+        """Return the time step [s] that the user or the header says; None where nobody does.
 
-        Raises `InputError` where lines of the header differ, or the user says another one.
+        Where the user says another than the header, `contradicted` has the header's, for times to settle.
+
+        Raises `InputError` where lines of the header differ and the user says nothing.
         """
         stated = [(step.seconds, step.line) for step in self.header.steps if step.seconds > 0]
         if numbers.step is not None:
             stated.append((numbers.step, numbers.line))
         given = self.text.dt
-        if not stated:
-            return None if given is None else self.text.step(float(given), 0)
-        seconds, line = stated[0]
         if given is not None:
-            seconds, line = next(((s, at) for s, at in stated if abs(s - given) <= 1e-3 * s), (seconds, line))
-        else:
-            other = next((each for each in stated if abs(each[0] - seconds) > 1e-3 * seconds), None)
-            if other is not None:
-                message = f"line {line} says a time step of {seconds:g} s, this line one of {other[0]:g} s"
-                raise self.text.refuse(
-                    message, "give the right one: dt: 0.01 s beside the file, or --dt 0.01", other[1]
-                )
+            if not any(abs(seconds - given) <= 1e-3 * seconds for seconds, _ in stated):
+                self.contradicted = next(iter(stated), None)
+            return self.text.step(float(given), 0)
+        if not stated:
+            return None
+        seconds, line = stated[0]
+        other = next((each for each in stated if abs(each[0] - seconds) > 1e-3 * seconds), None)
+        if other is not None:
+            message = f"line {line} says a time step of {seconds:g} s, this line one of {other[0]:g} s"
+            raise self.text.refuse(message, "give the right one: dt: 0.01 s beside the file, or --dt 0.01", other[1])
         self.step_line = line
-        self.text.step(seconds, line)
-        return seconds if given is None else float(given)
+        return self.text.step(seconds, line)
 
     def _need_step(self, why: str, line: int = 1) -> float:
+        if self.contradicted is not None:
+            self.text.step(*self.contradicted)  # raises: the user says another one
         if self.step is not None:
             return self.step
         unreadable = next((step for step in self.header.steps if step.seconds <= 0), None)
@@ -310,38 +314,44 @@ class _Columns:
         raise self.text.refuse(why, GIVE_STEP, line)
 
     def _find_even_step(self, written: np.ndarray, lines: list[int], words: list[str], scale: float) -> float:
-        """Return the time step [s] of evenly rising times; refused where they are uneven or the header says another.
+        """Return the time step [s] of times: the one stated where they are its times, rounded; else their own.
 
-        written : the times as the file has them, one of which is `scale` [s]; lines : their indices in the file
+        Where the header says another than the times have, the times count, with a warning.
+
+        Parameters
+        ----------
+        written : the times as the file has them, one of which is `scale` [s]
+        lines, words : their lines (indices in the file) and what is written there
+
+        Raises
+        ------
+        InputError : fewer than two times, uneven times, another step than the user's
         """
         if written.size < 2:
             raise self.text.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
         digits = (0.0 if re.search(r"[EeDd]", word) else 10.0 ** -len(word.partition(".")[2]) for word in words[:1000])
-        digit, times, gaps = scale * min(digits), scale * written, scale * np.diff(written)
+        rounding = 1.02 * scale * min(digits)
+        times = scale * written
+        gaps = np.diff(times)
+        if self.step is not None and (gaps >= 0).all():
+            allowed = max(MAX_UNEVENNESS * self.step, rounding)
+            if _find_largest_deviation(times, self.step) <= allowed:
+                return self.step
         step = float(f"{(times[-1] - times[0]) / gaps.size:.9g}")
-        allowed = max(MAX_UNEVENNESS * step, min(1.02 * digit, 0.25 * step))
-        steps = [step] if self.step is None else [self.step, step]  # the one stated is exact, where times are rounded
-        even = [one for one in steps if np.abs(times - times[0] - one * np.arange(times.size)).max() <= allowed]
-        if not even:
+        if _find_largest_deviation(times, step) > max(MAX_UNEVENNESS * step, min(rounding, 0.25 * step)):
             usual = float(np.median(gaps))
             worst = int(np.argmax(np.abs(gaps - usual)))
             message = f"uneven times: a step of {gaps[worst]:.6g} s here, of {usual:.6g} s elsewhere"
             raise self.text.refuse(message, f"resample the record to even steps; {_ROW_BY_ROW}", lines[worst + 1] + 1)
-        if self.step is not None and even[0] != self.step and abs(self.step - step) > 1e-3 * step:
-            if self.text.dt is not None:
-                raise self.text.refuse(
-                    f"dt is given as {self.step:g} s, but the file says {step:g} s",
-                    "leave dt out, or correct it",
-                    lines[0] + 1,
-                )
-            message = f"line {self.step_line} says a time step of {self.step:g} s, but the times rise by {step:g} s"
-            raise self.text.refuse(
-                message,
-                f"give the right one: dt: {step:g} s beside the file (--dt {step:g}), and correct that line",
-                self.step_line,
-            )
         self.text.step(step, lines[0] + 1)
-        return even[0]
+        if self.step is not None and self.text.dt is None and abs(self.step - step) > 1e-3 * step:
+            message = (
+                f"line {self.step_line} says a time step of {self.step:g} s, but the times rise by {step:g} s, "
+                f"which is used"
+            )
+            hint = f"write `dt: {step:g} s` beside the file (--dt {step:g}) if the times are right; correct them if not"
+            self.doubt = Doubt(message, hint)
+        return step
 
     def _check_counts(self, found: int) -> None:
         for count, line in self.counts:
@@ -373,14 +383,14 @@ class _Columns:
         if stated:
             given = acceleration_unit(self.text.unit or "")
             agreed = next((each for each in stated if given and abs(factors[each[0]] / given - 1.0) > 1e-4), first)
-            return Samples(step, values, begin, *agreed)
+            return Samples(step, values, begin, *agreed, doubt=self.doubt)
         if heading.is_other_quantity:
-            return Samples(step, values, begin, heading.text, heading.lines[-1])
+            return Samples(step, values, begin, heading.text, heading.lines[-1], doubt=self.doubt)
         keyed = self.text.header.get("unit") or self.text.header.get("units")
         if keyed and keyed[0]:
-            return Samples(step, values, begin, *keyed)
+            return Samples(step, values, begin, *keyed, doubt=self.doubt)
         unclear, line = self._find_unclear(heading)
-        return Samples(step, values, begin, None, 0, unclear, line)
+        return Samples(step, values, begin, None, 0, unclear, line, self.doubt)
 
     def _find_unclear(self, heading: Heading) -> tuple[str, int]:
         """Return what the lines over the numbers say about the unit, where none can be read from it, and the line."""
@@ -407,3 +417,8 @@ class _Columns:
 
     def _quote(self, line: int) -> str:
         return f"'{self.text.lines[line - 1].strip()[:60]}'"
+
+
+def _find_largest_deviation(times: np.ndarray, step: float) -> float:
+    """Return the largest distance [s] of times from those that begin with the first and have this step."""
+    return float(np.abs(times - times[0] - step * np.arange(times.size)).max())

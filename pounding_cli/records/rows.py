@@ -112,7 +112,7 @@ def find_number_header(text: Text, rows: list[Row]) -> NumberHeader:
     if len(rows) < 3:
         return _find_header_of_one_row(text, rows)
     first, second, third = (len(row.values) for row in rows[:3])
-    line = rows[0].index + 1
+    line = rows[0].line_index + 1
     if first == second == 1:
         return _find_header_in_a_column(text, rows, third)
     pair = _count_and_step(rows[0])
@@ -160,13 +160,13 @@ def _find_header_of_one_row(text: Text, rows: list[Row]) -> NumberHeader:
     if len(rows) == 2 and len(rows[0].values) == 2 != len(rows[1].values) and (pair := _count_and_step(rows[0])):
         if pair[0] != len(rows[1].values):
             raise _refuse_count(text, rows[0], pair[0], len(rows[1].values))
-        return NumberHeader(1, *pair, rows[0].index + 1)
+        return NumberHeader(1, *pair, rows[0].line_index + 1)
     return NumberHeader()
 
 
 def _find_header_in_a_column(text: Text, rows: list[Row], third: int) -> NumberHeader:
     """Return the header of numbers in the first one or two lines of one number each."""
-    line, one, two = rows[0].index + 1, rows[0], rows[1]
+    line, one, two = rows[0].line_index + 1, rows[0], rows[1]
     for count, step in ((one, two), (two, one)):
         if _WHOLE.match(count.words[0]) and _is_step(step) and int(count.values[0]) in _sizes(rows[2:]):
             return NumberHeader(2, int(count.values[0]), step.values[0], line)
@@ -203,7 +203,7 @@ def _refuse_count(text: Text, row: Row, count: int, found: int) -> Exception:
     follow = counted(found, "value follows", "values follow")
     message = f"'{quote}' over the values is a header that says {counted(count, 'value')}, but {follow}"
     return text.refuse(
-        message, "correct that line, or take it out and give dt: 0.01 s beside the file (--dt 0.01)", row.index + 1
+        message, "correct that line, or take it out and give dt: 0.01 s beside the file (--dt 0.01)", row.line_index + 1
     )
 
 

@@ -53,7 +53,7 @@ _FOREIGN_ACCELERATION = re.compile("ускорен|加速度|ガル|επιτ[α�
 class Row(NamedTuple):
     """A line of numbers: its index in the file, its words and their values."""
 
-    index: int
+    line_index: int
     words: list[str]
     values: list[float]
 
@@ -159,7 +159,7 @@ class Text:
     def rows(self, start: int, end: int | None = None) -> dict[int, list[float]]:
         """The numbers of every line from index `start` on, to before `end`, by its index; comments and blank lines are
         passed over, and nan, inf and all else is refused at its column."""
-        return {row.index: row.values for row in self.read_rows(start, end)}
+        return {row.line_index: row.values for row in self.read_rows(start, end)}
 
     def read_rows(self, start: int, end: int | None = None) -> list[Row]:
         """Return index, words and numbers of every line, as `rows`; words that end the file are passed over too."""

@@ -129,6 +129,7 @@ def test_the_file_is_read_as_it_means_or_refused_with_the_key(tmp_path: Path, ca
     assert reading.motion.pga == pytest.approx(row.get("peak", 0.048 * one), rel=1e-9)
     assert reading.motion.acceleration.size == len(VALUES)
     assert reading.motion.dt == pytest.approx(row.get("step", STEP), rel=1e-12)
-    assert row.get("doubt", "") in reading.doubt
-    assert bool(reading.doubt) == ("doubt" in row)
+    doubt = "; ".join(f"{each.message} | {each.hint}" for each in reading.doubts)
+    assert row.get("doubt", "") in doubt
+    assert bool(doubt) == ("doubt" in row)
     assert row.get("said", "") in reading.words
