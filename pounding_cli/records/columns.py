@@ -14,7 +14,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import counted
-from pounding_cli.records.headings import Header, Heading, read_header
+from pounding_cli.records.headings import Header, Heading, find_spectrum_title, read_header
 from pounding_cli.records.rows import (
     GIVE_STEP,
     MAX_HEADER_LINES,
@@ -31,6 +31,7 @@ from pounding_cli.records.units import (
     BRACKETS,
     acceleration_unit,
     named_quantity,
+    quantity_of,
     speaks_of_a_number,
 )
 
@@ -126,9 +127,8 @@ class _Columns:
     def _is_row_by_row(self) -> bool:
         """Return whether a header counts the values, not the rows."""
         total = sum(len(row.values) for row in self.rows)
-        return (
-            total != len(self.rows) and any(count == total for count, _ in self.counts) and not self._has_even_times()
-        )
+        is_counted = total != len(self.rows) and any(count == total for count, _ in self.counts)
+        return is_counted and (len(self.rows) < 3 or not self._has_even_times())
 
     def _read_row_by_row(self) -> Samples:
         values = [value for row in self.rows for value in row.values]
@@ -186,7 +186,7 @@ class _Columns:
         place = self._find_column(headings, time, numbering)
         values = [row.values[place] for row in self.rows]
         self._check_counts(len(values))
-        heading = headings[place]
+        heading = _find_heading_of_unit(headings, place)
         if heading.is_other_quantity:
             raise self.text.wrong_quantity(heading.quantity, heading.lines[-1])
         if time is None:
@@ -199,7 +199,10 @@ class _Columns:
             )
             return self._samples(self._need_step(why, self.start + 1), values, heading)
         times = np.array([row.values[time] for row in self.rows])
-        scale = 1e-3 if headings[time].is_in_milliseconds else 1.0
+        title = find_spectrum_title(self.header)
+        if title is not None and not (known and headings[time].is_time) and self.step is None:
+            raise self.text.wrong_quantity(f"a spectrum ({title[0][:40]})", title[1])
+        scale = headings[time].time_unit
         words = [row.words[time] if len(row.words) == self.width else "0.0" for row in self.rows]
         step = self._find_even_step(times, [row.line_index for row in self.rows], words, scale)
         return self._samples(step, values, heading)
@@ -225,8 +228,10 @@ class _Columns:
             return asked - 1
         if not self.header.headings and len(others) > 1:
             raise self._refuse_to_choose(others, headings)
-        named = [place for place in others if headings[place].quantity == "acceleration"]
-        candidates = named or [place for place in others if not headings[place].is_other_quantity]
+        possible = [place for place in others if not headings[place].is_other_quantity]
+        named = [place for place in possible if headings[place].quantity == "acceleration"]
+        candidates = [place for place in possible if place in named or headings[place].is_component] if named else []
+        candidates = candidates or possible
         if len(candidates) == 1 and self.format != "table":
             return candidates[0]
         if not candidates and others:
@@ -384,13 +389,24 @@ class _Columns:
             given = acceleration_unit(self.text.unit or "")
             agreed = next((each for each in stated if given and abs(factors[each[0]] / given - 1.0) > 1e-4), first)
             return Samples(step, values, begin, *agreed, doubt=self.doubt)
-        if heading.is_other_quantity:
-            return Samples(step, values, begin, heading.text, heading.lines[-1], doubt=self.doubt)
-        keyed = self.text.header.get("unit") or self.text.header.get("units")
-        if keyed and keyed[0]:
-            return Samples(step, values, begin, *keyed, doubt=self.doubt)
+        if heading.is_other_quantity or heading.quantity == "counts":
+            return Samples(step, values, begin, heading.quantity, heading.lines[-1], doubt=self.doubt)
+        other_unit = self._find_other_unit()
+        if other_unit is not None:
+            return Samples(step, values, begin, *other_unit, doubt=self.doubt)
         unclear, line = self._find_unclear(heading)
         return Samples(step, values, begin, None, 0, unclear, line, self.doubt)
+
+    def _find_other_unit(self) -> tuple[str, int] | None:
+        """Return another unit that the file states, and its line; None where it states none."""
+        for line, words in self.header.words.items():
+            series = re.match(r"TIMESERIES\b.*,\s*([^,]+)\Z", words)  # SLIST of IRIS and ObsPy
+            if series and quantity_of(series[1])[0]:
+                return series[1], line
+        keyed, line = self.text.header.get("unit") or self.text.header.get("units") or ("", 0)
+        first = re.split(r"[;,]\s", keyed)[0].strip()
+        unit = first if quantity_of(first)[0] else keyed
+        return (unit, line) if unit else None
 
     def _find_unclear(self, heading: Heading) -> tuple[str, int]:
         """Return what the lines over the numbers say about the unit, where none can be read from it, and the line."""
@@ -422,3 +438,13 @@ class _Columns:
 def _find_largest_deviation(times: np.ndarray, step: float) -> float:
     """Return the largest distance [s] of times from those that begin with the first and have this step."""
     return float(np.abs(times - times[0] - step * np.arange(times.size)).max())
+
+
+def _find_heading_of_unit(headings: list[Heading], place: int) -> Heading:
+    """Return the heading that has the unit of a column: its own, or that of the last of several components.
+
+    `t, NS, EW, UD (gal)` states one unit for three components.
+    """
+    heading, last = headings[place], headings[-1]
+    is_shared = heading.is_component and last.is_component and not BRACKETS.search(heading.text)
+    return last if is_shared and BRACKETS.search(last.text) else heading

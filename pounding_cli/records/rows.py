@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pounding_cli.numbers import counted
+from pounding_cli.records.headings import is_name_of_time
 from pounding_cli.records.text import Row, Text, is_numeric, number, tokens
 
 MIN_STEP, MAX_STEP = 1e-4, 0.5
@@ -100,6 +101,8 @@ def refuse_a_row_among_headings(text: Text, start: int, width: int) -> None:
     begins = [word for word in words if re.match(r"[-+]?\d*\.\d", word) and number(word) is None]
     if len(words) == width and (len(numbers) == width - 1 > 0 or (width == 1 and begins)):
         odd = next(word for word in words if number(word) is None)
+        if is_name_of_time(odd):
+            return  # time,0: the headings of a pandas series without a name
         hint = "write plain numbers; fill or cut gaps in the record"
         raise text.refuse(f"'{odd[:40]}' is not a finite number", hint, above + 1, text.lines[above].find(odd) + 1)
 

@@ -31,10 +31,11 @@ _QUOTED_COMMA = re.compile(r"\"\s*([-+]?\d+),(\d+(?:[Ee][-+]?\d+)?)\s*\"")
 _NOT_PLAIN = re.compile(r"[^\dEe+\-.,;\s\"']", re.ASCII)
 # A sign that a block of plain numbers does not have; touching numbers and all else that is none fail as they are read.
 _END = re.compile(
-    r"[\W_]*(?:end|eof|eod|fin|fine|fim|ende|einde|kraj|koniec|конец|终了|結束|结束|終了|以上)(?![^\W_])(?:[\W_]+[^\W\d_]+){0,5}[\W_]*\Z",
+    r"[\W_]*(?:end|eof|eod|fin|fine|fim|ende|einde|kraj|koniec|конец|终了|結束|结束|終了|以上)(?![^\W_])(?:[\W_]+[^\W\d_]+){0,5}[\W_]*\Z"
+    r"|\s*[\])}/]+\s*;?\s*\Z",
     re.IGNORECASE,
 )
-# END, EOF, *** End of data ***
+# END, EOF, *** End of data ***, ];
 _HEADER = re.compile(r"[#%!\s]*([A-Za-z][A-Za-z ]{,30})[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
