@@ -64,7 +64,7 @@ _KEYED = re.compile(
     re.IGNORECASE,
 )
 _PLAIN_STEP = re.compile(
-    rf"(?:(?:\bintervals?\s+of|\bspaced(?:\s+(?:at|by|every))?|\bspacing\s+of|\bevery)\s*:?\s*{_NUMBER}\s*"
+    rf"(?:(?:\bintervals?\s+of|\bspaced(?:\s+(?:at|by|every))?|\bspacing\s+of|\bevery|(?:points|samples|values)\s+(?:at|@))\s*:?\s*{_NUMBER}\s*"
     r"(?P<behind>secs?|seconds?|s|ms|msec|milliseconds)\b)"
     rf"|{_NUMBER.replace('value', 'before')}\s*(?P<unit>secs?|seconds?|s|ms|msec|milliseconds)\b\.?\s*(?:time\s+)?"
     r"(?:intervals?|spacing|steps?)\b",

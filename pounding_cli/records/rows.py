@@ -16,6 +16,8 @@ MIN_STEP, MAX_STEP = 1e-4, 0.5
 """Numbers [s] that may be a time step in a header of numbers."""
 MAX_HEADER_LINES = 400
 """Lines over the numbers that are looked at."""
+MAX_NUMBERS_OVER_WORDS = 5
+"""Lines of numbers over words that may belong to a header: a date, coordinates."""
 GIVE_STEP = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
 """What to do about a file that does not state its time step."""
 
@@ -25,6 +27,8 @@ MAX_LINES_OF_COMMAS = 2000
 _OF_NUMBERS = re.compile(r"\s*[\"']?[-+]?[\d.,][-+\d.,;eEdD\s\"']*\Z")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _TWO_WHOLES = re.compile(r"[-+]?\d+,[-+]?\d+(?:[EeDd][-+]?\d+)?\Z")
+_MISSING = ("nan", "na", "null", "none", "nil", "inf", "infinity", "missing", "void", "gap", "error")
+# Words in place of a number.
 _WHOLE = re.compile(r"\+?\d{1,9}\.?\Z")
 
 
@@ -63,16 +67,34 @@ def find_rows(text: Text) -> tuple[int, list[Row]]:
         return first, plain
     words = next((index for index in range(first, len(text.lines)) if _is_of_words(text.lines[index])), None)
     below = _find_numbers(text.lines, words) if words is not None else None
-    if below is not None and below > first:
-        header = text.read_rows(first, words)
-        if len(header) <= 2 and len(rows := header + text.read_rows(below)) > 2:
-            pair = _count_and_step(header[0]) or (
-                int(header[0].values[0]) if _WHOLE.match(header[0].words[0]) else 0,
-                0.0,
-            )
-            if pair[0] in _sizes(rows[len(header) :]):
-                return below, rows
+    if words is not None and below is not None:
+        return _find_rows_below_words(text, first, words, below)
     return first, text.read_rows(first)
+
+
+def _find_rows_below_words(text: Text, first: int, words: int, below: int) -> tuple[int, list[Row]]:
+    """Return the rows below words that stand among the numbers, as `find_rows`.
+
+    first, words, below : indices of the first line of numbers, of the words, and of the numbers below them
+    """
+    header = text.read_rows(first, words)
+    if len(header) > MAX_NUMBERS_OVER_WORDS:
+        return first, text.read_rows(first)  # raises: words among the samples
+    rows = text.read_rows(below)
+    says_count = _count_and_step(header[0]) is not None or _says_size(header[0], rows)
+    if says_count and len(header) <= 2:
+        return below, header + rows
+    is_header = all(len(row.values) != len(rows[0].values) for row in header)
+    if not is_header or len(rows) <= len(header):
+        quote = text.lines[words].strip()[:40]
+        message = f"numbers stand over these words ('{quote}') and below them: which are the samples?"
+        raise text.refuse(message, "take out the lines that are no samples, or begin them with #", words + 1)
+    return below, rows
+
+
+def _says_size(row: Row, rows: list[Row]) -> bool:
+    """Return whether a row begins with the number of samples in other rows."""
+    return bool(_WHOLE.match(row.words[0])) and int(row.values[0]) in _sizes(rows)
 
 
 def _is_of_words(line: str) -> bool:
@@ -101,8 +123,9 @@ def refuse_a_row_among_headings(text: Text, start: int, width: int) -> None:
     begins = [word for word in words if re.match(r"[-+]?\d*\.\d", word) and number(word) is None]
     if len(words) == width and (len(numbers) == width - 1 > 0 or (width == 1 and begins)):
         odd = next(word for word in words if number(word) is None)
-        if is_name_of_time(odd):
-            return  # time,0: the headings of a pandas series without a name
+        is_key = odd == words[0] and odd.isalpha() and odd.lower() not in _MISSING
+        if is_key or is_name_of_time(odd):
+            return  # dt 0.02; or time,0: the headings of a pandas series without a name
         hint = "write plain numbers; fill or cut gaps in the record"
         raise text.refuse(f"'{odd[:40]}' is not a finite number", hint, above + 1, text.lines[above].find(odd) + 1)
 
