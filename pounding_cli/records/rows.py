@@ -11,6 +11,7 @@ import numpy as np
 from pounding_cli.numbers import counted
 from pounding_cli.records.headings import is_name_of_time
 from pounding_cli.records.text import Row, Text, is_numeric, number, tokens
+from pounding_cli.records.units import named_quantity
 
 MIN_STEP, MAX_STEP = 1e-4, 0.5
 """Numbers [s] that may be a time step in a header of numbers."""
@@ -85,7 +86,8 @@ def _find_rows_below_words(text: Text, first: int, words: int, below: int) -> tu
     if says_count and len(header) <= 2:
         return below, header + rows
     is_header = all(len(row.values) != len(rows[0].values) for row in header)
-    if not is_header or len(rows) <= len(header):
+    is_other_quantity = named_quantity(text.lines[words]) in ("velocity", "displacement")
+    if not is_header or len(rows) <= len(header) or is_other_quantity:
         quote = text.lines[words].strip()[:40]
         message = f"numbers stand over these words ('{quote}') and below them: which are the samples?"
         raise text.refuse(message, "take out the lines that are no samples, or begin them with #", words + 1)

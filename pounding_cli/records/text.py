@@ -176,13 +176,22 @@ class Text:
             for word in words:
                 value = number(word)
                 if value is None:
-                    hint, column = "write plain numbers; fill or cut gaps in the record", line.find(word) + 1
-                    raise self.refuse(f"'{word[:40]}' is not a finite number", hint, index + 1, column)
+                    raise self._refuse_word(word, words, index)
                 values.append(value)
             found.append(Row(index, words, values))
         if not found:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return found
+
+    def _refuse_word(self, word: str, words: list[str], index: int) -> InputError:
+        """Return the refusal of a word among the numbers; words : all of its line, of this index."""
+        if len(word) > 3 and word.isalpha() and not any(number(each) is not None for each in words):
+            message = f"'{' '.join(words)[:40]}' stands among the numbers"
+            hint = "cut off what follows if it is another quantity or channel; begin the line with # if it is not"
+            return self.refuse(message, hint, index + 1)
+        column = self.lines[index].find(word) + 1
+        hint = "write plain numbers; fill or cut gaps in the record"
+        return self.refuse(f"'{word[:40]}' is not a finite number", hint, index + 1, column)
 
     def read_plain_rows(self, start: int, end: int | None = None) -> list[Row] | None:
         """Return what `read_rows` does of lines with nothing but plain numbers, all at once; None of others."""
