@@ -20,7 +20,7 @@ _STEP = (
     r"(?:\bd\s?t\b|\bdelta[ _-]?t\b|[δ∆]\s?t\b|\btime[ _-]?(?:step|incr\w*|interval|spacing)\b|\btimestep\b"
     r"|\b(?:sampl\w*|digiti[sz]\w*)[ _-]*(?:interval|period|step|time|spacing|int\.?)(?:_s)?\b"
     r"|\binter?valo?\s+de\s+(?:muestreo|tiempo|amostragem|(?:la\s+)?digit\w+)|\bpaso(?:\s+de\s+tiempo|\s+temporal|\s+de\s+muestreo)?\b"
-    r"|\bpas\s+de\s+temps\b|\bpas\s+d.?[eé]chantillonnage\b|\bintervalle(?:\s+de\s+temps|\s+d.?[eé]chantillonnage)?\b"
+    r"|\bpas(?:ul)?\s+de\s+(?:temps|timp|e[sșş]antionare)\b|\bpas\s+d.?[eé]chantillonnage\b|\bintervalle(?:\s+de\s+temps|\s+d.?[eé]chantillonnage)?\b"
     r"|\bintervallo(?:\s+di\s+campionamento|\s+temporale)?\b|\bpasso(?:\s+di\s+campionamento|\s+temporale|\s+de\s+tempo)?\b"
     r"|\bzeit(?:schritt(?:weite)?|inkrement|intervall)\b|\babtast(?:intervall|schritt|zeit|periode)\b"
     r"|[öo]rnekleme\s+(?:aral[ıi][ğg][ıi]|ad[ıi]m[ıi])|zaman\s+(?:aral[ıi][ğg][ıi]|ad[ıi]m[ıi])"
@@ -31,7 +31,7 @@ _STEP = (
 _RATE = (
     r"(?:\bsampl\w*[ _-]*(?:rate|freq\w*\.?|hz)|\bsamples?[ _-]*(?:per|/)[ _-]*s\w*|\bfs\b|\bsps\b|\bmps(?=\s*[:=])"
     r"|\b(?:data|scan)[ _-]?rate\b"
-    r"|\b(?:frecuencia|vel\w*\.?|tasa|raz[oó]n)\s+de\s+muestreo|\bmuestreo\b|\bfr[ée]quence\s+d.?[ée]chantillonnage"
+    r"|\b(?:muestras|amostras|datos)\s+por\s+segundo|\b(?:frecuencia|vel\w*\.?|tasa|raz[oó]n)\s+de\s+muestreo|\bmuestreo\b|\bfr[ée]quence\s+d.?[ée]chantillonnage"
     r"|\bfrequenza\s+di\s+campionamento|\b(?:abtast|sampling)(?:rate|frequenz)|\b(?:taxa|frequ[êe]ncia)\s+de\s+amostragem"
     r"|[öo]rnekleme\s+(?:frekans\w*|h[ıi]z\w*|oran\w*)|частота\s+(?:дискр|опрос|оцифр|выборк|квант|отсч)[а-я]*|サンプリング(?:周波数|レート)|サンプル周波数|采样(?:频率|率))"
 )
