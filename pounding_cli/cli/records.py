@@ -129,9 +129,9 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
 
 
 def _warn_about_step(reading: motions.Reading) -> None:
-    """Tell of a time step that is unlikely."""
-    if reading.doubt:
-        click.echo(f"warning: {reading.doubt}", err=True)
+    """Tell of a time step that is unlikely, or not the header's."""
+    for doubt in reading.doubts:
+        click.echo(f"warning: {doubt.message}\n    {doubt.hint}", err=True)
 
 
 def _print_measures(motion: motions.Motion, title: str, place: str, read_as: str | None) -> None:

@@ -14,24 +14,24 @@ import numpy as np
 
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import counted
-from pounding_cli.records.headings import Header, Heading, read_header
+from pounding_cli.records.headings import Header, Heading, find_spectrum_title, read_header
 from pounding_cli.records.rows import (
     GIVE_STEP,
     MAX_HEADER_LINES,
     NumberHeader,
-    Row,
     find_number_header,
     find_number_header_in_comments,
     find_rows,
     refuse_a_row_among_headings,
     replace_decimal_commas,
 )
-from pounding_cli.records.text import Samples, Text, is_numeric
+from pounding_cli.records.text import Doubt, Row, Samples, Text, is_numeric
 from pounding_cli.records.units import (
     ACCELERATION_WORD,
     BRACKETS,
     acceleration_unit,
     named_quantity,
+    quantity_of,
     speaks_of_a_number,
 )
 
@@ -79,11 +79,13 @@ class _Columns:
     def __init__(self, text: Text, rows: list[Row], header: Header, numbers: NumberHeader, format: str | None) -> None:
         self.text, self.rows, self.header, self.format = text, rows, header, format
         self.width = len(rows[0].values)
-        self.start = rows[0].index
+        self.start = rows[0].line_index
         self.counts = list(header.counts)
         if numbers.size is not None:
             self.counts.append((numbers.size, numbers.line))
         self.step_line = 0
+        self.contradicted: tuple[float, int] | None = None
+        self.doubt: Doubt | None = None
         self.step = self._find_stated_step(numbers)
 
     def read(self) -> tuple[str, Samples]:
@@ -125,9 +127,8 @@ class _Columns:
     def _is_row_by_row(self) -> bool:
         """Return whether a header counts the values, not the rows."""
         total = sum(len(row.values) for row in self.rows)
-        return (
-            total != len(self.rows) and any(count == total for count, _ in self.counts) and not self._has_even_times()
-        )
+        is_counted = total != len(self.rows) and any(count == total for count, _ in self.counts)
+        return is_counted and (len(self.rows) < 3 or not self._has_even_times())
 
     def _read_row_by_row(self) -> Samples:
         values = [value for row in self.rows for value in row.values]
@@ -151,7 +152,7 @@ class _Columns:
             hint = "leave 'column' and 'format' out: the pairs are read one after the other"
             raise self.text.refuse(message, hint, self.start + 1)
         self._check_counts(times.size)
-        lines = [row.index for row in self.rows for _ in range(len(row.values) // 2)]
+        lines = [row.line_index for row in self.rows for _ in range(len(row.values) // 2)]
         words = [word for row in self.rows for word in row.words[::2]]
         step = self._find_even_step(times, lines, words, 1.0)
         return self._samples(step, list(values), Heading())
@@ -185,7 +186,7 @@ class _Columns:
         place = self._find_column(headings, time, numbering)
         values = [row.values[place] for row in self.rows]
         self._check_counts(len(values))
-        heading = headings[place]
+        heading = _find_heading_of_unit(headings, place)
         if heading.is_other_quantity:
             raise self.text.wrong_quantity(heading.quantity, heading.lines[-1])
         if time is None:
@@ -198,9 +199,12 @@ class _Columns:
             )
             return self._samples(self._need_step(why, self.start + 1), values, heading)
         times = np.array([row.values[time] for row in self.rows])
-        scale = 1e-3 if headings[time].is_in_milliseconds else 1.0
+        title = find_spectrum_title(self.header)
+        if title is not None and not (known and headings[time].is_time) and self.step is None:
+            raise self.text.wrong_quantity(f"a spectrum ({title[0][:40]})", title[1])
+        scale = headings[time].time_unit
         words = [row.words[time] if len(row.words) == self.width else "0.0" for row in self.rows]
-        step = self._find_even_step(times, [row.index for row in self.rows], words, scale)
+        step = self._find_even_step(times, [row.line_index for row in self.rows], words, scale)
         return self._samples(step, values, heading)
 
     def _find_column(self, headings: list[Heading], time: int | None, numbering: list[int]) -> int:
@@ -224,8 +228,10 @@ class _Columns:
             return asked - 1
         if not self.header.headings and len(others) > 1:
             raise self._refuse_to_choose(others, headings)
-        named = [place for place in others if headings[place].quantity == "acceleration"]
-        candidates = named or [place for place in others if not headings[place].is_other_quantity]
+        possible = [place for place in others if not headings[place].is_other_quantity]
+        named = [place for place in possible if headings[place].quantity == "acceleration"]
+        candidates = [place for place in possible if place in named or headings[place].is_component] if named else []
+        candidates = candidates or possible
         if len(candidates) == 1 and self.format != "table":
             return candidates[0]
         if not candidates and others:
@@ -273,36 +279,38 @@ class _Columns:
         odd = next((row for row in self.rows if width and len(row.values) != width), None)
         if odd is not None:
             message = f"{counted(len(odd.values), 'value')} on this line, where every other has {width}"
-            raise self.text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd.index + 1)
+            raise self.text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd.line_index + 1)
 
     # Time step and count
 
     def _find_stated_step(self, numbers: NumberHeader) -> float | None:
-        """Return the time step [s] that the header or the user says; None where nobody does.
+        """Return the time step [s] that the user or the header says; None where nobody does.
 
-        Raises `InputError` where lines of the header differ, or the user says another one.
+        Where the user says another than the header, `contradicted` has the header's, for times to settle.
+
+        Raises `InputError` where lines of the header differ and the user says nothing.
         """
         stated = [(step.seconds, step.line) for step in self.header.steps if step.seconds > 0]
         if numbers.step is not None:
             stated.append((numbers.step, numbers.line))
         given = self.text.dt
-        if not stated:
-            return None if given is None else self.text.step(float(given), 0)
-        seconds, line = stated[0]
         if given is not None:
-            seconds, line = next(((s, at) for s, at in stated if abs(s - given) <= 1e-3 * s), (seconds, line))
-        else:
-            other = next((each for each in stated if abs(each[0] - seconds) > 1e-3 * seconds), None)
-            if other is not None:
-                message = f"line {line} says a time step of {seconds:g} s, this line one of {other[0]:g} s"
-                raise self.text.refuse(
-                    message, "give the right one: dt: 0.01 s beside the file, or --dt 0.01", other[1]
-                )
+            if not any(abs(seconds - given) <= 1e-3 * seconds for seconds, _ in stated):
+                self.contradicted = next(iter(stated), None)
+            return self.text.step(float(given), 0)
+        if not stated:
+            return None
+        seconds, line = stated[0]
+        other = next((each for each in stated if abs(each[0] - seconds) > 1e-3 * seconds), None)
+        if other is not None:
+            message = f"line {line} says a time step of {seconds:g} s, this line one of {other[0]:g} s"
+            raise self.text.refuse(message, "give the right one: dt: 0.01 s beside the file, or --dt 0.01", other[1])
         self.step_line = line
-        self.text.step(seconds, line)
-        return seconds if given is None else float(given)
+        return self.text.step(seconds, line)
 
     def _need_step(self, why: str, line: int = 1) -> float:
+        if self.contradicted is not None:
+            self.text.step(*self.contradicted)  # raises: the user says another one
         if self.step is not None:
             return self.step
         unreadable = next((step for step in self.header.steps if step.seconds <= 0), None)
@@ -311,38 +319,44 @@ class _Columns:
         raise self.text.refuse(why, GIVE_STEP, line)
 
     def _find_even_step(self, written: np.ndarray, lines: list[int], words: list[str], scale: float) -> float:
-        """Return the time step [s] of evenly rising times; refused where they are uneven or the header says another.
+        """Return the time step [s] of times: the one stated where they are its times, rounded; else their own.
 
-        written : the times as the file has them, one of which is `scale` [s]; lines : their indices in the file
+        Where the header says another than the times have, the times count, with a warning.
+
+        Parameters
+        ----------
+        written : the times as the file has them, one of which is `scale` [s]
+        lines, words : their lines (indices in the file) and what is written there
+
+        Raises
+        ------
+        InputError : fewer than two times, uneven times, another step than the user's
         """
         if written.size < 2:
             raise self.text.refuse("only one sample found", "a motion needs at least two samples", lines[0] + 1)
         digits = (0.0 if re.search(r"[EeDd]", word) else 10.0 ** -len(word.partition(".")[2]) for word in words[:1000])
-        digit, times, gaps = scale * min(digits), scale * written, scale * np.diff(written)
+        rounding = 1.02 * scale * min(digits)
+        times = scale * written
+        gaps = np.diff(times)
+        if self.step is not None and (gaps >= 0).all():
+            allowed = max(MAX_UNEVENNESS * self.step, rounding)
+            if _find_largest_deviation(times, self.step) <= allowed:
+                return self.step
         step = float(f"{(times[-1] - times[0]) / gaps.size:.9g}")
-        allowed = max(MAX_UNEVENNESS * step, min(1.02 * digit, 0.25 * step))
-        steps = [step] if self.step is None else [self.step, step]  # the one stated is exact, where times are rounded
-        even = [one for one in steps if np.abs(times - times[0] - one * np.arange(times.size)).max() <= allowed]
-        if not even:
+        if _find_largest_deviation(times, step) > max(MAX_UNEVENNESS * step, min(rounding, 0.25 * step)):
             usual = float(np.median(gaps))
             worst = int(np.argmax(np.abs(gaps - usual)))
             message = f"uneven times: a step of {gaps[worst]:.6g} s here, of {usual:.6g} s elsewhere"
             raise self.text.refuse(message, f"resample the record to even steps; {_ROW_BY_ROW}", lines[worst + 1] + 1)
-        if self.step is not None and even[0] != self.step and abs(self.step - step) > 1e-3 * step:
-            if self.text.dt is not None:
-                raise self.text.refuse(
-                    f"dt is given as {self.step:g} s, but the file says {step:g} s",
-                    "leave dt out, or correct it",
-                    lines[0] + 1,
-                )
-            message = f"line {self.step_line} says a time step of {self.step:g} s, but the times rise by {step:g} s"
-            raise self.text.refuse(
-                message,
-                f"give the right one: dt: {step:g} s beside the file (--dt {step:g}), and correct that line",
-                self.step_line,
-            )
         self.text.step(step, lines[0] + 1)
-        return even[0]
+        if self.step is not None and self.text.dt is None and abs(self.step - step) > 1e-3 * step:
+            message = (
+                f"line {self.step_line} says a time step of {self.step:g} s, but the times rise by {step:g} s, "
+                f"which is used"
+            )
+            hint = f"write `dt: {step:g} s` beside the file (--dt {step:g}) if the times are right; correct them if not"
+            self.doubt = Doubt(message, hint)
+        return step
 
     def _check_counts(self, found: int) -> None:
         for count, line in self.counts:
@@ -374,14 +388,25 @@ class _Columns:
         if stated:
             given = acceleration_unit(self.text.unit or "")
             agreed = next((each for each in stated if given and abs(factors[each[0]] / given - 1.0) > 1e-4), first)
-            return Samples(step, values, begin, *agreed)
-        if heading.is_other_quantity:
-            return Samples(step, values, begin, heading.text, heading.lines[-1])
-        keyed = self.text.header.get("unit") or self.text.header.get("units")
-        if keyed and keyed[0]:
-            return Samples(step, values, begin, *keyed)
+            return Samples(step, values, begin, *agreed, doubt=self.doubt)
+        if heading.is_other_quantity or heading.quantity == "counts":
+            return Samples(step, values, begin, heading.quantity, heading.lines[-1], doubt=self.doubt)
+        other_unit = self._find_other_unit()
+        if other_unit is not None:
+            return Samples(step, values, begin, *other_unit, doubt=self.doubt)
         unclear, line = self._find_unclear(heading)
-        return Samples(step, values, begin, None, 0, unclear, line)
+        return Samples(step, values, begin, None, 0, unclear, line, self.doubt)
+
+    def _find_other_unit(self) -> tuple[str, int] | None:
+        """Return another unit that the file states, and its line; None where it states none."""
+        for line, words in self.header.words.items():
+            series = re.match(r"TIMESERIES\b.*,\s*([^,]+)\Z", words)  # SLIST of IRIS and ObsPy
+            if series and quantity_of(series[1])[0]:
+                return series[1], line
+        keyed, line = self.text.header.get("unit") or self.text.header.get("units") or ("", 0)
+        first = re.split(r"[;,]\s", keyed)[0].strip()
+        unit = first if quantity_of(first)[0] else keyed
+        return (unit, line) if unit else None
 
     def _find_unclear(self, heading: Heading) -> tuple[str, int]:
         """Return what the lines over the numbers say about the unit, where none can be read from it, and the line."""
@@ -408,3 +433,18 @@ class _Columns:
 
     def _quote(self, line: int) -> str:
         return f"'{self.text.lines[line - 1].strip()[:60]}'"
+
+
+def _find_largest_deviation(times: np.ndarray, step: float) -> float:
+    """Return the largest distance [s] of times from those that begin with the first and have this step."""
+    return float(np.abs(times - times[0] - step * np.arange(times.size)).max())
+
+
+def _find_heading_of_unit(headings: list[Heading], place: int) -> Heading:
+    """Return the heading that has the unit of a column: its own, or that of the last of several components.
+
+    `t, NS, EW, UD (gal)` states one unit for three components.
+    """
+    heading, last = headings[place], headings[-1]
+    is_shared = heading.is_component and last.is_component and not BRACKETS.search(heading.text)
+    return last if is_shared and BRACKETS.search(last.text) else heading

@@ -88,10 +88,10 @@ def esm(text: Text) -> Samples | None:
     while re.match(r"[A-Z][A-Z0-9_/^]*\s*:", text.line(end)):
         end += 1
     keys = ("SAMPLING_INTERVAL_S", "DATA_TYPE", "UNITS", "NDATA")
-    said = [text.find(rf"^{key}: ?(\S+)", range(first, end), key) for key in keys]
+    said = [text.find(rf"^{key}: ?(\S.*)", range(first, end), key) for key in keys]
     (interval, line), (kind, kind_line), (unit, unit_line), (count, count_line) = ((each[1], at) for each, at in said)
     step = text.step(interval, line)
-    if not kind.upper().startswith("ACC"):
+    if "ACC" not in kind.upper():
         raise text.wrong_quantity(kind.lower(), kind_line)
     values, start = text.values(end)
     text.check_count(count, len(values), count_line, "NDATA")

@@ -19,18 +19,19 @@ _LONG_BLANKS = re.compile(r"(\s\s)\s+")
 _STEP = (
     r"(?:\bd\s?t\b|\bdelta[ _-]?t\b|[δ∆]\s?t\b|\btime[ _-]?(?:step|incr\w*|interval|spacing)\b|\btimestep\b"
     r"|\b(?:sampl\w*|digiti[sz]\w*)[ _-]*(?:interval|period|step|time|spacing|int\.?)(?:_s)?\b"
-    r"|\binter?valo?\s+de\s+(?:muestreo|tiempo|amostragem)\b|\bpaso(?:\s+de\s+tiempo|\s+temporal|\s+de\s+muestreo)?\b"
-    r"|\bpas\s+de\s+temps\b|\bpas\s+d.?[eé]chantillonnage\b|\bintervalle(?:\s+de\s+temps|\s+d.?[eé]chantillonnage)?\b"
+    r"|\binter?valo?\s+de\s+(?:muestreo|tiempo|amostragem|(?:la\s+)?digit\w+)|\bpaso(?:\s+de\s+tiempo|\s+temporal|\s+de\s+muestreo)?\b"
+    r"|\bpas(?:ul)?\s+de\s+(?:temps|timp|e[sșş]antionare)\b|\bpas\s+d.?[eé]chantillonnage\b|\bintervalle(?:\s+de\s+temps|\s+d.?[eé]chantillonnage)?\b"
     r"|\bintervallo(?:\s+di\s+campionamento|\s+temporale)?\b|\bpasso(?:\s+di\s+campionamento|\s+temporale|\s+de\s+tempo)?\b"
     r"|\bzeit(?:schritt(?:weite)?|inkrement|intervall)\b|\babtast(?:intervall|schritt|zeit|periode)\b"
     r"|[öo]rnekleme\s+(?:aral[ıi][ğg][ıi]|ad[ıi]m[ıi])|zaman\s+(?:aral[ıi][ğg][ıi]|ad[ıi]m[ıi])"
     r"|шаг(?:[а-я ]*)|интервал(?:[а-я ]*)|サンプリング(?:間隔|周期)|時間(?:刻み|間隔)|采样间隔|时间间隔"
+    r"|(?:χρονικ[όο]\s+)?β[ήη]μα(?:\s+χρ[όο]νου)?|\bdelta(?=\s*[:=]?\s*(?:0?\.\d+|\d\.\d+e-\d+)\s*(?:s\b|sec|[,;]|\Z))"
     r"|\bstep\b|\bintervall?[oe]?\b|\bpas\b)"
 )
 _RATE = (
-    r"(?:\bsampl\w*[ _-]*(?:rate|freq\w*\.?|hz)|\bsamples?[ _-]*(?:per|/)[ _-]*s\w*|\bfs\b|\bsps\b"
+    r"(?:\bsampl\w*[ _-]*(?:rate|freq\w*\.?|hz)|\bsamples?[ _-]*(?:per|/)[ _-]*s\w*|\bfs\b|\bsps\b|\bmps(?=\s*[:=])"
     r"|\b(?:data|scan)[ _-]?rate\b"
-    r"|\b(?:frecuencia|vel\w*\.?|tasa|raz[oó]n)\s+de\s+muestreo|\bmuestreo\b|\bfr[ée]quence\s+d.?[ée]chantillonnage"
+    r"|\b(?:muestras|amostras|datos)\s+por\s+segundo|\b(?:frecuencia|vel\w*\.?|tasa|raz[oó]n)\s+de\s+muestreo|\bmuestreo\b|\bfr[ée]quence\s+d.?[ée]chantillonnage"
     r"|\bfrequenza\s+di\s+campionamento|\b(?:abtast|sampling)(?:rate|frequenz)|\b(?:taxa|frequ[êe]ncia)\s+de\s+amostragem"
     r"|[öo]rnekleme\s+(?:frekans\w*|h[ıi]z\w*|oran\w*)|частота\s+(?:дискр|опрос|оцифр|выборк|квант|отсч)[а-я]*|サンプリング(?:周波数|レート)|サンプル周波数|采样(?:频率|率))"
 )
@@ -58,12 +59,12 @@ _UNIT = "|".join(re.escape(name) for name in sorted((*_SECONDS, *_HERTZ), key=le
 _NUMBER = r"(?P<value>[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[ed][-+]?\d+)?)(?![\d.:]|[-/]\d|[a-z]*\d)"
 _KEYED = re.compile(
     rf"(?P<key>(?P<step>{_STEP})|(?P<rate>{_RATE}))"
-    r"[ _]*(?:[(\[]\s*(?:in\s+)?(?P<inside>[^)\]]*?)\s*[)\]])?[ ,.\"']*(?P<sign>[:=]*)"
+    r"[ _]*(?:[(\[]\s*(?:in\s+)?(?P<inside>[^)\]]*?)\s*[)\]])?[ ,\"']*(?:\.(?!\d)[ ,.\"']*)?(?P<sign>[:=]*)"
     rf"\s*/?\s*(?:{_NUMBER})?\s*(?P<behind>(?:{_UNIT})\b|[a-zа-я%]+)?",
     re.IGNORECASE,
 )
 _PLAIN_STEP = re.compile(
-    rf"(?:(?:\bintervals?\s+of|\bspaced(?:\s+(?:at|by|every))?|\bspacing\s+of|\bevery)\s*:?\s*{_NUMBER}\s*"
+    rf"(?:(?:\bintervals?\s+of|\bspaced(?:\s+(?:at|by|every))?|\bspacing\s+of|\bevery|(?:points|samples|values)\s+(?:at|@))\s*:?\s*{_NUMBER}\s*"
     r"(?P<behind>secs?|seconds?|s|ms|msec|milliseconds)\b)"
     rf"|{_NUMBER.replace('value', 'before')}\s*(?P<unit>secs?|seconds?|s|ms|msec|milliseconds)\b\.?\s*(?:time\s+)?"
     r"(?:intervals?|spacing|steps?)\b",
@@ -92,7 +93,16 @@ _TIME = re.compile(
     r"|seg|sn|ms|msecs?|milliseconds)(?![a-zà-ÿа-я])(?!.*\b(?:step|increment|interval)\b)",
     re.IGNORECASE,
 )
-_MILLISECONDS = re.compile(r"(?<![a-z])(?:ms|msecs?|milliseconds|мс|ミリ秒|毫秒)(?![a-z])", re.IGNORECASE)
+_TIME_UNITS = [
+    (re.compile(rf"(?<![a-zа-я])(?:{words})(?![a-zа-я])", re.IGNORECASE), seconds)
+    for words, seconds in (
+        ("ms|msecs?|milliseconds?|millisekunden|мс|ミリ秒|毫秒", 1e-3),
+        ("[uµμ]s|[uµμ]secs?|microseconds?", 1e-6),
+        ("mins?|minutes?|minutos?|minuten|мин", 60.0),
+        ("h|hrs?|hours?|horas?|stunden", 3600.0),
+    )
+]
+# Units of times other than seconds, and one of each in seconds.
 _SAMPLE_NUMBER = re.compile(
     r"(?:#|no?\.?|nr\.?|n[º°]|№|num(?:ber|ero|éro)?|index|idx|i|j|k|samples?|samp|points?|pts?|steps?|count(?:er)?|row|line|id|rec"
     r"|unnamed:?\s*0|muestra|punto|paso|[ée]chantillon|campione|nummer|lfd\.?\s*nr\.?|s[ıi]ra|örnek|номер|отсч[её]т|番号|序号|データ番号)"
@@ -100,6 +110,13 @@ _SAMPLE_NUMBER = re.compile(
     re.IGNORECASE,
 )
 _SPECTRUM = re.compile(r"per[ií]od[oe]?s?\b|freq\w*\b|спектр|周期|sa\b|psa\b", re.IGNORECASE)
+_TITLE_OF_A_SPECTRUM = re.compile(
+    r"\b(?:response|fourier|power|design|acceleration|amplitude)\s+(?:amplitude\s+)?spectr(?:um|a|al)\b"
+    r"|espectro|spettro|\bspectre\b|antwortspektrum|спектр|反応スペクトル|反应谱",
+    re.IGNORECASE,
+)
+_MATCHED_TO_A_SPECTRUM = re.compile(r"match|compatib|target|histor|accelerogra|fitted|adjust|scaled", re.IGNORECASE)
+# Words of a motion that was made to fit a spectrum.
 _COMPONENT = re.compile(
     r"(?:a(?:_?[xyzgneu])?|ag|ug|ax|ay|az|x|y|z|n-?s|e-?w|u-?d|s-?n|w-?e|n|e|v|h[12n]?[enz]?|hn[enz12]|[nse]\d{2}[nsew]|u\(\+\)|n\(\+\)|e\(\+\)|long\w*|tran\w*|vert\w*|up)\b",
     re.IGNORECASE,
@@ -130,8 +147,16 @@ class Heading:
         return any(_TIME.match(word.strip(" \"'")) for word in self.words) and not self.units
 
     @property
-    def is_in_milliseconds(self) -> bool:
-        return any(map(_MILLISECONDS.search, self.words))
+    def time_unit(self) -> float:
+        """The unit of times that it names [s]; 1 for none."""
+        return next(
+            (seconds for pattern, seconds in _TIME_UNITS if any(pattern.search(word) for word in self.words)), 1.0
+        )
+
+    @property
+    def is_component(self) -> bool:
+        """Whether it is the name of a component, NS or x, with or without a unit in brackets."""
+        return bool(_COMPONENT.fullmatch(BRACKETS.sub("", self.text).strip(" \"'")))
 
     @property
     def is_sample_number(self) -> bool:
@@ -157,7 +182,7 @@ class Heading:
 
     @property
     def is_other_quantity(self) -> bool:
-        return self.quantity in ("velocity", "displacement", "counts")
+        return self.quantity in ("velocity", "displacement")
 
 
 @dataclass
@@ -208,6 +233,19 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
     return header
 
 
+def find_spectrum_title(header: Header) -> tuple[str, int] | None:
+    """Return the line that says that a file is a spectrum, and its number; None where no line does."""
+    for line, words in header.words.items():
+        if _TITLE_OF_A_SPECTRUM.search(words) and not _MATCHED_TO_A_SPECTRUM.search(words):
+            return words, line
+    return None
+
+
+def is_name_of_time(word: str) -> bool:
+    """Return whether a word is the heading of a column of times."""
+    return bool(_TIME.match(word))
+
+
 def find_steps(line: str) -> list[float]:
     """Return the time steps [s] that a line of a header says; 0 for one that cannot be read.
 
@@ -217,7 +255,7 @@ def find_steps(line: str) -> list[float]:
     found = []
     for match in _KEYED.finditer(plain):
         is_bare = re.fullmatch(
-            r"step|intervall?[oe]?|fs|muestreo|sps|pas|(?:шаг|интервал|paso|passo).*", match["key"].strip()
+            r"step|intervall?[oe]?|fs|muestreo|sps|pas|β[ήη]μα|(?:шаг|интервал|paso|passo).*", match["key"].strip()
         )
         if match["value"] is None:
             if match["sign"] and match["step"] and plain[match.end("sign") :].strip(" /"):
@@ -307,6 +345,8 @@ def _looks_like_headings(parts: list[str], by_blanks: bool = False) -> bool:
         return all(known) or (
             bool(_TIME.match(parts[0])) and any(known[1:]) and len(parts) <= 3 and not _is_preposition(parts[1])
         )
+    if _SPECTRUM.match(parts[0]) and not any(sign.isdigit() for part in parts for sign in part):
+        return True
     has_unit_words = any(_TIME.match(part) or find_units(part, True) or named_quantity(part) for part in parts)
     return has_unit_words or all(known)
 

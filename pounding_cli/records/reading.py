@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.records.columns import COLUMNS, GIVE_UNIT, read_columns
 from pounding_cli.records.formats import NETWORKS, WITH_CHANNELS, find_unread
 from pounding_cli.records.motion import GRAVITY, Motion
-from pounding_cli.records.text import Samples, Text, load
+from pounding_cli.records.text import Doubt, Samples, Text, load
 from pounding_cli.records.units import UNITS, acceleration_unit, quantity_of
 
 FORMATS = (*NETWORKS, *COLUMNS)
@@ -29,7 +30,7 @@ class Reading:
 
     words : its unit and where that comes from: "in g (as the file says)"
     stated : the other unit that the file states where the unit given is not that, else ""
-    doubt : what is unlikely about its time step, else ""
+    doubts : warnings about its time step
     """
 
     motion: Motion
@@ -37,7 +38,7 @@ class Reading:
     unit: str
     words: str
     stated: str = ""
-    doubt: str = ""
+    doubts: tuple[Doubt, ...] = ()
 
 
 def read_file(
@@ -81,14 +82,18 @@ def read_file(
     said, _ = text.header.get("name", ("", 0))
     motion = Motion(name or said or Path(path).stem, samples.dt, _sound(text, samples, used), source)
     encoding = f", a file in {text.encoding}" if text.encoding else ""
-    return Reading(motion, kind, used, f"in {used} ({why}){encoding}", stated, _doubt_step(samples.dt))
+    return Reading(motion, kind, used, f"in {used} ({why}){encoding}", stated, tuple(_find_doubts(samples)))
 
 
-def _doubt_step(step: float) -> str:
-    """Return a warning about a time step [s] that no accelerograph has; "" of others."""
-    if step <= _LONGEST_STEP * (1 + 1e-6):
-        return ""
-    return f"the time step is {step:g} s, longer than the {_LONGEST_STEP:g} s of any accelerograph"
+def _find_doubts(samples: Samples) -> Iterator[Doubt]:
+    """Yield warnings about a time step that no accelerograph has, or that is not the header's."""
+    if samples.doubt is not None:
+        yield samples.doubt
+    if samples.dt > _LONGEST_STEP * (1 + 1e-6):
+        message = f"the time step is {samples.dt:g} s, longer than the {_LONGEST_STEP:g} s of any accelerograph"
+        yield Doubt(
+            message, "check that the column of times is no sample number; write `dt: 0.01 s` beside `file:` if it is"
+        )
 
 
 def _samples(text: Text, format: str | None) -> tuple[str, Samples]:

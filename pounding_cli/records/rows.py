@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
 from pounding_cli.numbers import counted
-from pounding_cli.records.text import Text, is_numeric, number, tokens
+from pounding_cli.records.headings import is_name_of_time
+from pounding_cli.records.text import Row, Text, is_numeric, number, tokens
+from pounding_cli.records.units import named_quantity
 
 MIN_STEP, MAX_STEP = 1e-4, 0.5
 """Numbers [s] that may be a time step in a header of numbers."""
 MAX_HEADER_LINES = 400
 """Lines over the numbers that are looked at."""
+MAX_NUMBERS_OVER_WORDS = 5
+"""Lines of numbers over words that may belong to a header: a date, coordinates."""
 GIVE_STEP = "give dt (--dt 0.01, or dt: 0.01 s beside the file in a study), or put '# dt: 0.01 s' on top"
 """What to do about a file that does not state its time step."""
 
+MAX_LINES_OF_COMMAS = 2000
+"""Lines of numbers that are looked at for decimal commas."""
+
+_OF_NUMBERS = re.compile(r"\s*[\"']?[-+]?[\d.,][-+\d.,;eEdD\s\"']*\Z")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[EeDd][-+]?\d+)?\Z")
 _TWO_WHOLES = re.compile(r"[-+]?\d+,[-+]?\d+(?:[EeDd][-+]?\d+)?\Z")
+_MISSING = ("nan", "na", "null", "none", "nil", "inf", "infinity", "missing", "void", "gap", "error")
+# Words in place of a number.
 _WHOLE = re.compile(r"\+?\d{1,9}\.?\Z")
-
-
-@dataclass(slots=True)
-class Row:
-    """A line of numbers: its index in the file, its words and their values."""
-
-    index: int
-    words: list[str]
-    values: list[float]
 
 
 class NumberHeader(NamedTuple):
@@ -63,22 +64,39 @@ def find_rows(text: Text) -> tuple[int, list[Row]]:
             raise text.refuse("the times are dates or hours of the day, not seconds", hint, clock + 1)
         hint = "docs/records.md has the formats: at2, cosmos, csmip, smc, knet, esm, geonet, asa, and plain columns"
         raise text.refuse("no line of numbers found", hint, 1)
+    if plain := text.read_plain_rows(first):
+        return first, plain
     words = next((index for index in range(first, len(text.lines)) if _is_of_words(text.lines[index])), None)
     below = _find_numbers(text.lines, words) if words is not None else None
-    if below is not None and below > first:
-        header = _rows_of(text, first, words)
-        if len(header) <= 2 and len(rows := header + _rows_of(text, below)) > 2:
-            pair = _count_and_step(header[0]) or (
-                int(header[0].values[0]) if _WHOLE.match(header[0].words[0]) else 0,
-                0.0,
-            )
-            if pair[0] in _sizes(rows[len(header) :]):
-                return below, rows
-    return first, _rows_of(text, first)
+    if words is not None and below is not None:
+        return _find_rows_below_words(text, first, words, below)
+    return first, text.read_rows(first)
 
 
-def _rows_of(text: Text, start: int, end: int | None = None) -> list[Row]:
-    return [Row(*each) for each in text.words_and_numbers(start, end)]
+def _find_rows_below_words(text: Text, first: int, words: int, below: int) -> tuple[int, list[Row]]:
+    """Return the rows below words that stand among the numbers, as `find_rows`.
+
+    first, words, below : indices of the first line of numbers, of the words, and of the numbers below them
+    """
+    header = text.read_rows(first, words)
+    if len(header) > MAX_NUMBERS_OVER_WORDS:
+        return first, text.read_rows(first)  # raises: words among the samples
+    rows = text.read_rows(below)
+    says_count = _count_and_step(header[0]) is not None or _says_size(header[0], rows)
+    if says_count and len(header) <= 2:
+        return below, header + rows
+    is_header = all(len(row.values) != len(rows[0].values) for row in header)
+    is_other_quantity = named_quantity(text.lines[words]) in ("velocity", "displacement")
+    if not is_header or len(rows) <= len(header) or is_other_quantity:
+        quote = text.lines[words].strip()[:40]
+        message = f"numbers stand over these words ('{quote}') and below them: which are the samples?"
+        raise text.refuse(message, "take out the lines that are no samples, or begin them with #", words + 1)
+    return below, rows
+
+
+def _says_size(row: Row, rows: list[Row]) -> bool:
+    """Return whether a row begins with the number of samples in other rows."""
+    return bool(_WHOLE.match(row.words[0])) and int(row.values[0]) in _sizes(rows)
 
 
 def _is_of_words(line: str) -> bool:
@@ -107,6 +125,9 @@ def refuse_a_row_among_headings(text: Text, start: int, width: int) -> None:
     begins = [word for word in words if re.match(r"[-+]?\d*\.\d", word) and number(word) is None]
     if len(words) == width and (len(numbers) == width - 1 > 0 or (width == 1 and begins)):
         odd = next(word for word in words if number(word) is None)
+        is_key = odd == words[0] and odd.isalpha() and odd.lower() not in _MISSING
+        if is_key or is_name_of_time(odd):
+            return  # dt 0.02; or time,0: the headings of a pandas series without a name
         hint = "write plain numbers; fill or cut gaps in the record"
         raise text.refuse(f"'{odd[:40]}' is not a finite number", hint, above + 1, text.lines[above].find(odd) + 1)
 
@@ -119,7 +140,7 @@ def find_number_header(text: Text, rows: list[Row]) -> NumberHeader:
     if len(rows) < 3:
         return _find_header_of_one_row(text, rows)
     first, second, third = (len(row.values) for row in rows[:3])
-    line = rows[0].index + 1
+    line = rows[0].line_index + 1
     if first == second == 1:
         return _find_header_in_a_column(text, rows, third)
     pair = _count_and_step(rows[0])
@@ -167,13 +188,13 @@ def _find_header_of_one_row(text: Text, rows: list[Row]) -> NumberHeader:
     if len(rows) == 2 and len(rows[0].values) == 2 != len(rows[1].values) and (pair := _count_and_step(rows[0])):
         if pair[0] != len(rows[1].values):
             raise _refuse_count(text, rows[0], pair[0], len(rows[1].values))
-        return NumberHeader(1, *pair, rows[0].index + 1)
+        return NumberHeader(1, *pair, rows[0].line_index + 1)
     return NumberHeader()
 
 
 def _find_header_in_a_column(text: Text, rows: list[Row], third: int) -> NumberHeader:
     """Return the header of numbers in the first one or two lines of one number each."""
-    line, one, two = rows[0].index + 1, rows[0], rows[1]
+    line, one, two = rows[0].line_index + 1, rows[0], rows[1]
     for count, step in ((one, two), (two, one)):
         if _WHOLE.match(count.words[0]) and _is_step(step) and int(count.values[0]) in _sizes(rows[2:]):
             return NumberHeader(2, int(count.values[0]), step.values[0], line)
@@ -195,10 +216,12 @@ def _find_header_in_a_column(text: Text, rows: list[Row], third: int) -> NumberH
             f"the first line, {one.words[0]}, is the time step, or looks like it: it is no sample like those below"
         )
         raise text.refuse(message, "take that line out, and leave dt: it is given", line)
+    if not is_whole:
+        return NumberHeader()
     fractions = [row for row in others if not _WHOLE.match(row.words[0].lstrip("-+"))]
     largest = max(abs(row.values[0]) for row in others)
     is_near = abs(one.values[0] - len(others)) <= 2
-    if is_whole and len(fractions) > 0.5 * len(others) and (is_near or one.values[0] > 20 * largest):
+    if len(fractions) > 0.5 * len(others) and (is_near or one.values[0] > 20 * largest):
         raise _refuse_count(text, one, int(one.values[0]), len(others))
     return NumberHeader()
 
@@ -208,7 +231,7 @@ def _refuse_count(text: Text, row: Row, count: int, found: int) -> Exception:
     follow = counted(found, "value follows", "values follow")
     message = f"'{quote}' over the values is a header that says {counted(count, 'value')}, but {follow}"
     return text.refuse(
-        message, "correct that line, or take it out and give dt: 0.01 s beside the file (--dt 0.01)", row.index + 1
+        message, "correct that line, or take it out and give dt: 0.01 s beside the file (--dt 0.01)", row.line_index + 1
     )
 
 
@@ -247,10 +270,8 @@ def replace_decimal_commas(text: Text) -> list[str]:
     """
     if not any("," in line for line in text.lines):
         return text.lines
-    lines = [
-        index for index, line in enumerate(text.lines) if re.match(r"\s*[\"']?[-+]?[\d.,][-+\d.,;eEdD\s\"']*\Z", line)
-    ]
-    sample = [text.lines[index].replace('"', " ").replace("'", " ") for index in lines[:2000]]
+    lines = list(islice((at for at, line in enumerate(text.lines) if _OF_NUMBERS.match(line)), MAX_LINES_OF_COMMAS))
+    sample = [text.lines[index].replace('"', " ").replace("'", " ") for index in lines]
     rows = [[word for word in re.split(r"[;\s]+", line.strip()) if word] for line in sample]
     words = [word for row in rows for word in row]
     if any(word.endswith(",") for word in words) or not any("," in word for word in words):
@@ -268,8 +289,7 @@ def replace_decimal_commas(text: Text) -> list[str]:
         return text.lines
     if max(map(len, rows)) < 2 and not _is_one_column_with_commas(text, words, lines[0]):
         return text.lines
-    chosen = set(lines)
-    return [re.sub(r"(?<=\d),(?=\d)", ".", line) if index in chosen else line for index, line in enumerate(text.lines)]
+    return [re.sub(r"(?<=\d),(?=\d)", ".", line) if _OF_NUMBERS.match(line) else line for line in text.lines]
 
 
 def _is_one_column_with_commas(text: Text, words: list[str], first: int) -> bool:

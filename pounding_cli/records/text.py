@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import codecs
+import itertools
 import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import counted
@@ -25,6 +28,14 @@ _TOUCHING = re.compile(r"(?<=[\d.])(?=[-+])")
 _ONE = r"(?:\d+\.\d*|\.\d+)(?:[EeDd][-+]?\d+)?"
 _TOUCHING_NUMBERS = re.compile(rf"[-+]?{_ONE}(?:[-+]{_ONE})+\Z", re.ASCII)
 _QUOTED_COMMA = re.compile(r"\"\s*([-+]?\d+),(\d+(?:[Ee][-+]?\d+)?)\s*\"")
+_NOT_PLAIN = re.compile(r"[^\dEe+\-.,;\s\"']", re.ASCII)
+# A sign that a block of plain numbers does not have; touching numbers and all else that is none fail as they are read.
+_END = re.compile(
+    r"[\W_]*(?:end|eof|eod|fin|fine|fim|ende|einde|kraj|koniec|конец|终了|結束|结束|終了|以上)(?![^\W_])(?:[\W_]+[^\W\d_]+){0,5}[\W_]*\Z"
+    r"|\s*[\])}/]+\s*;?\s*\Z",
+    re.IGNORECASE,
+)
+# END, EOF, *** End of data ***, ];
 _HEADER = re.compile(r"[#%!\s]*([A-Za-z][A-Za-z ]{,30})[:=](.*)\Z")
 _NUMERIC = re.compile(r"[0-9eEdD+\-.,;\s*]*\Z")
 _CONTROL = bytes(set(range(32)) - set(b"\t\n\v\f\r\x1a"))
@@ -40,11 +51,27 @@ _OTHER_ALPHABETS = ("cp1251", "koi8_r", "cp866", "cp932", "gb18030", "iso8859_7"
 _FOREIGN_ACCELERATION = re.compile("ускорен|加速度|ガル|επιτ[αά]χ|ivme", re.IGNORECASE)
 
 
+class Row(NamedTuple):
+    """A line of numbers: its index in the file, its words and their values."""
+
+    line_index: int
+    words: list[str]
+    values: list[float]
+
+
+class Doubt(NamedTuple):
+    """A warning about a motion that is read all the same, and what to do about it."""
+
+    message: str
+    hint: str
+
+
 class Samples(NamedTuple):
     """The content of a file: time step [s], samples, and the line where they begin (from 1).
 
     unit, unit_line : as the file or its format states it, and the line that does
     unclear, unclear_line : what the file says of the unit in place of it: "'furlongs' names no unit", and where
+    doubt : a warning about how the file was read; None for none
     """
 
     dt: float
@@ -54,6 +81,7 @@ class Samples(NamedTuple):
     unit_line: int = 0
     unclear: str = ""
     unclear_line: int = 0
+    doubt: Doubt | None = None
 
 
 @dataclass
@@ -132,25 +160,64 @@ class Text:
     def rows(self, start: int, end: int | None = None) -> dict[int, list[float]]:
         """The numbers of every line from index `start` on, to before `end`, by its index; comments and blank lines are
         passed over, and nan, inf and all else is refused at its column."""
-        return {index: values for index, _, values in self.words_and_numbers(start, end)}
+        return {row.line_index: row.values for row in self.read_rows(start, end)}
 
-    def words_and_numbers(self, start: int, end: int | None = None) -> list[tuple[int, list[str], list[float]]]:
-        """Index, words and numbers of every line, as `rows`."""
-        found = []
+    def read_rows(self, start: int, end: int | None = None) -> list[Row]:
+        """Return index, words and numbers of every line, as `rows`; words that end the file are passed over too."""
+        if rows := self.read_plain_rows(start, end):
+            return rows
+        found = list[Row]()
         for index, line in enumerate(self.lines[start:end], start):
             if not line.strip() or line.lstrip()[0] in "#%!\x1a":
                 continue
+            if found and end is None and self._is_end(index):
+                break
             words, values = split_numbers(line), list[float]()
             for word in words:
                 value = number(word)
                 if value is None:
-                    hint, column = "write plain numbers; fill or cut gaps in the record", line.find(word) + 1
-                    raise self.refuse(f"'{word[:40]}' is not a finite number", hint, index + 1, column)
+                    raise self._refuse_word(word, words, index)
                 values.append(value)
-            found.append((index, words, values))
+            found.append(Row(index, words, values))
         if not found:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
         return found
+
+    def _refuse_word(self, word: str, words: list[str], index: int) -> InputError:
+        """Return the refusal of a word among the numbers; words : all of its line, of this index."""
+        if len(word) > 3 and word.isalpha() and not any(number(each) is not None for each in words):
+            message = f"'{' '.join(words)[:40]}' stands among the numbers"
+            hint = "cut off what follows if it is another quantity or channel; begin the line with # if it is not"
+            return self.refuse(message, hint, index + 1)
+        column = self.lines[index].find(word) + 1
+        hint = "write plain numbers; fill or cut gaps in the record"
+        return self.refuse(f"'{word[:40]}' is not a finite number", hint, index + 1, column)
+
+    def read_plain_rows(self, start: int, end: int | None = None) -> list[Row] | None:
+        """Return what `read_rows` does of lines with nothing but plain numbers, all at once; None of others."""
+        lines = self.lines[start:end]
+        block = "\n".join(lines)
+        if not block or _NOT_PLAIN.search(block):
+            return None
+        split = [line.split() for line in _part_with_blanks(block).split("\n")]
+        try:
+            values = np.array([word for words in split for word in words], dtype=float) + 0.0  # zero has no sign
+        except ValueError:
+            return None
+        if not np.isfinite(values).all():
+            return None
+        numbers, ends = values.tolist(), list(itertools.accumulate(map(len, split)))
+        return [
+            Row(start + place, words, numbers[last - len(words) : last])
+            for place, (words, last) in enumerate(zip(split, ends, strict=True))
+            if words
+        ]
+
+    def _is_end(self, index: int) -> bool:
+        """Return whether a line has words that end a file, END OF DATA, and no number follows."""
+        if not _END.match(self.lines[index]):
+            return False
+        return not any(sign.isdigit() for line in self.lines[index:] for sign in line)
 
     def values(self, start: int) -> tuple[list[float], int]:
         """All numbers from index `start` on, row by row, and the line (from 1) where they begin."""
@@ -194,7 +261,12 @@ def number(token: str) -> float | None:
 
 def tokens(line: str) -> list[str]:
     """The words of a line, however they are separated, without quotes."""
-    return line.replace(",", " ").replace(";", " ").replace('"', " ").replace("'", " ").split()
+    return _part_with_blanks(line).split()
+
+
+def _part_with_blanks(text: str) -> str:
+    """Return a text with blanks for what parts or quotes its words."""
+    return text.replace(",", " ").replace(";", " ").replace('"', " ").replace("'", " ")
 
 
 def load(path: Path, what: str = "motion file") -> Text:

@@ -27,7 +27,7 @@ _QUANTITY_WORDS = {
     "velocity": r"\bvel(?:oc\w*)?\b|geschwind\w*|vitesse|\bh[ıi]z[ıi]?\b|скорост\w*|(?<!加)速度",
     "displacement": r"\bdisp(?:l\w*)?\b|\bdespl\w*|d[ée]placement|verschiebung|spostament\w*|перемещ\w*|смещен\w*"
     r"|変位|位移",
-    "counts": r"\bcounts?\b|\bdigits\b",
+    "counts": r"(?<![a-z])counts?(?![a-z])|\bdigits\b",
     "acceleration": ACCELERATION_WORD,
 }
 _QUANTITY_PATTERNS = {name: re.compile(words, re.IGNORECASE) for name, words in _QUANTITY_WORDS.items()}
@@ -65,17 +65,18 @@ _POWER_OF_TEN = r"(?:10\s*\^?\s*-\s*\d|1e-?\d+|0?\.0*1|1\s*/\s*10+|10+)"
 _WEAK_END = r"(?![\w'^*%/]|[-.]\w)(?!(?-i:(?<=G)\s*\.\s*[A-Z]))"
 _UNIT_KEY = (
     r"(?:units?|unidad(?:es)?|unit[ée]s?|unit[aà]|einheit(?:en)?|birim[a-zığ]*|unidades?|единиц[а-я]*|ед\.?(?:\s*изм\.?)?"
-    r"|単位|单位|jednostk\w*|eenheid|μονάδ\w*)"
+    r"|単位|单位|jednostk\w*|eenheid|[μu]ονάδ\w*)"
 )
 _SCALAR = rf"(?:(?P<multiple>10\s*\^?\s*-\s*\d|{_NUMBER}(?:\s*/\s*{_NUMBER})?)\s*[*x·]?\s*)?"
 _POWER = rf"(?:(?P<multiple>{_POWER_OF_TEN})\s*[*x·]?\s*)?"
 _TENTH = rf"(?:\s*/\s*(?P<part>{_NUMBER}))?"
 _IN = r"(?:\b(?:in|en|em|als|σε)|(?<![а-я])в)"
-_UNIT_WORDS = rf"(?:\s*(?:terms\s+of|fractions?\s+of|{_UNIT_KEY}(?:\s+(?:of|de|von|di|des))?))?"
+_UNIT_WORDS = r"(?:\s*(?:terms\s+of|(?:fra[cçz]\w*|bruchteil\w*|vielfach\w*)\s+(?:of|de|di|von)|дол(?:ях|и)"
+_UNIT_WORDS += rf"|{_UNIT_KEY}(?:\s+(?:of|de|von|di|des))?))?"
 _ADJACENT = rf"(?:\b{ACCELERATION_WORD}|\bvalues|\bamplitudes?|\bvalores|\bvaleurs|\bwerte|\bvalori|\bdata)"
 _CONTEXTS = [
     # unit: g; Units of acceleration = gal; AmplitudeUnit: gal. DC offset; UNIDADES DE LOS DATOS : Gal
-    rf"(?<![a-z]){_UNIT_KEY}(?![a-z])(?:[^\d:=;|]{{0,40}}[:=]+|(?:\s+(?:of|in|is|are|de|di|von|the|{ACCELERATION_WORD}))*)\s*[(\[]?"
+    rf"(?<![a-z]){_UNIT_KEY}(?![a-z])(?:[^\d:=;|]{{0,40}}[:=]+|\s*,|(?:\s+(?:of|in|is|are|de|di|von|the|{ACCELERATION_WORD}))*)\s*[(\[]?"
     rf"\s*(?:(?:s|secs?|seconds?)\s*(?:,|and|&|/)\s*)?{_SCALAR}"
     rf"{_WEAK}{_TENTH}(?![\w'^*%])",
     # fraction of g
@@ -121,12 +122,18 @@ _RATIO_BEHIND = re.compile(
 
 _SIGNS = {
     **dict.fromkeys("−–—‐‑", "-"), **dict.fromkeys("∕⁄÷", "/"), **dict.fromkeys("⋅∙•", "·"),
-    "μ": "u", "×": "x", "’": "'",
+    "×": "x", "’": "'",
 }  # fmt: skip
 _PLAIN_SIGNS = str.maketrans("".join(_SIGNS), "".join(_SIGNS.values()))
 _LATIN = {"мм": "mm", "см": "cm", "м": "m", "сек": "s", "с": "s", "厘米": "cm", "毫米": "mm", "米": "m", "秒": "s"}
 _FOREIGN_UNIT = re.compile(
     r"(?<![а-яa-z])(мм|см|м|厘米|毫米|米|[cm]?m)(\s*[/·*.]\s*)(сек|с|秒|s(?:ec)?)(?![а-я])", re.IGNORECASE
+)
+
+
+_PERCENT_OF_GRAVITY = re.compile(
+    r"(?:%|\b(?:per\s?cent(?:age)?|pct\.?|por\s+ciento|prozent|pour\s?cent))\s*(?:of\s+|de\s+|von\s+)?(?:g\b(?!')|gravity\b)",
+    re.IGNORECASE,
 )
 
 
@@ -138,9 +145,11 @@ def _latin_unit(found: re.Match[str]) -> str:
 
 def normalize(text: str) -> str:
     """Return a text with its units in plain letters: `m/s²`, `㎨`, `м/с2`, `ガル`, `m/s<sup>2</sup>`, `$m/s^{2}$`."""
+    text = _PERCENT_OF_GRAVITY.sub("%g", text)
     if text.isascii() and not re.search(r"[$\\{<]", text):
         return text
     plain = unicodedata.normalize("NFKC", text).translate(_PLAIN_SIGNS)
+    plain = re.sub(r"μ(?=[a-z])", "u", plain, flags=re.IGNORECASE)
     plain = re.sub(r"</?su[pb]>|\\mathrm|\\text|\\,|[${}]", "", plain)
     plain = re.sub(r"(?i)гал(?![а-я])|ガル|伽", "gal", plain)
     plain = _FOREIGN_UNIT.sub(_latin_unit, plain)
@@ -202,6 +211,8 @@ def find_units(line: str, is_heading: bool = False) -> list[str]:
     plain = re.sub(r"(?<=[a-z])(?=U(?:nits?|NITS?)\b)", " ", normalize(line)).strip().strip("\"'")
     if _ALONE.fullmatch(plain) or (is_heading and re.fullmatch(rf"(?i){_PLAIN_SPELLING}", plain)):
         return [plain] if acceleration_unit(plain) else []
+    if is_heading and (short := re.fullmatch(rf"(?i)a[xyzg]?_{_WEAK}", plain)):
+        return [short["unit"]]
     found: dict[float, str] = {}
     for segment in re.split(r"[;|\t]", plain):
         if _CONVERTED.search(segment):

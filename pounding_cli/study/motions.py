@@ -434,16 +434,15 @@ def _doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Ite
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
         yield f"named like vertical components, will shake the buildings sideways: {listed(vertical)}", hint
-    doubts: dict[str, list[str]] = {}
+    doubts: dict[records.Doubt, list[str]] = {}
     against: dict[tuple[str, str], list[str]] = {}
     for each in readings:
-        if each.doubt:
-            doubts.setdefault(each.doubt, []).append(each.motion.name)
+        for doubt in each.doubts:
+            doubts.setdefault(doubt, []).append(each.motion.name)
         if each.stated:
             against.setdefault((each.unit, each.stated), []).append(each.motion.name)
     for doubt, names in doubts.items():
-        hint = "check that the column of times is no sample number; write `dt: 0.01 s` beside `file:` if it is"
-        yield f"{listed(names)}: {doubt}", hint
+        yield f"{listed(names)}: {doubt.message}", doubt.hint
     for (unit, stated), names in against.items():
         message = f"{listed(names)}: read in {unit}, as the study says, although the file says {stated}"
         yield message, "remove `unit:` if the file is right"

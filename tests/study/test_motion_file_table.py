@@ -41,7 +41,10 @@ ROWS = {
     "tab": lines(TIMES, ONE, between="\t"),
     "quoted": "".join(f'"{time}","{value}"\n' for time, value in zip(TIMES, ONE, strict=True)),
     "milliseconds": lines([f"{20 * place}" for place in range(8)], ONE, between=","),
+    "minutes": lines([f"{STEP * place / 60:.12f}" for place in range(8)], ONE, between=","),
+    "times-rounded": lines(["0.00", "0.01", "0.01", "0.02", "0.02", "0.03", "0.03", "0.04"], ONE, between=","),
     "three": lines(TIMES, ONE, TWO, between=","),
+    "four-commas": lines(TIMES, ONE, TWO, THREE, between=","),
     "four": lines(TIMES, ONE, TWO, THREE, between="   "),
     "components": lines(ONE, TWO, THREE, between=","),
     "acc-vel-disp": lines(TIMES, ONE, TWO, THREE, between=","),
@@ -51,6 +54,10 @@ ROWS = {
     "index-from-1": lines([str(place + 1) for place in range(8)], ONE),
     "uneven": lines([*TIMES[:4], "0.09", *TIMES[5:]], ONE),
     "rows": wrapped(ONE, 5),
+    "end-of-data": lines(TIMES, ONE) + "\n*** END OF DATA ***\n\n",
+    "one-eof": lines(ONE) + "EOF",
+    "end-and-more": lines(TIMES, ONE) + "end of data\n0.16 0.5\n",
+    "words-among-numbers": lines(TIMES, ONE) + "Velocity of the ground\n" + lines(TIMES, TWO),
     "pairs": wrapped([word for pair in zip(TIMES, ONE, strict=True) for word in pair], 4),
     "decimal-comma": lines(COMMAS),
     "decimal-comma-short": "0,0125\n-0,03025\n0,048\n-0,02175\n0,0095\n-0,00425\n0,002\n-0,001\n",
@@ -129,6 +136,7 @@ def test_the_file_is_read_as_it_means_or_refused_with_the_key(tmp_path: Path, ca
     assert reading.motion.pga == pytest.approx(row.get("peak", 0.048 * one), rel=1e-9)
     assert reading.motion.acceleration.size == len(VALUES)
     assert reading.motion.dt == pytest.approx(row.get("step", STEP), rel=1e-12)
-    assert row.get("doubt", "") in reading.doubt
-    assert bool(reading.doubt) == ("doubt" in row)
+    doubt = "; ".join(f"{each.message} | {each.hint}" for each in reading.doubts)
+    assert row.get("doubt", "") in doubt
+    assert bool(doubt) == ("doubt" in row)
     assert row.get("said", "") in reading.words
