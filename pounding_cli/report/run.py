@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.laws import drawn
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import count_histories, counted
 from pounding_cli.report.background import advice, report_of, trust
 from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
@@ -122,7 +122,7 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
     marked = set(zip(flagged["case"], flagged["analysis"], strict=True))
     places = zip(table["case"], table["analysis"], strict=True)
     table["case"] = [f"{place[0]} {MARK}" if place in marked else place[0] for place in places]
-    return from_records("Largest of all rows, and where", table.to_dict("records"))
+    return from_records("Largest of all time histories, and where", table.to_dict("records"))
 
 
 def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
@@ -160,6 +160,7 @@ def _gaps(results: Results) -> dict[tuple[str, str], str]:
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
         row = here.iloc[int((here["max_closing"] - here["gap"]).argmax())]
         struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
+        all_histories = count_histories(len(struck)) if results.axes else counted(len(struck), "motion")
         closing = row["max_closing"]
         beyond = f"{digits(unit.number(closing - row['gap']), 3)} {unit.name}"
         number = f"{digits(unit.number(closing), 3)} of {unit.text(row['gap'])}"
@@ -168,10 +169,9 @@ def _gaps(results: Results) -> dict[tuple[str, str], str]:
             below = f"{row['kind']}, {beyond} beyond the gap" if closing > row["gap"] else row["kind"]
         elif closing > row["gap"]:
             number = f"penetration {beyond}"
-            rows = f"{struck.sum()} of {counted(len(struck), 'row')}"
-            below = f"contact in {rows}, gap {unit.text(row['gap'])}"
+            below = f"contact in {struck.sum()} of {all_histories}, gap {unit.text(row['gap'])}"
         elif struck.any():
-            below = f"contact in {struck.sum()} of {counted(len(struck), 'row')}"
+            below = f"contact in {struck.sum()} of {all_histories}"
         found[place] = f"{number}\n{below}"
     return found
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from pounding_cli.laws import drawn
 from pounding_cli.model.scene import Analysis
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, count_histories
 from pounding_cli.units import GRAVITY
 from pounding_cli.variables import ALONE
 
@@ -139,7 +139,7 @@ def _largest(
     if np.isfinite(alone):
         words.append(f"{unit.text(alone, 3)} alone")
     count = int((values > limit).any(values.dims[-2:]).sum())
-    words.append(f"above {unit.text(limit)} in {counted(count, 'run')}")
+    words.append(f"above {unit.text(limit)} in {count_histories(count)}")
     text = f"{unit.text(float(values.max()), 3)} ({'; '.join(filter(None, words))})"
     return text, {dim: here[dim].item() for dim in ("building", "analysis")}, alone
 

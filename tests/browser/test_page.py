@@ -67,7 +67,8 @@ def test_the_explorer_draws_the_numbers_of_the_tables(visit, reports):
 
 def test_the_first_table_gives_the_largest_values(visit, reports):
     page, (results, _) = visit("kept"), reports("kept")
-    rows = [row for row in cells(page, "[aria-label='Largest of all rows, and where']") if row[1] == "elastic"]
+    table = cells(page, "[aria-label='Largest of all time histories, and where']")
+    rows = [row for row in table if row[1] == "elastic"]
     assert [row[0].split()[0] for row in rows] == CASES
     elastic = results.storey().query("analysis == 'elastic'")
     for row, (_, some) in zip(rows, elastic.groupby("case", observed=True, sort=False), strict=True):

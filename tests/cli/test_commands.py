@@ -135,7 +135,7 @@ def test_a_command_given_another_s_study_names_the_right_one(folder, pound, give
         ("check empty.yaml", "empty.yaml:1:1: the file is empty\n    begin with a commented study: pound init"),
         ("check folder", "folder: this is not a regular file"),
         ("report r.h5 -o two.yaml", "the output folder two.yaml cannot be written: it is a file"),
-        ("report r.h5 --case gap", "case=gap chooses what figures over a sweep show"),
+        ("report r.h5 --case gap", "--case gap chooses what figures over a sweep show, and its study sweeps nothing"),
         ("records show one.txt --column 2", "leave 'column' out"),
         ("records show taft -o taft.xyz", "end the name with one of .png, .svg, .pdf"),
         ("init folder/", "'folder/' names no file"),

@@ -404,7 +404,7 @@ def test_property_line_of_an_oscillator(tmp_path):
     larger of both is taken for either, or if free vibration after the motion is left out."""
     from scipy.integrate import solve_ivp
 
-    (tmp_path / "push.txt").write_text("".join(f"{t} {a}\n" for t, a in PUSH))
+    (tmp_path / "push.txt").write_text("# unit: g\n" + "".join(f"{t} {a}\n" for t, a in PUSH))
     (tmp_path / "s.yaml").write_text(ALONE.format(tail=2))
     found = pounding_cli.run(tmp_path / "s.yaml", tmp_path / "r.h5", workflow="gap", engine="serial")
     line = found.table("property_line").set_index(["building", "side"])

@@ -52,7 +52,8 @@ def solve(scene, accuracy=1e-6, method="taylor", **_):
         if link.columns:
             shears = 1e5 + at, 2e5 + at, 34.0 if strong else 1.2
             peaks["shear_below"][at], peaks["shear_above"][at], peaks["demand"][at] = shears
-    return response.Response(peaks, storeys, "done", "", "taylor", accuracy, 1, 1, 1e-4)
+    closings = peaks["max_closing"]
+    return response.Response(peaks, storeys, "done", "", "taylor", accuracy, 1, 1, 1e-4, closing_to_rest=closings)
 
 
 SOLVE = solve
@@ -89,7 +90,7 @@ def test_beyond_the_gap_floors_are_in_contact_and_below_it_they_approach(pound):
     table = first_table(pound("run", "two.yaml")[1])
     touching, wide = ([" ".join(line) for line in cells_of(table, case, "inelastic")] for case in ("touching", "wide"))
     assert "penetration 99.0 cm" in touching[0]
-    assert "contact in 2 of 2 runs, gap 1 cm" in touching[1]
+    assert "contact in 2 of 2 motions, gap 1 cm" in touching[1]
     assert "100 of 120 cm" in wide[0]
     assert "no contact" in wide[1]
 

@@ -47,7 +47,7 @@ def test_a_wall_has_no_rows(pound, question):
         table = results.table(name)
         assert not {"rigid", "soil"} & set(table.get("building", ())), name
         assert not [text for text in table.get("quantity", ()) if text.endswith(WALLS)], name
-    first = out[: out.index("Scenes:")]
+    first = out[: out.index("Time histories:")]
     assert not re.search(r"\b(rigid|soil), (storey|floor) 1\b", first)  # as the place of a largest value
     pound("report", "r.h5", "-q", "--no-figures", "-o", "page")
     page = Path("page/report.html").read_text(encoding="utf-8")
