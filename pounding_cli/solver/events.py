@@ -48,6 +48,10 @@ FROM_REST = 1e-3
 contact: only a series tells the sign of what begins by a high power of time."""
 
 
+NEAR_ZERO = 1e-9
+"""Deformation [m] and rate [m/s] beyond which nothing is rounding: floors move by less than 10 km, and 10 km/s."""
+
+
 @njit(**PART)
 def summarise(dofs, elements, terms, r):
     """Displacement, velocity and total acceleration of every degree of freedom at s = 1, with chord deviations."""
@@ -86,13 +90,13 @@ def ends_of_elements(dofs, elements, terms, r):
         left, right = dofs[el.left], dofs[el.right]
         v, of_v = left.u1 - el.offset - el.hold * right.u1, abs(left.u1 - el.offset) + abs(el.hold * right.u1)
         rate, of_rate = left.v1 - el.hold * right.v1, abs(left.v1) + abs(el.hold * right.v1)
-        if e >= r.n:  # what floors have come to stays in their sums as they pass zero
-            of_v = max(of_v, max(left.u_max, -left.u_min))
-            of_rate = max(of_rate, left.fastest)
         for x in range(el.first, el.last):
             u, w = terms[x].weight * dofs[terms[x].dof].u1, terms[x].weight * dofs[terms[x].dof].v1
             v, of_v = v + u, of_v + abs(u)
             rate, of_rate = rate + w, of_rate + abs(w)
+        if e >= r.n and (abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO):  # what floors have come to stays in their sums
+            of_v = max(of_v, max(left.u_max, -left.u_min))
+            of_rate = max(of_rate, left.fastest)
         el.v1, el.r1 = told(v, of_v, LAST_DIGITS), told(rate, of_rate, LAST_DIGITS)
 
 

@@ -59,6 +59,9 @@ PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(POINTS) / (POINTS - 1))
 FIT = np.ascontiguousarray(np.linalg.inv(np.vander(PLACES, increasing=True)))
 """Coefficients of a polynomial of degree 7 from its values at PLACES."""
 
+FIT_SIZE = np.abs(FIT).sum(axis=1)
+"""Largest size of the terms of each coefficient, over the largest value."""
+
 SAFETY, LEAST, MOST = 0.9, 0.2, 6.0
 """Of the next step over this one: margin, least and most."""
 
@@ -231,13 +234,19 @@ def _fit_force(el, r, s, state, formula, storey):
         r.values[place] = force(el, v, rate, formula)
         if storey:
             r.values[place] -= el.c * rate
+    largest = 0.0
+    for place in range(POINTS):
+        largest = max(largest, abs(r.values[place]))
     for k in range(POINTS):
-        f = size = 0.0
+        f = 0.0
         for place in range(POINTS):
-            term = FIT[k, place] * r.values[place]
-            f += term
-            size += abs(term)
-        s.f[k] = told(f, size, LAST_DIGITS)  # events ask for the first coefficient that is not zero
+            f += FIT[k, place] * r.values[place]
+        if abs(f) <= LAST_DIGITS * FIT_SIZE[k] * largest:  # else it is no rounding
+            size = 0.0
+            for place in range(POINTS):
+                size += abs(FIT[k, place] * r.values[place])
+            f = told(f, size, LAST_DIGITS)  # events ask for the first coefficient that is not zero
+        s.f[k] = f
 
 
 @njit(**PART)
