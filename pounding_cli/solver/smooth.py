@@ -19,7 +19,7 @@ from pounding_cli.solver.events import ends_of_elements, integral, rate_series
 from pounding_cli.solver.options import CALLED, PART, bare
 from pounding_cli.solver.polynomial import value
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
-from pounding_cli.solver.series import LAST_DIGITS, push, push_by_storey, told
+from pounding_cli.solver.series import push, push_by_storey, told
 
 _TABLES = {
     name: np.array(values)
@@ -58,6 +58,10 @@ POINTS = 8
 PLACES = 0.5 - 0.5 * np.cos(np.pi * np.arange(POINTS) / (POINTS - 1))
 FIT = np.ascontiguousarray(np.linalg.inv(np.vander(PLACES, increasing=True)))
 """Coefficients of a polynomial of degree 7 from its values at PLACES."""
+
+LAST_OF_SUM = 2e-15
+"""Part of its terms [-] below which such a coefficient is rounding, of eight terms and the values themselves: what is
+more is part of the force, which the energies miss."""
 
 FIT_SIZE = np.abs(FIT).sum(axis=1)
 """Largest size of the terms of each coefficient, over the largest value."""
@@ -241,11 +245,11 @@ def _fit_force(el, r, s, state, formula, storey):
         f = 0.0
         for place in range(POINTS):
             f += FIT[k, place] * r.values[place]
-        if abs(f) <= LAST_DIGITS * FIT_SIZE[k] * largest:  # else it is no rounding
+        if abs(f) <= LAST_OF_SUM * FIT_SIZE[k] * largest:  # else it is no rounding
             size = 0.0
             for place in range(POINTS):
                 size += abs(FIT[k, place] * r.values[place])
-            f = told(f, size, LAST_DIGITS)  # events ask for the first coefficient that is not zero
+            f = told(f, size, LAST_OF_SUM)  # events ask for the first coefficient that is not zero
         s.f[k] = f
 
 

@@ -98,8 +98,8 @@ class Study(Model):
     tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = key(0.0, "free vibration after the motion [s]")
     residual_drift: Annotated[bool, Field(strict=True)] = key(
         False,
-        "whether the drifts at rest, long after the motion, are found; they are wherever a limit, an output or an "
-        "optimum names `residual_drift`",
+        "whether the drifts at rest, long after the motion, are found; they are wherever `sensitivity` or "
+        "`optimise` names `residual_drift`",
         True,
     )
     claims: Literal["fig6", "fig7"] | None = key(None, "figure of the paper that this study reproduces")

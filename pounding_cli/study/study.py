@@ -49,8 +49,8 @@ Point = tuple[int, ...]
 Subject = str | tuple[str, str]
 """What an axis can touch: a section of the file, or one entry of a section."""
 
-QUESTIONS = ("fragility", "sensitivity", "optimise")
-"""Sections that may name quantities in limits, outputs and optima."""
+QUESTIONS = ("sensitivity", "optimise")
+"""Sections that may name any quantity of the tables."""
 
 RESIDUAL_DRIFT = "residual_drift"
 """The key and the quantity of the drifts at rest."""

@@ -520,3 +520,32 @@ def test_the_damping_of_a_connector_stands_in_the_study():
     resolved = study_of(study).resolved()["cases"]["joined"]["links"][0]
     (link,) = expand(study_of(study)).build(0).links
     assert resolved["damping_ratio"] == link.law.damping_ratio == pytest.approx(0.1359, rel=1e-3)
+
+
+UNCERTAIN = {
+    "impact.restitution": {"uniform": {"from": 0.4, "to": 0.65}},
+    "cases.case.gap": {"uniform": {"from": "4 cm", "to": "6 cm"}},
+}
+
+
+@pytest.mark.parametrize(
+    ("more", "is_asked"),
+    [
+        ({}, False),
+        ({"residual_drift": False}, False),
+        ({"residual_drift": True}, True),
+        ({"uncertain": UNCERTAIN, "sensitivity": {"outputs": ["residual_drift in soft"]}}, True),
+        ({"uncertain": UNCERTAIN, "sensitivity": {"outputs": ["drift in soft"]}}, False),
+    ],
+)
+def test_residual_drifts_are_found_where_they_are_asked_for(more: dict, is_asked: bool) -> None:
+    """Fails if scenes with and without them share a digest, or if a limit on them is answered without them."""
+    plan = expand(study_of(study(**more)))
+    scenes = list(plan.scenes(np.arange(len(plan))))
+    assert {scene.residual_drift for scene in scenes} == {is_asked}
+    assert [scene.digest for scene in scenes] == [digest.tobytes().hex() for digest in plan.digests]
+    without = expand(study_of(study()))
+    assert (plan.digests != without.digests).any() == is_asked
+    told = pound.run(study(**more), Path(tempfile.mkdtemp()) / "r.h5", engine="serial").storey()["residual_drift"]
+    assert told.notna().all() == is_asked
+    assert told.notna().any() == is_asked
