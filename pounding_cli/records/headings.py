@@ -7,7 +7,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from pounding_cli.records.units import BRACKETS, acceleration_unit, find_units, named_quantity, normalize
+from pounding_cli.records.units import (
+    BRACKETS,
+    UNIT_STATEMENT,
+    acceleration_unit,
+    find_units,
+    named_quantity,
+    normalize,
+    speaks_of_a_number,
+)
 
 MAX_ROWS_OF_HEADINGS = 3
 """Lines over the numbers that may hold headings: names, units and components may be in lines of their own."""
@@ -83,7 +91,7 @@ _COUNT = re.compile(
     re.IGNORECASE,
 )
 _COUNT_FIRST = re.compile(
-    r"(?<![\d.,-])(?P<count>\d{1,9})\s*(?:data\s+)?(?:points|pts|samples|values)\b(?!\s*(?:per\b|/))", re.IGNORECASE
+    r"(?<![\d.,-])(?P<count>\d{1,9}) ?(?:data )?(?:points|pts|samples|values)\b(?!\s*(?:per\b|/))", re.IGNORECASE
 )
 _COUNT_AND_STEP = re.compile(rf"(?P<count>\d{{1,9}})[\s,;]+{_NUMBER}(?P<rest>.*)\Z", re.IGNORECASE)
 # The first line of a DEEPSOIL profile motion, with units: 4000 0.01 g
@@ -118,7 +126,8 @@ _TITLE_OF_A_SPECTRUM = re.compile(
 _MATCHED_TO_A_SPECTRUM = re.compile(r"match|compatib|target|histor|accelerogra|fitted|adjust|scaled", re.IGNORECASE)
 # Words of a motion that was made to fit a spectrum.
 _COMPONENT = re.compile(
-    r"(?:a(?:_?[xyzgneu])?|ag|ug|ax|ay|az|x|y|z|n-?s|e-?w|u-?d|s-?n|w-?e|n|e|v|h[12n]?[enz]?|hn[enz12]|[nse]\d{2}[nsew]|u\(\+\)|n\(\+\)|e\(\+\)|long\w*|tran\w*|vert\w*|up)\b",
+    r"(?:a(?:_?[xyzgneu\d])?|ch(?:an(?:nel)?)?[ _.]*\d+|ug|x|y|z"
+    r"|n-?s|e-?w|u-?d|s-?n|w-?e|n|e|v|h[12n]?[enz]?|hn[enz12]|[nse]\d{2}[nsew]|u\(\+\)|n\(\+\)|e\(\+\)|long\w*|tran\w*|vert\w*|up)\b",
     re.IGNORECASE,
 )
 
@@ -227,9 +236,9 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
             header.words[line] = _without_seconds(first["rest"])
             continue
         header.steps += [Step(seconds, line, text[:60]) for seconds in find_steps(text)]
-        found = _COUNT.search(normalize(text)) or _COUNT_FIRST.search(text)
-        if found and not _FILTER.search(text[: found.start()]):
-            header.counts.append((int(found["count"]), line))
+        count = _find_count(text)
+        if count is not None:
+            header.counts.append((count, line))
     return header
 
 
@@ -274,6 +283,18 @@ def find_steps(line: str) -> list[float]:
     if not _FILTER.search(plain) and (rate := _PLAIN_RATE.search(plain)):
         return [_seconds(rate["value"], "hz", True)]
     return []
+
+
+def says_step_or_count(line: str) -> bool:
+    """Return whether a line of a header says a time step or a number of samples."""
+    return bool(find_steps(line)) or _find_count(line) is not None
+
+
+def _find_count(line: str) -> int | None:
+    """Return the number of samples that a line of a header says; None where it says none."""
+    found = _COUNT.search(normalize(line)) or _COUNT_FIRST.search(line)
+    is_count = found is not None and not _FILTER.search(line[: found.start()])
+    return int(found["count"]) if found is not None and is_count else None
 
 
 def _is_unit_or_step_unit(rest: str) -> bool:
@@ -328,7 +349,7 @@ def split_headings(line: str, width: int) -> list[str]:
         parts = [part.strip().strip("\"'").strip() for part in line.split(separator)]
         if len(parts) == width + 1 and not parts[-1]:
             parts.pop()
-        if len(parts) == width and _looks_like_headings(parts):
+        if len(parts) == width and _looks_like_headings(parts) and not any(map(_is_statement, parts)):
             return parts
     for pattern in (r"\s{2,}", r"\s+(?![(\[])"):
         parts = [part.strip("\"'") for part in re.split(pattern, line.strip())]
@@ -341,6 +362,8 @@ def split_headings(line: str, width: int) -> list[str]:
 def _looks_like_headings(parts: list[str], by_blanks: bool = False) -> bool:
     """Return whether texts name columns: a time, a sample number, accelerations, components; no sentence."""
     known = [_names_column(part) for part in parts]
+    if by_blanks and any(map(_is_preposition, parts[:-1])):
+        return False  # acceleration in g
     if by_blanks:
         return all(known) or (
             bool(_TIME.match(parts[0])) and any(known[1:]) and len(parts) <= 3 and not _is_preposition(parts[1])
@@ -349,6 +372,11 @@ def _looks_like_headings(parts: list[str], by_blanks: bool = False) -> bool:
         return True
     has_unit_words = any(_TIME.match(part) or find_units(part, True) or named_quantity(part) for part in parts)
     return has_unit_words or all(known)
+
+
+def _is_statement(part: str) -> bool:
+    """Return whether a text speaks of the whole file, `Time step 20 ms` or `units = g`, not of one column."""
+    return says_step_or_count(part) or bool(UNIT_STATEMENT.match(part)) or speaks_of_a_number(part)
 
 
 def _is_preposition(word: str) -> bool:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pounding_cli.numbers import counted
-from pounding_cli.records.headings import is_name_of_time
+from pounding_cli.records.headings import is_name_of_time, says_step_or_count
 from pounding_cli.records.text import Row, Text, is_numeric, number, tokens
 from pounding_cli.records.units import named_quantity
 
@@ -85,13 +85,18 @@ def _find_rows_below_words(text: Text, first: int, words: int, below: int) -> tu
     says_count = _count_and_step(header[0]) is not None or _says_size(header[0], rows)
     if says_count and len(header) <= 2:
         return below, header + rows
-    is_header = all(len(row.values) != len(rows[0].values) for row in header)
+    is_header = all(len(row.values) != len(rows[0].values) or _is_date(row) for row in header)
     is_other_quantity = named_quantity(text.lines[words]) in ("velocity", "displacement")
     if not is_header or len(rows) <= len(header) or is_other_quantity:
         quote = text.lines[words].strip()[:40]
         message = f"numbers stand over these words ('{quote}') and below them: which are the samples?"
         raise text.refuse(message, "take out the lines that are no samples, or begin them with #", words + 1)
     return below, rows
+
+
+def _is_date(row: Row) -> bool:
+    """Return whether a row is a date or a code, 20200101010203, no sample."""
+    return all(re.fullmatch(r"\d{8,}", word) for word in row.words)
 
 
 def _says_size(row: Row, rows: list[Row]) -> bool:
@@ -125,9 +130,11 @@ def refuse_a_row_among_headings(text: Text, start: int, width: int) -> None:
     begins = [word for word in words if re.match(r"[-+]?\d*\.\d", word) and number(word) is None]
     if len(words) == width and (len(numbers) == width - 1 > 0 or (width == 1 and begins)):
         odd = next(word for word in words if number(word) is None)
-        is_key = odd == words[0] and odd.isalpha() and odd.lower() not in _MISSING
-        if is_key or is_name_of_time(odd):
-            return  # dt 0.02; or time,0: the headings of a pandas series without a name
+        is_name = odd.strip(":=").isalpha() and odd.lower() not in _MISSING
+        is_key = is_name and odd == words[0]
+        is_title = is_name and all(map(_WHOLE.match, numbers)) and len(numbers) > 0  # 2010 Maule
+        if is_key or is_title or is_name_of_time(odd) or says_step_or_count(text.lines[above]):
+            return  # dt 0.02; 50 sps; or time,0: the headings of a pandas series without a name
         hint = "write plain numbers; fill or cut gaps in the record"
         raise text.refuse(f"'{odd[:40]}' is not a finite number", hint, above + 1, text.lines[above].find(odd) + 1)
 

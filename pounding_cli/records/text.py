@@ -30,6 +30,7 @@ _TOUCHING_NUMBERS = re.compile(rf"[-+]?{_ONE}(?:[-+]{_ONE})+\Z", re.ASCII)
 _QUOTED_COMMA = re.compile(r"\"\s*([-+]?\d+),(\d+(?:[Ee][-+]?\d+)?)\s*\"")
 _NOT_PLAIN = re.compile(r"[^\dEe+\-.,;\s\"']", re.ASCII)
 # A sign that a block of plain numbers does not have; touching numbers and all else that is none fail as they are read.
+_COMMENT_LINES = re.compile(r"^[ \t]*[#%!].*$", re.MULTILINE)
 _END = re.compile(
     r"[\W_]*(?:end|eof|eod|fin|fine|fim|ende|einde|kraj|koniec|конец|终了|結束|结束|終了|以上)(?![^\W_])(?:[\W_]+[^\W\d_]+){0,5}[\W_]*\Z"
     r"|\s*[\])}/]+\s*;?\s*\Z",
@@ -195,10 +196,11 @@ class Text:
 
     def read_plain_rows(self, start: int, end: int | None = None) -> list[Row] | None:
         """Return what `read_rows` does of lines with nothing but plain numbers, all at once; None of others."""
-        lines = self.lines[start:end]
-        block = "\n".join(lines)
-        if not block or _NOT_PLAIN.search(block):
-            return None
+        block = "\n".join(self.lines[start:end])
+        if _NOT_PLAIN.search(block):
+            block = _COMMENT_LINES.sub("", block)
+            if _NOT_PLAIN.search(block):
+                return None
         split = [line.split() for line in _part_with_blanks(block).split("\n")]
         try:
             values = np.array([word for words in split for word in words], dtype=float) + 0.0  # zero has no sign

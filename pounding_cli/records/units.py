@@ -67,6 +67,8 @@ _UNIT_KEY = (
     r"(?:units?|unidad(?:es)?|unit[ée]s?|unit[aà]|einheit(?:en)?|birim[a-zığ]*|unidades?|единиц[а-я]*|ед\.?(?:\s*изм\.?)?"
     r"|単位|单位|jednostk\w*|eenheid|[μu]ονάδ\w*)"
 )
+UNIT_STATEMENT = re.compile(rf"[^\w]*{_UNIT_KEY}\s*[:=]", re.IGNORECASE)
+"""The begin of a line that states the unit of all values: `units = g`."""
 _SCALAR = rf"(?:(?P<multiple>10\s*\^?\s*-\s*\d|{_NUMBER}(?:\s*/\s*{_NUMBER})?)\s*[*x·]?\s*)?"
 _POWER = rf"(?:(?P<multiple>{_POWER_OF_TEN})\s*[*x·]?\s*)?"
 _TENTH = rf"(?:\s*/\s*(?P<part>{_NUMBER}))?"

@@ -99,6 +99,18 @@ def test_a_step_that_no_accelerograph_has_is_told(motion, pound, tmp_path, comma
     assert "warning: the time step is 1 s" in shown.stderr
 
 
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_step_of_the_header_that_the_times_do_not_have_is_told(motion, pound, tmp_path, command) -> None:
+    rows = "".join(f"{0.02 * i:.2f},{0.3 * math.sin(0.3 * i):.5f}\n" for i in range(200))
+    (tmp_path / "a.csv").write_text(f"dt: 0.01 s\ntime [s],acc [g]\n{rows}")
+    said = flat(pound(command, "[a.csv]").stderr)
+    assert "a: line 1 says a time step of 0.01 s, but the times rise by 0.02 s, which is used" in said
+    assert "write `dt: 0.02 s` beside the file" in said
+    shown = CliRunner().invoke(cli, ["records", "show", "a.csv"])
+    assert "warning: line 1 says a time step of 0.01 s" in shown.stderr
+    assert "0.01 s" not in pound(command, "[{file: a.csv, dt: 0.02 s}]").stderr
+
+
 def test_a_unit_in_the_study_comes_before_the_heading_and_the_difference_is_told(motion, pound, tmp_path) -> None:
     motion("a.csv", "time, gal\n", 0.3)
     said = pound("check", "[{file: a.csv, unit: g}]").stderr

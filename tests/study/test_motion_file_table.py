@@ -43,6 +43,7 @@ ROWS = {
     "milliseconds": lines([f"{20 * place}" for place in range(8)], ONE, between=","),
     "minutes": lines([f"{STEP * place / 60:.12f}" for place in range(8)], ONE, between=","),
     "times-rounded": lines(["0.00", "0.01", "0.01", "0.02", "0.02", "0.03", "0.03", "0.04"], ONE, between=","),
+    "swapped": lines(ONE, TIMES, between=","),
     "three": lines(TIMES, ONE, TWO, between=","),
     "four-commas": lines(TIMES, ONE, TWO, THREE, between=","),
     "four": lines(TIMES, ONE, TWO, THREE, between="   "),
