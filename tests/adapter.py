@@ -109,6 +109,7 @@ class Run:
     place: tuple[int, int]
     error: float
     flags: tuple[str, ...]
+    effects: tuple[str, ...]
 
     def __getattr__(self, name: str) -> np.ndarray:
         if name == "numbers" or name not in self.numbers:
@@ -130,7 +131,7 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
     place = found.collapse_building, found.collapse_storey
     return Run(
         found.status, found.advice, numbers, found.energy, found.steps, found.events, found.seconds,
-        found.collapse_time, place, found.error_estimate, found.flags,
+        found.collapse_time, place, found.error_estimate, found.flags, found.effects,
     )  # fmt: skip
 
 

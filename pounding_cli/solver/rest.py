@@ -95,14 +95,14 @@ class Rest:
 
 
 def find_rest(run: Prepared, is_done: np.ndarray) -> Rest:
-    """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`), where they are
-    asked for."""
+    """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`): 0 without any
+    cost where nothing holds a storey away from where it was, else where they are asked for."""
     layout, n, links = run.layout, run.layout.number, run.data.elements[:, run.layout.of_links]
     offsets, peaks = links["offset"], run.data.elements["peak_v"][:, :n].copy()
     rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), links["peak_v"] + offsets)
     is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
-        rest.drift[is_asked] = 0.0
+        rest.drift[is_done] = 0.0
         return rest
     places = np.flatnonzero(is_asked)
     if not places.size:
