@@ -49,7 +49,8 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
         if len(there) != 1:
             hint = f"name one by --{name}: {', '.join(map(str, there))}" if there else "name others"
             raise InputError(Problem(f"Pelicun takes one {name}, not {len(there)}", hint))
-    _refuse_without_residual_drifts(results)
+    if rows["residual_drift"].isna().all():  # else they are asked for, or elastic storeys have none
+        _refuse_without_residual_drifts(results)
     scene = [*results.axes, "record"]
     points = rows[scene].drop_duplicates()  # in the order of the study, which a pivot table does not keep
     keys = [*scene, "case", "analysis", "building", "storey"]

@@ -170,7 +170,7 @@ def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
     report(pounding_cli.open_results(made / "swept.h5")).print()
 
 
-@pytest.mark.parametrize(("most", "quantities"), [(650, "3 of 15"), (10, None)])
+@pytest.mark.parametrize(("most", "quantities"), [(650, "3 of 14"), (10, None)])
 def test_a_page_carries_no_more_numbers_than_it_may(made, folder, pound, monkeypatch, most, quantities):
     """Of a large sweep means and the largest over the height, of fewer quantities; none where not one has room."""
     monkeypatch.setattr("pounding_cli.report.widgets.MOST_VALUES", most)
@@ -179,7 +179,7 @@ def test_a_page_carries_no_more_numbers_than_it_may(made, folder, pound, monkeyp
     assert ('id="explorer"' in page) == (quantities is not None)
     told = f"{quantities} quantities" if quantities else "too large to look around here; tables/ has all numbers."
     assert told in page
-    assert "0 of 15" not in page
+    assert "0 of 14" not in page
 
 
 def test_keys_with_the_same_words_are_told_apart(folder, pound):
