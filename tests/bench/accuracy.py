@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import tempfile
@@ -25,12 +24,10 @@ def measure_figure(name: str) -> str:
     command = ["accuracy", f"configs/{name}.yaml", "--cases", CASES, "--records", "elcentro", "--budget", "75s"]
     with tempfile.TemporaryDirectory() as folder:
         printed = subprocess.run(
-            [*POUND, *command, "-o", folder],
-            cwd=ROOT, env={**os.environ, "COLUMNS": "2000"}, check=True, capture_output=True, text=True,
-        ).stdout  # fmt: skip
+            [*POUND, *command, "--quiet", "-o", folder], cwd=ROOT, check=True, capture_output=True, text=True
+        ).stdout
         for diagram in Path(folder).rglob("accuracy-*.png"):
             analysis = diagram.stem.removeprefix("accuracy-")
             shutil.copy(diagram, FIGURES / f"accuracy-{name}-{analysis}.png")
-    said = [line for line in printed.splitlines() if line.startswith(("For ", "Reference:"))]
-    lines = [f"`pound {' '.join(command)}` says:", "", *(f"- {line}" for line in said)]
-    return "\n".join(lines)
+    sentences = [f"- {sentence}" for sentence in printed.splitlines()]
+    return "\n".join([f"`pound {' '.join(command)}` says:", "", *sentences])
