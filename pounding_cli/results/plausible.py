@@ -43,11 +43,12 @@ def implausible_results(results: Results, hidden: Sequence[str] = ()) -> list[st
     data = results.data
     if results.walls:
         data = data.drop_sel(building=list(results.walls))
-    checks = (_ductility, _drift, _acceleration, _penetration)
-    return [sentence for check in checks for sentence in check(results, data, hidden)]
+    describe_all = (_describe_ductility, _describe_drift, _describe_acceleration, _describe_penetration)
+    return [sentence for describe in describe_all for sentence in describe(results, data, hidden)]
 
 
-def _ductility(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_ductility(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence on the largest ductility demand of inelastic analyses, if it is above `MAX_DUCTILITY`."""
     inelastic = data.sel(analysis=[each for each in data["analysis"].values if each == Analysis.INELASTIC])
     found = _largest(results, inelastic, "mu", MAX_DUCTILITY, Unit(), hidden)
     if found is None:
@@ -63,7 +64,8 @@ def _ductility(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Ite
     yield f"Hardly plausible: a ductility of {text}. Few buildings reach {MAX_DUCTILITY:g}: {cause}."
 
 
-def _drift(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_drift(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence on the largest interstorey drift, if it is above `MAX_DRIFT_RATIO`."""
     found = _largest(results, data, "drift_ratio", MAX_DRIFT_RATIO, _PERCENT, hidden)
     if found is None:
         return
@@ -76,7 +78,8 @@ def _drift(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterato
     yield f"Hardly plausible: an interstorey drift of {text}. Most storeys lose their strength below {limit}: {cause}."
 
 
-def _acceleration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_acceleration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence on the largest floor acceleration, if it is above `MAX_ACCELERATION`."""
     found = _largest(results, data, "acceleration", MAX_ACCELERATION, _ACCELERATION, hidden)
     if found is None:
         return
@@ -89,7 +92,8 @@ def _acceleration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> 
     yield f"Hardly plausible: a floor acceleration of {text}. Beyond {limit} it is that of a blow: {cause}."
 
 
-def _penetration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_penetration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence on the largest penetration of floors that strike, if it is beyond the thinner slab."""
     if "link" not in data.dims or "slab" not in data:
         return
     slab = data["slab"].where(data["slab"] > 0)  # 0: the study writes none
