@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
-from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
+from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, with_value
 from pounding_cli.study.quantity import Quantity, lacks_unit, said_place, written_unit
 from pounding_cli.study.words import keys_at, quantity_at, value_at
 from pounding_cli.units import factor
@@ -67,7 +67,7 @@ class Axis:
     given: Sequence[tuple[Any, ...]]
     marks: Sequence[tuple[Mark, ...]]
     units: tuple[Unit, ...]
-    model: type[BaseModel] = schema.Study
+    model: type[BaseModel] = schema.StudySpec
 
     def __len__(self) -> int:
         return len(self.given)
@@ -101,7 +101,7 @@ def sweep_maps(root: Any) -> list[Map]:
     return [node for node in (sweep if isinstance(sweep, Items) else [sweep]) if isinstance(node, Map)]
 
 
-def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> tuple[Axis, ...]:
+def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.StudySpec) -> tuple[Axis, ...]:
     """The axes under `sweep:`, each key of a mapping one; what is wrong is noted."""
     sweep, mark = root.get("sweep"), root.marks.get("sweep", (root.mark, root.mark))[1]
     if sweep is None:
@@ -157,10 +157,10 @@ def can_vary(
     root: Map,
     problems: Problems,
     what: str = "sweep axis",
-    model: type[BaseModel] = schema.Study,
+    model: type[BaseModel] = schema.StudySpec,
 ) -> bool:
     """Whether a dotted key can differ from point to point; why not is noted."""
-    path, whole = name.split("."), model is schema.Study
+    path, whole = name.split("."), model is schema.StudySpec
     once = schema.ONCE if whole else {"title", "sweep"}
     if path[0] in once or (whole and (path[:2] == ["records", "use"] or path[-1] == "like")):
         message = f"{what} '{name}' cannot vary: it is one for the whole study"
@@ -184,7 +184,7 @@ def can_vary(
 
 def _is_section(path: Sequence[str], root: Map, model: type[BaseModel]) -> bool:
     """Return whether a path leads to a section that no single value can stand for."""
-    if model is schema.Study:
+    if model is schema.StudySpec:
         least = {"buildings": 3, "cases": 3, "laws": 3, "tail": 1}.get(path[0], 2)
         return len(path) < least
     return bool(_known([*path], root, model))
@@ -201,7 +201,7 @@ def _refuse_step(
     name, step, before = ".".join(path), path[place], ".".join(path[:place])
     message = f"{what} '{name}': no key '{step}'{f' under {before!r}' * bool(before)}"
     if place == 0:
-        whole = find_whole_key(path, root) if model is schema.Study else ""
+        whole = find_whole_key(path, root) if model is schema.StudySpec else ""
         hint = f"write the whole key, `{whole}`" if whole else nearest(step, known)
         return message, hint
     if step in known:
@@ -237,12 +237,12 @@ def find_whole_key(path: Sequence[str], root: Map) -> str:
 
 def _is_known(path: list[str], root: Map) -> bool:
     """Return whether the schema knows a value at a path, whatever the file has there."""
-    if _is_section(path, root, schema.Study):
+    if _is_section(path, root, schema.StudySpec):
         return False
     for place, step in enumerate(path):
         above = get(root, *path[:place])
         is_item = isinstance(above, list) and step.isdigit() and int(step) < len(above)
-        if not is_item and step not in _known(path[:place], root, schema.Study):
+        if not is_item and step not in _known(path[:place], root, schema.StudySpec):
             return False
     return True
 
@@ -265,15 +265,11 @@ def _value_in_section(path: Sequence[str], root: Map, model: type[BaseModel]) ->
 
 
 def _known(path: list[str], root: Map, model: type[BaseModel]) -> list[str]:
-    """The keys that may stand at a path: those of the schema; of a case, those of any link."""
-    if model is schema.Study and path[:1] == ["cases"] and len(path) > 1:
-        rest = path[4:] if path[2:3] == ["links"] else path[2:]
-        known = keys_at(schema.Study, (*path[:2], "links", "0", *rest), root)
-        return [*known, "links"] if len(path) == 2 else known
+    """Return the keys that may stand at a path."""
     return keys_at(model, path, root)
 
 
-def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel] = schema.Study) -> Values | None:
+def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel] = schema.StudySpec) -> Values | None:
     """The values of a swept key; None where something is wrong, which is noted."""
     given, mark, quantity = holder[name], holder.marks[name][1], quantity_at(model, tuple(name.split(".")))
     if isinstance(given, Map) and not given.keys().isdisjoint(_RANGE):
@@ -298,7 +294,7 @@ def with_middles(root: Map, problems: Problems) -> Map:
                 continue
             values: Any = node.get("values")
             steps, middle, mark = name.split("."), node["middle"], node.marks["middle"][1]
-            quantity, own = quantity_at(schema.Study, tuple(steps)), get(root, *steps)
+            quantity, own = quantity_at(schema.StudySpec, tuple(steps)), get(root, *steps)
             is_odd = isinstance(values, Items) and len(values) >= 3 and len(values) % 2 == 1
             others = [values[len(values) // 2], middle if own is None else own] if is_odd else []
             if not others or any(same(other, quantity) != same(middle, quantity) for other in others):
@@ -307,7 +303,7 @@ def with_middles(root: Map, problems: Problems) -> Map:
                 problems.add(mark, f"'{name}': {what}", hint)
                 continue
             if can_vary(name, holder.marks[name][0], root, Problems("")):  # else the axis says what is wrong
-                root = put(root, steps, middle, mark)
+                root = with_value(root, steps, middle, mark)
     return root
 
 

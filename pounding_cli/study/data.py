@@ -2,28 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.study import build, schema
-from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dumped, get
-from pounding_cli.study.laws import Impact
-from pounding_cli.study.links import check_contact
-from pounding_cli.study.links import links_of as scene_links
-from pounding_cli.study.models import Building as BuildingSpec
-from pounding_cli.study.models import Case
+from pounding_cli.study.buildings import build_building
+from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dump_yaml
+from pounding_cli.study.group import Group, check_meetings, unique_names
+from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.links import (
+    Names,
+    build_laws,
+    build_links,
+    check_case_names,
+    check_impact_names,
+    check_links,
+    complete_links,
+    find_floors,
+    find_multiples,
+)
 from pounding_cli.study.quantity import Quantity
-from pounding_cli.study.spell import inherited, links_of, refuse_old
-from pounding_cli.study.study import Study
+from pounding_cli.study.study import Study, build_study
+from pounding_cli.study.written import read_spec
 from pounding_cli.texts import file_name
 
 
@@ -40,7 +48,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     root = tree_of(data)
     title = str(root.get("title") or "study")
     path = Path(file_name(title).replace(" ", "-").lower() + ".yaml")
-    return Study(path, dumped(root, flow=False) + "\n", root)
+    return build_study(path, dump_yaml(root, flow=False) + "\n", root)
 
 
 def tree_of(data: Mapping[str, Any]) -> Map:
@@ -71,50 +79,56 @@ def _node(value: Any, place: str) -> Any:
 
 
 def building_of(name: str, keys: Mapping[str, Any]) -> Building:
-    """The building that the keys of a study's building describe.
+    """Return the building that the keys of a study's building describe.
 
     Raises
     ------
     InputError : with every problem found, each at its key
     """
-    problems, path = Problems(""), ("buildings", name)
-    root = _tree(buildings=_tree(**{name: _node(keys, "")}))
-    root["buildings"] = inherited(root["buildings"], problems)
-    problems.check()
-    spec = _valid(BuildingSpec, root, path, problems)
-    try:
-        return build.building(name, spec)
-    except (ValueError, ArithmeticError) as error:
-        problems.at(root, path, str(error), "check its masses, heights, period and stiffness")
-        problems.check()
-        raise
+    tree = _build_tree(buildings=_build_tree(**{name: _node(keys, "")}))
+    with _placed_in(tree):
+        return build_building(name, read_spec(tree, ("buildings", name)))
 
 
 def links_between(
     buildings: Sequence[Building], case: Mapping[str, Any], impact: Mapping[str, Any]
 ) -> tuple[Link, ...]:
-    """The links that the keys of a study's case put between neighbours, left to right.
+    """Return the links that the keys of a study's case put between neighbours, left to right.
 
     Raises
     ------
     InputError : with every problem found, each at its key; neighbours without a floor at one elevation
     """
-    problems, path = Problems(""), ("cases", "case")
-    group = build.Group.of_buildings(tuple(buildings), {building.name: building for building in buildings})
-    root = _tree(cases=_tree(case=_node(case, "")), impact=_node(impact, "impact"))
-    build.check_meetings(group, root, problems)
-    refuse_old(root, problems)
-    problems.check()
-    root["cases"]["case"] = links_of(root["cases"]["case"], root["impact"])
-    element = _valid(Impact, root, ("impact",), problems)
-    spec = _valid(Case, root, path, problems)
-    check_contact(element.law, {}, root, problems)
-    links = scene_links(spec, group, element, {}, path, root, problems)
-    problems.check()
-    return tuple(links or ())
+    name = "case"
+    tree = _build_tree(cases=_build_tree(case=_node(case, "")), impact=_node(impact, "impact"))
+    types = {building.name: building for building in buildings}
+    with _placed_in(tree):
+        group = Group(tuple(buildings), types)
+        check_meetings(group)
+        names = Names((), tuple(types), len(buildings) - 1)
+        element = check_impact_names(read_spec(tree, ("impact",)), names)
+        spec = check_case_names(read_spec(tree, ("cases", name)), name, names)
+        links = check_links(spec, name, complete_links(spec, name, element))
+        laws = build_laws(links, element, {}, find_multiples(links, element, group))
+        return build_links(links, laws, find_floors(spec, name, group.meetings), group.meetings)
 
 
-def _tree(**nodes: Any) -> Map:
+@contextmanager
+def _placed_in(tree: Map) -> Iterator[None]:
+    """Turn IssuesFound into InputError, each issue at its key."""
+    try:
+        yield
+    except IssuesFound as refused:
+        problems = Problems("")
+        for issue in refused.issues:
+            if isinstance(issue, Issue):
+                problems.add_issue(tree, issue)
+            else:
+                problems.extend([issue])
+        problems.check()
+
+
+def _build_tree(**nodes: Any) -> Map:
     """A mapping around the keys of a user, without a place of its own."""
     mark = ("", 0)
     return Map(nodes, mark, dict.fromkeys(nodes, (mark, mark)))
@@ -122,7 +136,7 @@ def _tree(**nodes: Any) -> Map:
 
 def by_place(buildings: Sequence[Building]) -> tuple[Building, ...]:
     """The buildings, renamed where two have one name: soft-1, soft-2."""
-    labels = build.places([building.name for building in buildings])
+    labels = unique_names([building.name for building in buildings])
     return tuple(replace(each, name=label) for each, label in zip(buildings, labels, strict=True))
 
 
@@ -133,11 +147,3 @@ def quantity(form: Quantity, value: Any, key: str) -> float:
     except PydanticCustomError as refused:
         said = refused.context or {}
         raise InputError(Problem(said.get("message", str(refused)), said.get("hint", ""), key)) from None
-
-
-def _valid(kind: Any, root: Map, path: tuple[str, ...], problems: Problems) -> Any:
-    try:
-        return TypeAdapter(kind).validate_python(get(root, *path))
-    except ValidationError as error:
-        problems.validation(root, error, path, schema.Study)
-        problems.check()

@@ -8,7 +8,7 @@ from typing import Any
 import yaml
 
 from pounding_cli.errors import InputError
-from pounding_cli.study.file import canonical, dumped, parse, put
+from pounding_cli.study.file import canonical, dump_yaml, parse, with_value
 
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -23,14 +23,14 @@ def with_values(text: str, values: Mapping[str, Any], file: str) -> str:
     wanted, new = parse(text, file), text
     for key, value in values.items():
         steps = key.split(".")
-        wanted = put(wanted, steps, value, wanted.mark)
+        wanted = with_value(wanted, steps, value, wanted.mark)
         new = _edited(new, yaml.compose(new, Loader=_LOADER), steps, value)
         try:
             is_sound = parse(new, file) == wanted
         except InputError:
             is_sound = False
         if not is_sound:
-            new = dumped(wanted, flow=False) + "\n"
+            new = dump_yaml(wanted, flow=False) + "\n"
     return new
 
 
@@ -48,7 +48,7 @@ def _edited(text: str, here: Any, steps: list[str], value: Any) -> str:
     if isinstance(here, yaml.CollectionNode) and not here.flow_style:  # a block begins on a line of its own
         begin = text.rindex(":", 0, begin) + 1
     blank = " " if text[begin - 1 : begin] == ":" else ""
-    return text[:begin] + blank + dumped(value) + text[end:]
+    return text[:begin] + blank + dump_yaml(value) + text[end:]
 
 
 def _added(text: str, mapping: yaml.MappingNode, steps: list[str], value: Any) -> str:
@@ -57,7 +57,7 @@ def _added(text: str, mapping: yaml.MappingNode, steps: list[str], value: Any) -
         value = {step: value}
     mark = mapping.value[0][0].start_mark
     between = ", " if mapping.flow_style else "\n" + " " * mark.column
-    return text[: mark.index] + dumped(value).removeprefix("{").removesuffix("}") + between + text[mark.index :]
+    return text[: mark.index] + dump_yaml(value).removeprefix("{").removesuffix("}") + between + text[mark.index :]
 
 
 def _end(node: yaml.Node) -> int:

@@ -12,17 +12,16 @@ from pathlib import Path
 from typing import Any, cast
 
 import yaml
-from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.reading import begins_with, read_bytes, shortened
+from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.texts import CONTROL, plain
 
 Mark = tuple[Any, int]
 """Line and column; of Python data the dotted key and 0."""
 
-Steps = tuple[str | int, ...]
-MOST_BYTES, MOST_VALUES, MOST_TOLD, DEEPEST = 4_000_000, 100_000, 100, 30
+MAX_BYTES, MAX_VALUES, MAX_PROBLEMS, MAX_DEPTH = 4_000_000, 100_000, 100, 30
 """Bytes of a file; its values, those that aliases repeat included; problems of a section that are told one by one;
 levels of a file."""
 
@@ -80,19 +79,21 @@ class Items(list[Any]):
         return f"[{', '.join(map(str, self))}]"
 
 
-def dumped(value: Any, flow: bool = True) -> str:
+def dump_yaml(value: Any, flow: bool = True) -> str:
     """A value as YAML: on one line, or in blocks."""
     width = 10**6 if flow else 100
-    text: str = yaml.safe_dump(_bare(value), default_flow_style=flow, sort_keys=False, allow_unicode=True, width=width)
+    text: str = yaml.safe_dump(
+        _to_yaml_types(value), default_flow_style=flow, sort_keys=False, allow_unicode=True, width=width
+    )
     return text.removesuffix("\n").removesuffix("\n...")
 
 
-def _bare(value: Any) -> Any:
+def _to_yaml_types(value: Any) -> Any:
     """A value in the types of YAML."""
     if isinstance(value, dict):
-        return {str(key): _bare(item) for key, item in value.items()}
+        return {str(key): _to_yaml_types(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_bare(item) for item in value]
+        return [_to_yaml_types(item) for item in value]
     return str.__str__(value) if isinstance(value, str) else float(value) if isinstance(value, float) else value
 
 
@@ -109,7 +110,7 @@ def get(node: Any, *path: str | int) -> Any:
     return node
 
 
-def put(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
+def with_value(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
     """The same tree with `value` at `path`; mappings are made where they are missing.  Raises KeyError off the tree."""
     if not path:
         return value
@@ -118,11 +119,11 @@ def put(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
         known: Map = Map({}, mark) if node is None else node
         key, old = known.marks.get(step, (mark, mark))
         found = Map(known, known.mark, {**known.marks, step: (key, old if rest else mark)})
-        found[step] = put(known.get(step), rest, value, mark)
+        found[step] = with_value(known.get(step), rest, value, mark)
         return found
     if isinstance(node, Items) and step.isdigit() and int(step) < len(node):
         items = Items(node, node.mark, node.marks)
-        items[int(step)] = put(node[int(step)], rest, value, mark)
+        items[int(step)] = with_value(node[int(step)], rest, value, mark)
         if not rest:
             items.marks[int(step)] = mark
         return items
@@ -149,7 +150,7 @@ def read_study(path: Path) -> tuple[str, Map]:
     if begins_with(path, b"\x89HDF"):
         hint = "name the study that it was made from; `pound show` prints results"
         raise InputError(Problem("this is a results file, not a study", hint, shown))
-    raw = read_bytes(path, MOST_BYTES, "study file")
+    raw = read_bytes(path, MAX_BYTES, "study file")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -186,7 +187,7 @@ class _Reader:
 
     def refuse(self, mark: Mark, message: str, hint: str, last: bool = False) -> None:
         self.problems.add(mark, message, hint)
-        if last or len(self.problems.found) > 2 * MOST_TOLD:
+        if last or len(self.problems.found) > 2 * MAX_PROBLEMS:
             self.problems.check()
 
     def document(self) -> tuple[Any, Mark]:
@@ -231,11 +232,11 @@ class _Reader:
 
     def counted(self, values: int, mark: Mark, depth: int) -> None:
         self.count += values
-        if self.count > MOST_VALUES:
+        if self.count > MAX_VALUES:
             hint = "write fewer aliases (*name)" if self.anchors else "a study is far shorter: motions stand in files"
-            self.refuse(mark, f"more than {MOST_VALUES} keys and values", hint, True)
-        if depth > DEEPEST:
-            self.refuse(mark, "the file is nested too deeply", f"a study needs at most {DEEPEST} levels", True)
+            self.refuse(mark, f"more than {MAX_VALUES} keys and values", hint, True)
+        if depth > MAX_DEPTH:
+            self.refuse(mark, "the file is nested too deeply", f"a study needs at most {MAX_DEPTH} levels", True)
 
     def mapping(self, mark: Mark, depth: int) -> Map:
         found = Map((), mark)
@@ -252,7 +253,7 @@ class _Reader:
             elif value is None and self.is_decimal(last, event):
                 self.refuse_decimal(last, event)
             elif value is None and _is_plain(event) and (slip := MISSING_BLANK.match(word)):
-                self.refuse(at, f"'{word}' lacks a blank after its colon", f"write `{slip[1]}: {slip[2]}`")
+                self.refuse(at, f"'{word}' needs a space after its colon", f"write `{slip[1]}: {slip[2]}`")
             elif word == "<<" and _is_plain(event):
                 self.refuse(at, "merge keys (<<) are not used here", "write `like: NAME` to build on another building")
             elif key in found:
@@ -342,7 +343,7 @@ def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
     for number in () if "flow" in str(error.context) else (line, line - 1):
         row = "".join(lines[number - 1 : number])[:200] if number > 0 else ""
         if slip := MISSING_BLANK.match(row.strip().removeprefix("- ")):
-            message, indent = f"'{slip[0]}' lacks a blank after its colon", len(row) - len(row.lstrip())
+            message, indent = f"'{slip[0]}' needs a space after its colon", len(row) - len(row.lstrip())
             return Problem(message, f"write `{slip[1]}: {slip[2]}`", file, number, indent + 1)
     hint = "check brackets, quotes, commas, indentation and # around this place; a # hides the rest of its line"
     if "\t" in what or "".join(lines[line - 1 : line]).lstrip(" ").startswith("\t"):
@@ -366,7 +367,7 @@ class Problems:
             place, message = (mark[0], 0, 0), message.removeprefix(f"{mark[0].split('.')[-1]}: ")
         self.found[Problem(message, hint, *place)] = None
 
-    def at(self, root: Any, path: Steps, message: str, hint: str = "", key: bool = False) -> None:
+    def at(self, root: Any, path: KeyPath, message: str, hint: str = "", key: bool = False) -> None:
         """Note a problem with the value (or the key) at `path`."""
         self.add(locate(root, path, key), message, hint)
 
@@ -374,31 +375,17 @@ class Problems:
         """Note problems found elsewhere."""
         self.found |= dict.fromkeys(problems)
 
-    def validation(self, root: Any, error: ValidationError, at: Steps, model: Any, told: Sequence[str] = ()) -> None:
-        """Note every error of a validation against `model` of what stands at `at`.
-
-        told : sections whose entries are validated elsewhere
-        """
-        from pounding_cli.study.words import in_words
-
-        items = error.errors(include_url=False)
-        for number, item in enumerate(items):
-            path = (*at, *item["loc"])
-            if number >= MOST_TOLD:
-                self.at(root, path[:1], f"and {len(items) - number} more problems like these", key=True)
-                break
-            if len(path) > 1 and path[0] in told and path[-1] != "[key]":
-                continue
-            message, hint, key = in_words(dict(item), path, model, root)
-            if message:
-                self.at(root, path, message, hint, key)
+    def add_issue(self, tree: Any, issue: Issue) -> None:
+        """Note an issue at the line and column that the file has it at."""
+        line, column = locate(tree, issue.path, issue.at_key)
+        self.add((line, column + issue.offset), issue.message, issue.hint)
 
     def check(self) -> None:
         """Raise `InputError` with everything noted, in the file's order, if anything was."""
         if self.found:
             ordered = sorted(self.found, key=lambda p: (p.file, p.line, p.column))
-            if (more := len(ordered) - 2 * MOST_TOLD) > 0:
-                ordered[2 * MOST_TOLD :] = [Problem(f"and {more} more problems", "correct these first", self.file)]
+            if (more := len(ordered) - 2 * MAX_PROBLEMS) > 0:
+                ordered[2 * MAX_PROBLEMS :] = [Problem(f"and {more} more problems", "correct these first", self.file)]
             raise InputError(ordered)
 
 

@@ -1,94 +1,267 @@
-"""From a validated case to the links of a scene, and the laws of links that a study writes itself."""
+"""Build the links of a case: what it and `impact` say of each, the floors it joins, its law."""
 
 from __future__ import annotations
 
-import functools
-import keyword
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pydantic_core import PydanticCustomError
-
-from pounding_cli.laws import contact_laws, link_laws
-from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
+from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_of
 from pounding_cli.model.links import BASE, Link
-from pounding_cli.model.meetings import Strike, column_flexibility
+from pounding_cli.model.meetings import Strike
 from pounding_cli.numbers import counted
-from pounding_cli.study.build import Group
-from pounding_cli.study.file import Items, Map, Problems, Quoted, Steps, get, locate, nearest
-from pounding_cli.study.laws import FORMULA, LOSSES, keys_of, link_models, own, tag_of, typed
-from pounding_cli.study.models import Case
+from pounding_cli.study.file import nearest
+from pounding_cli.study.group import ColumnStrike, Group, Meeting
+from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
+from pounding_cli.study.link_specs import (
+    LOSSES,
+    NO_LINK,
+    PLACES,
+    POUNDING,
+    SHARED_KEYS,
+    LinkSpec,
+    SeveralLinksSpec,
+    link_keys,
+    needs_key,
+    own_parameters,
+    to_enum,
+)
+from pounding_cli.study.own_laws import OwnLaw
 from pounding_cli.study.quantity import LINK_STIFFNESS, Storey
-from pounding_cli.study.spell import GONE
-from pounding_cli.study.words import fields_of
 
 RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
 
-_TRIED = 0.01
-"""Gap [m] at which a formula is tried when it is read."""
+
+@dataclass(frozen=True, eq=False)
+class CompleteLink:
+    """A link with everything that it, its case and `impact` say of it.
+
+    spec, path : the link as written, and where it stands
+    law : the name of its law; of pounding, the law of contact that `impact` names
+    values : what is written of the keys of its law
+    paths : where each of these values stands
+    """
+
+    spec: LinkSpec
+    path: KeyPath
+    law: str
+    values: Mapping[str, Any]
+    paths: Mapping[str, KeyPath]
+
+    @property
+    def law_class(self) -> Any:
+        """The class of its law; None of a law of the study's own, and of no link."""
+        return link_laws().get(self.law)
+
+    @property
+    def title(self) -> str:
+        """What messages call its law."""
+        return self.law if self.law == self.spec.link else f"{POUNDING} of {self.law}"
 
 
-OwnLaw = functools.partial[WrittenLaw]
-"""law(gap) -> a law of the study's own across a gap [m]."""
+# What a case says of its links
 
 
-def own_laws(specs: Mapping[str, Any], root: Any, problems: Problems) -> dict[str, OwnLaw] | None:
-    """The laws of a study by name; None where something is wrong with one, which is noted."""
-    found, first = dict[str, OwnLaw](), len(problems.found)
-    for name, spec in specs.items():
-        path, before = ("laws", name), len(problems.found)
-        if name in (*link_laws(), "none", "apart"):
-            problems.at(root, path, f"'{name}' is a law of this program", "give yours another name", key=True)
-        for parameter in spec.parameters:
-            if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*GIVEN, "sqrt"):
-                hint = f"write a name of letters, digits and _ other than {', '.join(GIVEN)} and sqrt"
-                at = (*path, "parameters", parameter)
-                problems.at(root, at, f"'{parameter}' cannot be a parameter", hint, key=True)
-        constants = tuple((key, value.value, value.dimension) for key, value in spec.parameters.items())
-        formula, cut = spec.force.strip(), spec.tension_cut
-        law = functools.partial(WRITTEN[spec.acts], called=name, formula=formula, constants=constants, tension_cut=cut)
-        found[name] = law
-        if len(problems.found) > before:
-            continue
-        try:
-            law(_TRIED)
-        except FormulaError as error:
-            (line, column), text = locate(root, (*path, "force")), get(root, *path, "force")
-            if error.line == 0 and isinstance(column, int) and "\n" not in text:
-                column += error.column + len(text) - len(text.lstrip()) + isinstance(text, Quoted)
-            problems.add((line, column), f"force: {error.message}", error.hint)
-        except ValueError as error:
-            problems.at(root, (*path, "force"), f"{error}", "write a shorter formula")
-    return None if len(problems.found) > first else found
+def list_links(case: Any, name: str) -> list[tuple[LinkSpec, KeyPath]]:
+    """Return the links of a case as written, each with its path."""
+    if isinstance(case, SeveralLinksSpec):
+        return [(link, ("cases", name, "links", number)) for number, link in enumerate(case.links)]
+    return [(case, ("cases", name))]
 
 
-def check_contact(word: str, laws: Mapping[str, OwnLaw], root: Any, problems: Problems) -> bool:
-    """Whether what `impact.law` names is a law of contact; noted where it is none."""
-    written = [name for name, law in laws.items() if law(_TRIED).subtracts_gap]
-    if word in (*contact_laws(), *written):
-        return True
-    problems.at(root, ("impact", "law"), *refuse_contact(word, written))
-    return False
+def complete_links(case: Any, name: str, impact: Any) -> tuple[CompleteLink, ...]:
+    """Return the links of a case with what the case and `impact` say of them.
+
+    A link takes from its case what its law has, except for a stiffness, which does not say whose it is; a law of
+    contact takes the rest from `impact`, others only losses and the tension cut.
+    """
+    shared = case if isinstance(case, SeveralLinksSpec) else None
+    return tuple(_complete_link(link, path, shared, name, impact) for link, path in list_links(case, name))
+
+
+def _complete_link(link: LinkSpec, path: KeyPath, case: Any, name: str, impact: Any) -> CompleteLink:
+    law_name = impact.law if link.link == POUNDING and impact.law != KELVIN_VOIGT else link.link
+    keys = _keys_of_law(law_name)
+    law = link_laws().get(law_name)
+    keys_of_impact = keys - {"stiffness"} if law is not None and law.subtracts_gap else keys & {*LOSSES, "tension_cut"}
+    sources: list[tuple[Any, KeyPath, Collection[str]]] = [(link, path, keys)]
+    if case is not None:
+        sources.append((case, ("cases", name), keys - {"stiffness"}))
+    sources.append((impact, ("impact",), keys_of_impact))
+    values: dict[str, Any] = {}
+    paths: dict[str, KeyPath] = {}
+    for source, place, taken in sources:
+        has_loss = any(loss in values for loss in LOSSES)
+        for key in source.model_fields_set:
+            value = getattr(source, key)
+            if key in taken and key not in values and value is not None and not (has_loss and key in LOSSES):
+                values[key] = value
+                paths[key] = (*place, key)
+    return CompleteLink(link, path, law_name, values, paths)
+
+
+def _keys_of_law(law_name: str) -> frozenset[str]:
+    """Return the keys that a link of a law takes; of a law of the study's own the gap alone."""
+    law = link_laws().get(law_name)
+    if law is not None:
+        return link_keys(law)
+    return frozenset() if law_name == NO_LINK else frozenset({"gap"})
+
+
+def check_links(case: Any, name: str, links: Sequence[CompleteLink]) -> Sequence[CompleteLink]:
+    """Return the links of a case.
+
+    Raises
+    ------
+    IssuesFound : a key is missing, does not apply to the law of its link, or to no link of the case
+    """
+    issues: list[Issue] = []
+    for link in links:
+        if link.law != NO_LINK:
+            issues += _find_missing_keys(link)
+            issues += _find_idle_keys(link)
+    if isinstance(case, SeveralLinksSpec):
+        taken = frozenset().union(*(_keys_of_law(link.law) - {"stiffness"} for link in links))
+        for key in case.model_fields_set - {"links"} - taken:
+            issues.append(Issue(("cases", name, key), *refuse_beside_links(key), at_key=True))
+    if issues:
+        raise IssuesFound(issues)
+    return links
+
+
+def refuse_beside_links(key: str) -> tuple[str, str]:
+    """Return what is wrong with a key beside `links:` that none of them takes, and what to write."""
+    hint = f"write it in the entry that it is of: `links: [{{link: ..., {key}: ...}}]`"
+    return f"'{key}' beside `links:` does not apply to them, or does not say which it is of", hint
+
+
+def refuse_key(key: str, title: str, keys: Iterable[str]) -> tuple[str, str]:
+    """Return what is wrong with a key that the law of a link does not have, and what to write.
+
+    title : of the law; keys : that it takes
+    """
+    owners = [law.name for law in link_laws().values() if key in link_keys(law)]
+    takes = ", ".join(each for each in keys if each not in PLACES)
+    hint = f"remove it: {title} takes {takes or 'none'}; it belongs to {', '.join(owners)}"
+    return f"'{key}' does not apply to link: {title}", hint
+
+
+def _find_missing_keys(link: CompleteLink) -> list[Issue]:
+    """Return an issue for every key that a law needs and nothing gives."""
+    issues = []
+    if "gap" not in link.values:
+        field = SHARED_KEYS["gap"][1]
+        hint = f"write {field.description}, e.g. `gap: {field.examples[0]}`"
+        issues.append(Issue(link.path, "'gap' is missing", hint))
+    law = link.law_class
+    for key, declared in own_parameters(law).items() if law is not None else ():
+        if needs_key(law, key) and key not in link.values:
+            contact = " here or under `impact`" if law.subtracts_gap else ""
+            message = f"a {law.name} needs it{contact}: {declared.words}"
+            issues.append(Issue(link.path, f"'{key}' is missing", message))
+    return issues
+
+
+def _find_idle_keys(link: CompleteLink) -> list[Issue]:
+    """Return an issue for every key of a link as written that its law does not have."""
+    law = link.law_class
+    keys = _keys_of_law(link.law)
+    issues = []
+    for key in link.spec.model_fields_set - {*PLACES} - keys:
+        issues.append(Issue((*link.path, key), *refuse_key(key, link.title, sorted(keys)), at_key=True))
+    ratio = link.values.get("damping_ratio")
+    if law is not None and ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:
+        message = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
+        hint = f"write `restitution: {restitution_of(ratio):.3g}`, the e of that ratio there"
+        issues.append(Issue(link.paths["damping_ratio"], message, hint, at_key=True))
+    return issues
+
+
+def find_losses(values: Mapping[str, Any], law: Any) -> dict[str, float]:
+    """Return damping ratio and coefficient of restitution of a link [-]: one is given, the other follows from it.
+
+    Empty for a law that takes neither. What gives neither has that of a restitution of RESTITUTION.
+    """
+    ratio = values.get("damping_ratio")
+    restitution = values.get("restitution")
+    if ratio is not None:
+        return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
+    if restitution is None:
+        if not link_keys(law) & {*LOSSES}:
+            return {}
+        restitution = RESTITUTION
+    return {"damping_ratio": damping_ratio(restitution) + 0.0, "restitution": restitution}  # no negative zero at e = 1
+
+
+# Names that a case may not have
+
+
+@dataclass(frozen=True)
+class Names:
+    """What a study calls its laws and buildings, and the number of pairs of neighbours."""
+
+    laws: tuple[str, ...]
+    buildings: tuple[str, ...]
+    pairs: int
+
+
+def check_case_names(case: Any, name: str, names: Names) -> Any:
+    """Return a case.
+
+    Raises
+    ------
+    IssuesFound : one of its links is of a law, a pair or a building that the study does not have
+    """
+    issues: list[Issue] = []
+    for link, path in list_links(case, name):
+        if link.link not in (*link_laws(), *names.laws, NO_LINK):
+            issues.append(Issue((*path, "link"), *refuse_law(link.link, names.laws)))
+        if names.pairs > 0 and (link.pair or 0) > names.pairs:
+            issues.append(Issue((*path, "pair"), *refuse_pair(link.pair or 0, names.pairs)))
+        issues += _find_unknown_building(getattr(link, "stiffness", None), (*path, "stiffness"), names)
+    if issues:
+        raise IssuesFound(issues)
+    return case
+
+
+def check_impact_names(impact: Any, names: Names) -> Any:
+    """Return the impact element.  Raises IssuesFound: it names a law or a building that the study does not have."""
+    issues = _find_unknown_building(impact.stiffness, ("impact", "stiffness"), names)
+    if impact.law not in (*contact_laws(), *names.laws):
+        issues.append(Issue(("impact", "law"), *refuse_contact(impact.law, names.laws)))
+    if issues:
+        raise IssuesFound(issues)
+    return impact
+
+
+def _find_unknown_building(stiffness: Any, path: KeyPath, names: Names) -> list[Issue]:
+    """Return what is wrong with a stiffness that is a multiple of a storey of a building that is not defined."""
+    if not isinstance(stiffness, Storey) or stiffness.building in (None, *names.buildings):
+        return []
+    building = str(stiffness.building)
+    return [Issue(path, f"no building '{building}' is defined", nearest(building, names.buildings))]
+
+
+def check_contact_law(impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
+    """Return the impact element.  Raises IssuesFound: a law of the study's own that it names is none of contact."""
+    contact = [name for name, law in laws.items() if law.is_contact]
+    if impact.law in (*contact_laws(), *contact):
+        return impact
+    raise IssuesFound([Issue(("impact", "law"), *refuse_contact(impact.law, contact))])
+
+
+def refuse_law(word: str, laws: Iterable[str]) -> tuple[str, str]:
+    """Return what is wrong with a link whose law nobody knows, and what to write; laws : those of the study."""
+    known = (*link_laws(), *laws, NO_LINK)
+    return f"link: '{word[:60]}' is not known", f"{nearest(word, known)}; a law of your own stands under `laws`"
 
 
 def refuse_contact(word: str, laws: Iterable[str]) -> tuple[str, str]:
     """Return what is wrong with a law of contact that nobody knows, and what to write; laws : those of the study."""
     return f"'{word[:60]}' is not a law of contact", f"write {', '.join((*contact_laws(), *laws))}"
-
-
-def check_places(case: Case, group: Group, path: Steps, root: Any, problems: Problems) -> None:
-    """Note the pairs and floors of links that the group does not have."""
-    _Builder(group, None, {}, root, problems).check_places(case, (*path, "links"))
-
-
-def refuse_law(word: str, laws: Iterable[str]) -> tuple[str, str]:
-    """Return what is wrong with a link whose law nobody knows, and what to write; laws : those of the study."""
-    known = (*link_laws(), *laws, "none")
-    return f"link: '{word[:60]}' is not known", f"{nearest(word, known)}; a law of your own stands under `laws`"
 
 
 def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
@@ -97,261 +270,204 @@ def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
     return message, f"write a number from 1 to {pairs}, or leave it out"
 
 
-def refuse_building(name: str, buildings: Iterable[str]) -> tuple[str, str]:
-    """Return what is wrong with a building that a stiffness is a multiple of, and what to write."""
-    return f"no building '{name}' is defined", nearest(name, buildings)
+# Floors
+
+Floors = tuple[tuple[tuple[int, ...], ...], ...]
+"""Floors of the left building that links join: of every pair of neighbours, of every link of the case."""
 
 
-def check_link_names(root: Map, problems: Problems) -> None:
-    """Note the laws, buildings, pairs and keys of links that the study does not have, whatever else is wrong in it.
+def find_floors(case: Any, name: str, meetings: Sequence[Meeting]) -> Floors:
+    """Return the floors that the links of a case join.
 
-    root : the tree of the study as written
+    Raises
+    ------
+    IssuesFound : a link names a floor that does not meet one of the neighbour
     """
-    sections = (get(root, name) for name in ("laws", "cases", "impact"))
-    laws, cases, impact = ([*each] if isinstance(each, Map) else [] for each in sections)
-    is_known = get(root, "impact", "law") in (None, *contact_laws(), *laws)
-    _check_multiple(root, ("impact", "stiffness"), problems)
-    contact = get(root, "impact", "law")
-    if impact and isinstance(contact, str) and not is_known:
-        problems.at(root, ("impact", "law"), *refuse_contact(contact, laws))
-    keys = dict.fromkeys(key for model in link_models().values() for key in fields_of(model))
-    for name in cases:
-        case = root["cases"][name]
-        several = isinstance(case, Map) and isinstance(case.get("links"), Items)
-        for path in [("cases", name, "links", n) for n in range(len(case["links"]))] if several else [("cases", name)]:
-            _check_entry(root, path, laws, is_known, keys, problems)
+    issues: list[Issue] = []
+    links = list_links(case, name)
+    floors = []
+    for number, meeting in enumerate(meetings, 1):
+        members = [link for link, _ in links if link.pair in (None, number)]
+        listed = {floor for link in members if isinstance(link.floors, tuple) for floor in link.floors}
+        of_pair: list[tuple[int, ...]] = []
+        for link, path in links:
+            if link.pair not in (None, number):
+                of_pair.append(())
+                continue
+            issues += _find_unknown_floors(link, path, meeting)
+            of_pair.append(_choose_floors(link, meeting, listed))
+        floors.append(tuple(of_pair))
+    if issues:
+        raise IssuesFound(issues)
+    return tuple(floors)
 
 
-def _check_entry(
-    root: Map, path: Steps, laws: Sequence[str], is_contact_known: bool, keys: Iterable[str], problems: Problems
-) -> None:
-    """Note the names that a link as written has and the study does not.
+def _find_unknown_floors(link: LinkSpec, path: KeyPath, meeting: Meeting) -> list[Issue]:
+    is_list = isinstance(link.floors, tuple)
+    common = [floor for floor, _ in meeting.floors]
+    issues = []
+    for place, floor in enumerate(_listed_floors(link)):
+        if floor not in common:
+            at = (*path, "floors", *(() if is_list else ("except",)), place)
+            message = f"{meeting.left} and {meeting.right} have no common floor {floor or BASE}"
+            hint = f"write floors among {', '.join(str(each or BASE) for each in common)}"
+            issues.append(Issue(at, message, hint))
+    return issues
 
-    is_contact_known : whether the law of contact that `impact` names is one; keys : of all laws
+
+def _listed_floors(link: LinkSpec) -> tuple[int, ...]:
+    """Return the floors that a link names, or leaves out by `except`."""
+    if isinstance(link.floors, tuple):
+        return link.floors
+    return getattr(link.floors, "floors", ())
+
+
+def _choose_floors(link: LinkSpec, meeting: Meeting, listed: Collection[int]) -> tuple[int, ...]:
+    """Return the floors of a link of a pair; listed : those that links of the pair list."""
+    if link.at is not None:
+        return ()
+    if isinstance(link.floors, tuple):
+        return link.floors
+    left_out = listed if link.floors == "rest" else _listed_floors(link)
+    return tuple(floor for floor, _ in meeting.floors if floor not in left_out)
+
+
+# Laws
+
+
+def find_multiples(links: Sequence[CompleteLink], impact: Any, group: Group) -> tuple[tuple[Storey, float], ...]:
+    """Return the stiffnesses that are multiples of a storey's, each with what it comes to [N/m]."""
+    multiples: dict[Storey, None] = {}
+    for link in links:
+        law = link.law_class
+        if law is None:
+            continue
+        needed = [link.values.get("stiffness") or _default_stiffness(law, impact)]
+        needed += [impact.stiffness] if "impact_stiffness" in law.parameters() else []
+        needed += [value for key, value in link.values.items() if key != "stiffness"]
+        multiples |= {each: None for each in needed if isinstance(each, Storey)}
+    return tuple((multiple, group.stiffness(multiple)) for multiple in multiples)
+
+
+def _default_stiffness(law: Any, impact: Any) -> Any:
+    """Return the stiffness of a link that gives none: that of its law, else that of `impact`."""
+    return LINK_STIFFNESS.read(law.stiffness_default) if law.stiffness_default else impact.stiffness
+
+
+def build_laws(
+    links: Sequence[CompleteLink], impact: Any, laws: Mapping[str, OwnLaw], multiples: Sequence[tuple[Storey, float]]
+) -> tuple[LinkLaw | None, ...]:
+    """Return the law of every link of a case; None of no link.
+
+    Raises
+    ------
+    IssuesFound : the parameters of a law do not go together
     """
-    entry = get(root, *path)
-    word = entry if isinstance(entry, str) else get(entry, "link")
-    is_known = not isinstance(word, str) or word in (*link_laws(), *laws, "none")
-    if not is_known:
-        problems.at(root, path if isinstance(entry, str) else (*path, "link"), *refuse_law(word, laws))
-    if not isinstance(entry, Map):
-        return
-    if not is_known or (word == Pounding.name and not is_contact_known):
-        for key in entry:
-            if key not in (*keys, *GONE):  # the keys of a law that is known are looked at where it is read
-                problems.at(root, (*path, key), f"unknown key '{key}'", nearest(key, keys), key=True)
-    _check_multiple(root, (*path, "stiffness"), problems)
-    group, pair = get(root, "group"), entry.get("pair")
-    pairs = len(group) - 1 if isinstance(group, list) else 0
-    if type(pair) is int and 0 < pairs < pair <= MAX_PAIR:
-        problems.at(root, (*path, "pair"), *refuse_pair(pair, pairs))
-
-
-MAX_PAIR = 19
-"""Largest number of a pair of neighbours."""
-
-
-def _check_multiple(root: Map, path: Steps, problems: Problems) -> None:
-    """Note a stiffness that is a multiple of a storey of a building that is not defined."""
-    buildings = get(root, "buildings")
-    try:
-        value = LINK_STIFFNESS.read(get(root, *path))
-    except PydanticCustomError:
-        return  # told where it is read
-    if isinstance(value, Storey) and isinstance(buildings, Map) and value.building not in (None, *buildings):
-        problems.at(root, path, *refuse_building(str(value.building), buildings))
-
-
-def links_of(
-    case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, root: Any, problems: Problems
-) -> tuple[Link, ...] | None:
-    """All links of a case, by pair and then from the ground up; None where something is wrong, which is noted."""
-    before = len(problems.found)
-    links = _Builder(group, impact, laws, root, problems).links(case, path)
-    return links if len(problems.found) == before else None
-
-
-def build_law(
-    link: Any, group: Group, impact: Any, laws: Mapping[str, OwnLaw], path: Steps, root: Any
-) -> LinkLaw | None:
-    """Return the law of a link of a validated case; None for `none`, and where something is wrong with it."""
-    return _Builder(group, impact, laws, root, Problems("")).law(link, path)
-
-
-def content(case: Case, group: Group, impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
-    """What the links of a case follow from: it, floors that meet, and what stiffnesses come to; None where they depend
-    on more, as links on columns do."""
-    if any(group.strikes):
-        return None
-    try:
-        values = tuple(map(group.stiffness, (*_multiples(case), impact.stiffness)))
-    except KeyError:
-        return None
-    floors = tuple(tuple(common.items()) for common in group.common)
-    return case, tuple(laws.values()), impact.dashpot, impact.tension_cut, floors, values
-
-
-def find_losses(link: Any, kind: type[LinkLaw]) -> dict[str, float]:
-    """Return damping ratio and coefficient of restitution of a link [-]: one is given, the other follows from it.
-
-    Empty for a law that takes neither. What gives neither has that of a restitution of RESTITUTION.
-    """
-    ratio, e = getattr(link, "damping_ratio", None), getattr(link, "restitution", None)
-    if ratio is not None:
-        return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
-    if e is None and not keys_of(kind) & {*LOSSES}:
-        return {}
-    e = RESTITUTION if e is None else e
-    return {"damping_ratio": damping_ratio(e) + 0.0, "restitution": e}  # no negative zero at e = 1
-
-
-@functools.lru_cache(maxsize=500)
-def _multiples(case: Case) -> tuple[Any, ...]:
-    """The stiffnesses of a case that are multiples of a storey's."""
-    given: list[Any] = [value for link in case.links for value in vars(link).values() if isinstance(value, Storey)]
-    words = (law.stiffness_default for law in link_laws().values() if law.stiffness_default)
-    return tuple(dict.fromkeys([*given, *map(LINK_STIFFNESS.read, words)]))
-
-
-@dataclass(eq=False)
-class _Builder:
-    """Builds the links of one case; what is wrong is noted in `problems`."""
-
-    group: Group
-    impact: Any
-    laws: Mapping[str, OwnLaw]
-    root: Any
-    problems: Problems
-
-    def note(self, path: Steps, message: str, hint: str) -> None:
-        self.problems.at(self.root, path, message, hint)
-
-    def links(self, case: Any, path: Steps) -> tuple[Link, ...]:
-        """The links of all pairs of neighbours."""
-        path, known = (*path, "links"), (*link_laws(), *self.laws, "none")
-        for n, link in enumerate(case.links):
-            if link.kind not in known:
-                self.note((*path, n, "link"), *refuse_law(link.link, self.laws))
-        self._check_pairs(case, path)
-        found = list[Link]()
-        for place, common in enumerate(self.group.common):
-            mine = [(n, link) for n, link in enumerate(case.links) if link.pair in (None, place + 1)]
-            listed = {floor for _, link in mine if isinstance(link.floors, tuple) for floor in link.floors}
-            laws, floors = dict[int, LinkLaw](), dict[int, list[int]]()
-            for n, link in mine:
-                floors[n] = self._floors(link, place, listed, (*path, n))
-                if floors[n] and (law := self.law(link, (*path, n))) is not None:
-                    laws[n] = law
-            for floor, right in common.items():
-                here = [n for n in laws if floor in floors[n]]
-                for k, n in enumerate(here):
-                    if laws[n] in [laws[other] for other in here[:k]]:
-                        message = f"two {laws[n].name} links alike between the same floors"
-                        self.note((*path, n), message, "give one, or let them differ")
-                    found.append(Link(place, floor, right, laws[n]))
-            found += self._at_columns(mine, place, path)
-        return tuple(found)
-
-    def _check_pairs(self, case: Any, path: Steps) -> None:
-        """Note the pairs that the group does not have."""
-        pairs = len(self.group.common)
-        for n, link in enumerate(case.links):
-            if (link.pair or 0) > pairs:
-                self.note((*path, n, "pair"), *refuse_pair(link.pair, pairs))
-
-    def check_places(self, case: Any, path: Steps) -> None:
-        """Note the pairs and floors of links that the group does not have."""
-        self._check_pairs(case, path)
-        for place in range(len(self.group.common)):
-            for n, link in enumerate(case.links):
-                if link.pair in (None, place + 1):
-                    self._floors(link, place, set(), (*path, n))
-
-    def _floors(self, link: Any, place: int, listed: set[int], path: Steps) -> list[int]:
-        """The floors of a link between a pair of neighbours.
-
-        listed : those that links of the pair list
-        """
-        common, is_list = self.group.common[place], isinstance(link.floors, tuple)
-        named = link.floors if is_list else getattr(link.floors, "floors", ())
-        for k, floor in enumerate(named):
-            if floor not in common:
-                one, other = self.group.buildings[place : place + 2]
-                at = (*path, "floors", *(() if is_list else ("except",)), k)
-                message = f"{one.name} and {other.name} have no common floor {floor or BASE}"
-                self.note(at, message, f"write floors among {', '.join(str(each or BASE) for each in common)}")
-        out = listed if link.floors == "rest" else named
-        chosen = list(named) if is_list else [floor for floor in common if floor not in out]
-        return chosen if link.at is None else []
-
-    def _at_columns(self, mine: list[Any], place: int, path: Steps) -> list[Link]:
-        """The links of slabs that strike columns: those that say so, else those that list no floors."""
-        strikes = self.group.strikes[place]
-        spoken = [each for each in mine if each[1].at is not None]
-        for n, link in spoken:
-            self.law(link, (*path, n))
-        spoken = spoken or [each for each in mine if not isinstance(each[1].floors, tuple)]
-        spoken = [each for each in spoken if each[1].link != "none"]
-        if not strikes or not spoken:
-            return []
-        n, link = spoken[-1] if len(spoken) < 2 else spoken[1]
-        if len(spoken) > 1 or link.link != Pounding.name:
-            what = "several links" if len(spoken) > 1 else link.kind
-            message = f"slabs strike columns here, and {what} between a slab and columns is not modelled"
-            hint = "write an entry `{link: pounding, at: columns}`, and `impact: {law: kelvin-voigt}`; or `link: none`"
-            at = ("impact", "law") if link.kind != link.link and len(spoken) == 1 else (*path, n, "link")
-            self.note(at, message, hint)
-        elif isinstance(law := self.law(link, (*path, n)), Pounding):
-            return [_on_columns(strike, law, place, self.group) for strike in strikes]
-        return []
-
-    def law(self, link: Any, path: Steps) -> LinkLaw | None:
-        """The law of a link; None for none, and where something is wrong, which is noted."""
-        word = link.kind
-        if link.link == "none":
-            return None
-        if tag_of(link) == FORMULA:
-            mine = self.laws.get(word)
-            return self._made(lambda: mine(link.gap), path) if mine is not None else None
-        kind, impact, stiffness = link_laws()[word], self.impact, getattr(link, "stiffness", None)
-        if stiffness is None:
-            stiffness = LINK_STIFFNESS.read(kind.stiffness_default) if kind.stiffness_default else impact.stiffness
-        cut = getattr(link, "tension_cut", None)
-        values: dict[str, Any] = {
-            "gap": link.gap,
-            "stiffness": stiffness,
-            "impact_stiffness": impact.stiffness,
-            "dashpot": DashpotLaw(impact.dashpot),
-            "tension_cut": impact.tension_cut if cut is None else cut,
-            **find_losses(link, kind),
-            **{name: getattr(link, name) for name in own(kind)},
-        }
-        wanted = {name: typed(kind, name, values[name]) for name in kind.parameters() if name in values}
-        for name, value in wanted.items():
-            try:
-                wanted[name] = self.group.stiffness(value)
-            except KeyError:
-                at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
-                self.note(at, *refuse_building(value.building, self.group.types))
-                return None
-        if conflict := kind.conflict(**{name: value for name, value in wanted.items() if isinstance(value, float)}):
-            self.note((*path, conflict[0]), *conflict[1:])
-            return None
-        return self._made(lambda: kind(**wanted), path)
-
-    def _made(self, make: Callable[[], LinkLaw], path: Steps) -> LinkLaw | None:
+    issues = Issues()
+    built = []
+    for link in links:
+        law = None
         try:
-            return make()
+            law = _build_law(link, impact, laws, dict(multiples))
+        except IssuesFound as refused:
+            issues.add_written(refused.issues)
         except ValueError as error:
-            self.note(path, str(error).removeprefix("link: "), "correct it")
-            return None
+            issues.add_written([Issue(link.path, str(error).removeprefix("link: "), "correct it")])
+        built.append(law)
+    issues.check()
+    return tuple(built)
 
 
-def _on_columns(strike: Strike, law: Pounding, place: int, group: Group) -> Link:
-    """The spring of a blow in series with the columns that it bends."""
-    struck = group.buildings[place + strike.side]
-    assert struck.columns is not None  # of these the share is known
-    flexibility = 1.0 / law.stiffness + column_flexibility(struck, strike.storey, strike.at)
-    in_series = replace(law, stiffness=1.0 / flexibility)
-    ends = strike.left_at, strike.right_at
-    return Link(place, strike.left_floor, strike.right_floor, in_series, *ends, struck.columns)
+def _build_law(
+    link: CompleteLink, impact: Any, laws: Mapping[str, OwnLaw], multiples: Mapping[Any, float]
+) -> LinkLaw | None:
+    if link.law == NO_LINK:
+        return None
+    law = link.law_class
+    if law is None:
+        return laws[link.law].build(link.values["gap"])
+    values = {
+        "stiffness": _default_stiffness(law, impact),
+        "impact_stiffness": impact.stiffness,
+        "dashpot": DashpotLaw(impact.dashpot),
+        "tension_cut": impact.tension_cut,
+        **link.values,
+        **find_losses(link.values, law),
+    }
+    parameters = {name: to_enum(law, name, values[name]) for name in law.parameters() if name in values}
+    parameters = {name: multiples[value] if isinstance(value, Storey) else value for name, value in parameters.items()}
+    numbers = {name: value for name, value in parameters.items() if isinstance(value, float)}
+    if conflict := law.conflict(**numbers):
+        key, message, hint = conflict
+        raise IssuesFound([Issue(link.paths.get(key, (*link.path, key)), message, hint)])
+    built: LinkLaw = law(**parameters)
+    return built
+
+
+# Links
+
+
+def build_links(
+    links: Sequence[CompleteLink],
+    laws: Sequence[LinkLaw | None],
+    floors: Floors,
+    meetings: Sequence[Meeting],
+) -> tuple[Link, ...]:
+    """Return the links of all pairs of neighbours, by pair and then from the ground up.
+
+    Raises
+    ------
+    IssuesFound : two links are alike, or slabs strike columns through anything but pounding
+    """
+    issues: dict[Issue, None] = {}
+    built: list[Link] = []
+    for pair, meeting in enumerate(meetings):
+        for floor, right_floor in meeting.floors:
+            here = [number for number, law in enumerate(laws) if law is not None and floor in floors[pair][number]]
+            for place, number in enumerate(here):
+                law = laws[number]
+                assert law is not None
+                if law in [laws[other] for other in here[:place]]:
+                    message = f"two {law.name} links alike between the same floors"
+                    issues[Issue(links[number].path, message, "give one, or let them differ")] = None
+                built.append(Link(pair, floor, right_floor, law))
+        members = [number for number, link in enumerate(links) if link.spec.pair in (None, pair + 1)]
+        built += _build_column_links(pair, meeting, members, links, laws, issues)
+    if issues:
+        raise IssuesFound(issues)
+    return tuple(built)
+
+
+def _build_column_links(
+    pair: int,
+    meeting: Meeting,
+    members: Sequence[int],
+    links: Sequence[CompleteLink],
+    laws: Sequence[LinkLaw | None],
+    issues: dict[Issue, None],
+) -> list[Link]:
+    """Return the links of slabs that strike columns: those that say so, else those that list no floors."""
+    speaking = [number for number in members if links[number].spec.at is not None]
+    speaking = speaking or [number for number in members if not isinstance(links[number].spec.floors, tuple)]
+    speaking = [number for number in speaking if laws[number] is not None]
+    if not meeting.strikes or not speaking:
+        return []
+    number = speaking[0] if len(speaking) == 1 else speaking[1]
+    link = links[number]
+    law = laws[number]
+    if len(speaking) == 1 and isinstance(law, Pounding):
+        return [_build_column_link(pair, strike, law) for strike in meeting.strikes]
+    words = link.law if len(speaking) == 1 else "several links"
+    message = f"slabs strike columns here, and {words} between a slab and columns is not modelled"
+    hint = "write an entry `{link: pounding, at: columns}`, and `impact: {law: kelvin-voigt}`; or `link: none`"
+    is_of_impact = len(speaking) == 1 and link.law != link.spec.link
+    issues[Issue(("impact", "law") if is_of_impact else (*link.path, "link"), message, hint)] = None
+    return []
+
+
+def _build_column_link(pair: int, struck: ColumnStrike, law: Pounding) -> Link:
+    """Return the spring of a blow in series with the columns that it bends."""
+    in_series = replace(law, stiffness=1.0 / (1.0 / law.stiffness + struck.flexibility))
+    strike: Strike = struck.strike
+    ends = (strike.left_at, strike.right_at)
+    return Link(pair, strike.left_floor, strike.right_floor, in_series, *ends, struck.share)

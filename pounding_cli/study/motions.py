@@ -1,4 +1,4 @@
-"""The section `records` of a study file, and its motions: found, cut to their windows, scaled."""
+"""The motions of a study: found, read, cut to their windows and scaled."""
 
 from __future__ import annotations
 
@@ -7,160 +7,28 @@ import glob
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path, PurePath
-from typing import Annotated, Any, Literal
-
-from pydantic import AfterValidator, Field, WrapValidator
+from typing import Any
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import listed
 from pounding_cli.reading import LONGEST_PATH, shortened
 from pounding_cli.records import Motion
-from pounding_cli.records.units import UNITS, acceleration_unit
-from pounding_cli.study.base import Model, Name, Wrong, key, tagged, word_or
-from pounding_cli.study.file import Problems, Steps, nearest
-from pounding_cli.study.laws import RATIO
-from pounding_cli.study.quantity import ACCELERATION, RANGES, TIME, Quantity, Whole, refuse
-
-# Models of the section `records`
-
-
-def _unit(text: str) -> str:
-    if acceleration_unit(text) is None:
-        hint = f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g"
-        raise refuse(f"'{text}' is not a unit of acceleration", hint)
-    return text
-
-
-PERIOD = TIME.but(name="period", example="0.5 s", low=0.01, open_low=False, high=60)
-Period = Annotated[float, PERIOD]
-Acceleration = Annotated[float, ACCELERATION]
-PEAK_VELOCITY = RANGES["peak velocity asked for"]
-Velocity = Annotated[float, Quantity("velocity", "m/s", "40 cm/s", 0.0, open_low=True, usual=PEAK_VELOCITY)]
-Number = Annotated[int, Whole(1, 1000)]
-TimeStep = Annotated[float, TIME.but(name="time step", example="0.01 s")]
-Window = Annotated[float | str, TIME.but(name="window", example="10 s", words=("duration", "table1", "whole"))]
-Duration = Annotated[float | str, TIME.but(name="duration", example="10 s", words=("auto", "table1", "whole"))]
-Ratio = Annotated[float, RATIO]
-Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
-
-
-_Format = Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"]
-
-
-class RecordFile(Model):
-    """A motion in a file of one's own, or several in a folder."""
-
-    file: str = key(..., "a file, a folder, or a pattern motions/*.AT2, relative to the study file", "motions/x.AT2")
-    name: Name | None = key(None, "name of the motion in tables; default: the file's stem")
-    unit: Annotated[str, AfterValidator(_unit)] | None = key(
-        None, "unit of the acceleration, any spelling; needed where the file does not state it"
-    )
-    dt: TimeStep | None = key(None, "time step [s]; needed where the file does not state it")
-    format: _Format | None = key(None, "default: detected")
-    channel: Number | None = key(None, "channel of a file with several channels, from 1")
-    column: Number | None = key(None, "column of a table with the acceleration, from 1")
-
-
-class Arias(Model):
-    """Every record is scaled to the Arias intensity of one of them."""
-
-    arias: str = key(..., "record with the reference Arias intensity", "elcentro")
-    window: Window = key("duration", "part of each record that is measured [s]; `duration`: the analysed part")
-
-
-class Pga(Model):
-    """Every record is scaled to one peak ground acceleration."""
-
-    pga: Acceleration = key(..., "peak ground acceleration [m/s2]", "0.35 g")
-
-
-class Pgv(Model):
-    """Every record is scaled to one peak ground velocity."""
-
-    pgv: Velocity = key(..., "peak ground velocity [m/s], without baseline correction", "40 cm/s")
-
-
-class Sa(Model):
-    """Every record is scaled to one ordinate of its response spectrum."""
-
-    sa: Acceleration = key(..., "pseudo-acceleration [m/s2]", "0.8 g")
-    period: Period = key(..., "at this period [s]", "0.5 s")
-    damping: Ratio = key(0.05, "and this damping ratio [-]")
-
-
-def _once_each(points: Any, read: Any) -> Any:
-    found = read(points)
-    if len(found) < len(points):
-        raise refuse("two of the periods are one", "remove one of the two")
-    return found
-
-
-class Spectrum(Model):
-    """The suite is scaled to a target spectrum over a range of periods."""
-
-    spectrum: Literal["mean", "each"] = key(
-        ..., "`mean`: one factor for all, their mean spectrum meets the target; `each`: one for every record", "mean"
-    )
-    target: word_or(str, Annotated[dict[Period, Acceleration], WrapValidator(_once_each)]) = key(  # type: ignore[valid-type]
-        ...,
-        "{period: pseudo-acceleration, ...}, or the record whose spectrum is taken",
-        {"0.1 s": "0.8 g", "2 s": "0.2 g"},
-    )
-    low: Period = key(..., "shortest period of the range [s]", "0.2 s", alias="from")
-    high: Period = key(..., "longest period of the range [s]", "1.2 s", alias="to")
-    damping: Ratio = key(0.05, "damping ratio of the spectra [-]")
-    at_least: Part | None = key(
-        None, "another factor for all, so that the mean spectrum is nowhere below this part of the target"
-    )
-
-    def wrong(self) -> Iterator[Wrong]:
-        ends = f"from {self.low:g} s to {self.high:g} s"
-        if not self.low < self.high:
-            hint = "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`"
-            yield ("to",), f"the range of periods runs {ends}", hint
-        elif isinstance(self.target, dict):
-            first, last = min(self.target, default=0.0), max(self.target, default=0.0)
-            if not first < last or not first <= self.low or not self.high <= last:
-                what = f"the target is given from {first:g} to {last:g} s, not over the whole range"
-                yield ("target",), what, f"give two points at least, {ends} and beyond"
-
-
-_SCALES: dict[str, Any] = {"arias": Arias, "pga": Pga, "pgv": Pgv, "sa": Sa, "spectrum": Spectrum}
-
-
-def _scale(value: Any) -> str:
-    if isinstance(value, dict):
-        return next((name for name in _SCALES if name in value), "arias")
-    return next((name for name, model in _SCALES.items() if isinstance(value, model)), "factor")
-
-
-FACTOR = Quantity("scale factor", "", "1.5", 0.0, 1e6, open_low=True, words=("table1",))
-Scale: Any = tagged(_scale, factor=Annotated[float | str, FACTOR], **_SCALES)
-
-
-class Records(Model):
-    """The ground motions, the part of each that is used, and its scale."""
-
-    use: Annotated[tuple[word_or(str, RecordFile), ...], Field(min_length=1, max_length=5000)] = key(  # type: ignore[valid-type]
-        ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
-    )
-    duration: Duration = key(
-        "auto",
-        "how much of each record is used [s]; `table1`: the paper's durations; `auto`: those, and `whole` for motions "
-        "that Table 1 does not hold",
-    )
-    scale: Scale = key(
-        1.0, "a factor, `table1`, {arias: RECORD}, {pga: 0.35 g}, {pgv: ...}, {sa: ...} or {spectrum: ...}"
-    )
-
-
-# From the file to motions
-
+from pounding_cli.study.file import nearest
+from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath, to_issues
+from pounding_cli.study.records_spec import (
+    AriasSpec,
+    PgaSpec,
+    PgvSpec,
+    RecordFileSpec,
+    RecordsSpec,
+    SaSpec,
+    SpectrumSpec,
+)
 
 _VERTICAL = re.compile(r"(?:[-_ .](?:up|dwn|down|vert?)|\.ud\d?|dwn)\Z", re.IGNORECASE)
 # How the databases end the names of vertical components: -UP.AT2, DWN.AT2, .UD, .UD1.
@@ -170,59 +38,112 @@ _OTHER_FILES = re.compile(
 )
 # What lies beside motions in a folder: PEER's velocities and displacements, its search results, pages, archives.
 
-MOST_FILES = 50_000
+MAX_FILES = 50_000
 """Files and folders that are looked at for one pattern."""
 
 
+MAX_USED = 1000
+"""Motions as they are used that are kept at a time: scenes that are solved together share them."""
+
+
 @dataclass(frozen=True)
-class Item:
+class MotionItem:
     """One motion of a study.
 
     name : what tables call it
-    file, how : its file and how that is read; None of a motion of the catalogue, with durations and scales of Table 1
+    file, spec : its file and how that is read; None of a motion of the catalogue, with durations and scales of Table 1
     """
 
     name: str
     file: Path | None = None
-    how: RecordFile | None = None
+    spec: RecordFileSpec | None = None
+
+
+@dataclass(frozen=True)
+class MotionUse:
+    """A motion as it is used, without its samples (`MotionReader.used_motion` makes them again).
+
+    source : one of "real", "stand-in", "user"
+    digest : SHA-256 of the motion as used
+    scale : factor on the motion as read [-]
+    window : duration used [s]
+    pga : peak as used [m/s2]
+    arias : Arias intensity as used [m/s]
+    """
+
+    item: MotionItem
+    source: str
+    digest: str
+    scale: float
+    window: float
+    pga: float
+    arias: float
+
+    @property
+    def name(self) -> str:
+        """The name of the motion in tables."""
+        return self.item.name
+
+
+@dataclass(frozen=True, eq=False)
+class Suite:
+    """The motions of a study at a point of its sweep.
+
+    uses : by name
+    target : spectrum that they are scaled to; None without one
+    doubts : what is doubtful about them
+    """
+
+    uses: Mapping[str, MotionUse]
+    target: records.TargetSpectrum | None
+    doubts: tuple[Issue, ...]
 
 
 class MotionReader:
     """Finds and reads every motion once, however many scenes it drives.
 
     folder : of the study, which paths are relative to
+
+    Two caches by content stand here: of motions as read, since reading a file takes longer than a scene, and of the
+    last motions as used, which the scenes of one batch share.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.items: Callable[[str | RecordFile], tuple[Item, ...]] = functools.cache(self._items)
-        self.reading: Callable[[Item], records.Reading | Motion] = functools.cache(self._reading)
+        self.find_items: Callable[[str | RecordFileSpec], tuple[MotionItem, ...]] = functools.cache(self._find_items)
+        self.read: Callable[[MotionItem], records.Reading | Motion] = functools.cache(self._read)
+        self.used_motion: Callable[[MotionUse], Motion] = functools.lru_cache(MAX_USED)(self._used_motion)
 
-    def _reading(self, item: Item) -> records.Reading | Motion:
-        """The whole motion, with how it was read where it is a file.  Raises `InputError`: it cannot be read."""
-        if item.file is None or item.how is None:
+    def _used_motion(self, use: MotionUse) -> Motion:
+        """Return a motion cut to its window and scaled."""
+        motion = self.whole_motion(use.item).windowed(use.window)
+        return motion.scaled(use.scale) if use.scale != 1.0 else motion
+
+    def _read(self, item: MotionItem) -> records.Reading | Motion:
+        """Return the whole motion, with how it was read where it is a file.  Raises InputError: it cannot be read."""
+        if item.file is None or item.spec is None:
             return records.find(item.name)
-        more: dict[str, Any] = item.how.model_dump(exclude={"file", "name"})
-        return records.read_file(item.file, name=item.name, **more)
+        options: dict[str, Any] = item.spec.model_dump(exclude={"file", "name"})
+        return records.read_file(item.file, name=item.name, **options)
 
-    def motion(self, item: Item) -> Motion:
-        """The whole motion; raises as `reading`."""
-        found = self.reading(item)
-        return found.motion if isinstance(found, records.Reading) else found
+    def whole_motion(self, item: MotionItem) -> Motion:
+        """Return the whole motion as read.  Raises InputError: it cannot be read."""
+        reading = self.read(item)
+        return reading.motion if isinstance(reading, records.Reading) else reading
 
-    def _items(self, record: str | RecordFile) -> tuple[Item, ...]:
+    def _find_items(self, record: str | RecordFileSpec) -> tuple[MotionItem, ...]:
         """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
         if isinstance(record, str):
             if record in records.names():
-                return (Item(record),)
+                return (MotionItem(record),)
             is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
             if not is_path:
                 records.entry(record)  # refuses the name, with the nearest one
-            record = RecordFile(file=record)
+            record = RecordFileSpec(file=record)
         if len(record.file) > LONGEST_PATH:
             raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
         written = os.path.expanduser(record.file)
-        files = self._files(written)
+        files = self._find_files(written)
         if not files:
             message = f"there exists no motion {shortened(self.folder / written)}"
             raise InputError(Problem(message, "paths are relative to the study file"))
@@ -232,9 +153,9 @@ class MotionReader:
         stems = Counter(each.stem for each in files)
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
-        return tuple(Item(record.name or name, each, record) for each, name in zip(files, names, strict=True))
+        return tuple(MotionItem(record.name or name, each, record) for each, name in zip(files, names, strict=True))
 
-    def _files(self, written: str) -> list[Path]:
+    def _find_files(self, written: str) -> list[Path]:
         """A file, the motions in a folder, or the files that a pattern matches."""
         path = self.folder / written
         if os.path.isdir(path):
@@ -243,193 +164,203 @@ class MotionReader:
             return [path] if os.path.exists(path) else []
         head, deep, tail = written.partition("**/")  # what lies below is visited file by file, so that it can be much
         visited = glob.iglob(f"{head}**" if deep else written, root_dir=self.folder, recursive=True)
-        found = list(islice(visited, MOST_FILES + 1))
-        if len(found) > MOST_FILES:
+        found = list(islice(visited, MAX_FILES + 1))
+        if len(found) > MAX_FILES:
             hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-            raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files and folders", hint))
+            raise InputError(Problem(f"{shortened(path)}: more than {MAX_FILES} files and folders", hint))
         fits = (self.folder / name for name in found if not deep or PurePath(name).match(tail))
         return sorted(each for each in fits if os.path.isfile(each))
 
 
-@dataclass(frozen=True)
-class MotionUse:
-    """A record as it is used: digest, peak [m/s2], Arias intensity [m/s] after window [s] and scale [-]."""
+def read_suite(spec: RecordsSpec, reader: MotionReader) -> Suite:
+    """Return the motions of a study as they are used.
 
-    name: str
-    source: str
-    digest: str
-    scale: float
-    window: float
-    pga: float
-    arias: float
-
-
-@dataclass(frozen=True)
-class Used:
-    """A motion as it is used, what the tables say of it, and the target spectrum it was scaled to (None: to none)."""
-
-    motion: Motion
-    use: MotionUse
-    target: records.TargetSpectrum | None = None
-
-
-class _Wrong(Exception):
-    """Where in the study, what is wrong, what to write."""
-
-
-def motions_of(
-    spec: Records, reader: MotionReader, root: Any, problems: Problems, warnings: Problems
-) -> dict[str, Used]:
-    """The motions of a study by name, as they are used; empty where something is wrong, which is noted."""
-    motions, before = _Motions(spec, reader, root, problems, warnings), len(problems.found)
+    Raises
+    ------
+    IssuesFound : a motion cannot be found, read or scaled
+    """
+    sources = _Sources(reader)
+    issues = Issues()
     for place, record in enumerate(spec.use):
-        motions.read(record, ("records", "use", place))
-    if len(problems.found) > before:
-        return {}
+        path = ("records", "use", place)
+        try:
+            sources.take(record, path, issues)
+        except InputError as refused:
+            issues.add_written(to_issues(refused, (*path, "file")))
+    issues.check()
     try:
-        return motions.used()
-    except _Wrong as wrong:
-        path, message, hint = wrong.args
-        problems.at(root, path, message, hint)
+        return _Scaler(spec, sources).build_suite()
     except InputError as refused:
-        motions.pass_on(refused, ("records", "scale"))
-    return {}
+        raise IssuesFound(to_issues(refused, ("records", "scale"))) from None
 
 
-class _Motions:
-    """Motions on their way from the reader to the scenes.
+class _Sources:
+    """The motions that a study names, whole.
 
-    whole : by name;  known : names with durations and scales of Table 1
+    items, motions : by name
+    doubts : what is doubtful about their files
     """
 
-    def __init__(self, spec: Records, reader: MotionReader, root: Any, problems: Problems, warnings: Problems) -> None:
-        self.spec, self.reader, self.root, self.problems, self.warnings = spec, reader, root, problems, warnings
-        self.whole: dict[str, Motion] = {}
-        self.known: set[str] = set()
+    def __init__(self, reader: MotionReader) -> None:
+        self.reader = reader
+        self.items: dict[str, MotionItem] = {}
+        self.motions: dict[str, Motion] = {}
+        self.doubts: list[Issue] = []
 
-    def pass_on(self, refused: InputError, path: Steps) -> None:
-        """Problems inside a record file keep their place; others are put at the study's line."""
-        for problem in refused.problems:
-            if problem.line:
-                self.problems.extend([problem])
-            else:
-                file = f"{problem.file}: " if problem.file else ""
-                self.problems.at(self.root, path, f"{file}{problem.message}", problem.hint)
-
-    def read(self, record: Any, path: Steps) -> None:
-        """Take the motions of one entry of `use`, and tell what is wrong or doubtful about them."""
-        vertical, readings = list[str](), list[records.Reading]()
-        try:
-            items = self.reader.items(record)
-        except InputError as refused:
-            self.pass_on(refused, (*path, "file"))
-            return
+    def take(self, record: str | RecordFileSpec, path: KeyPath, issues: Issues) -> None:
+        """Take the motions of one entry of `use`.  Raises InputError where there is none."""
+        items = self.reader.find_items(record)
+        vertical: list[str] = []
+        readings: list[records.Reading] = []
         for item in items:
-            if item.name in self.whole:
+            if item.name in self.items:
                 hint = "remove one, or give it another `name:`"
-                self.problems.at(self.root, path, f"the record '{item.name}' occurs twice", hint)
+                issues.add_written([Issue(path, f"the record '{item.name}' occurs twice", hint)])
                 continue
             try:
-                read, self.whole[item.name] = self.reader.reading(item), self.reader.motion(item)
+                reading = self.reader.read(item)
             except InputError as refused:
-                self.pass_on(refused, (*path, "file"))
+                issues.add_written(to_issues(refused, (*path, "file")))
                 continue
-            if item.file is None:
-                self.known.add(item.name)
-            elif len(items) > 1 and (_VERTICAL.search(item.file.stem) or _VERTICAL.search(item.file.name)):
+            self.items[item.name] = item
+            self.motions[item.name] = self.reader.whole_motion(item)
+            if isinstance(reading, records.Reading):
+                readings.append(reading)
+            if item.file is not None and len(items) > 1 and _is_named_vertical(item.file):
                 vertical.append(item.name)
-            readings += [read] if isinstance(read, records.Reading) else []
-        for message, hint in _doubts(vertical, readings):
-            self.warnings.at(self.root, path, message, hint)
+        self.doubts += [Issue(path, message, hint) for message, hint in _iter_doubts(vertical, readings)]
 
-    def used(self) -> dict[str, Used]:
-        """The motions cut and scaled.  Raises `_Wrong`, and `InputError` where they cannot be scaled."""
-        cut, short, asked = dict[str, Motion](), list[str](), self.spec.duration
-        for name, motion in self.whole.items():
-            seconds = self._seconds(asked, name, motion, "duration")
-            if isinstance(asked, float) and seconds > motion.duration + motion.dt:
+    def has_table1(self, name: str) -> bool:
+        """Return whether Table 1 has duration and scale of a motion; a file of that name is not the motion of it."""
+        item = self.items.get(name)
+        return name in records.names() if item is None else item.file is None
+
+    def find_other(self, name: str, key: str) -> Motion:
+        """Return a motion that others are scaled to, whole: of the study or of the catalogue."""
+        if name in self.motions:
+            return self.motions[name]
+        if name in records.names():
+            return self.reader.whole_motion(MotionItem(name))
+        names = dict.fromkeys((*self.motions, *records.names()))
+        raise IssuesFound([Issue(("records", "scale", key), f"no record '{name}'", nearest(name, names))])
+
+
+def _is_named_vertical(file: Path) -> bool:
+    """Return whether a file is named like a vertical component."""
+    return any(_VERTICAL.search(name) for name in (file.stem, file.name))
+
+
+class _Scaler:
+    """Cuts the motions of a study to their windows and scales them."""
+
+    def __init__(self, spec: RecordsSpec, sources: _Sources) -> None:
+        self.spec = spec
+        self.sources = sources
+
+    def build_suite(self) -> Suite:
+        """Return the motions as they are used.  Raises IssuesFound, and InputError where they cannot be scaled."""
+        cut: dict[str, Motion] = {}
+        short: list[str] = []
+        duration = self.spec.duration
+        for name, motion in self.sources.motions.items():
+            seconds = self.find_seconds(duration, name, motion, "duration")
+            if isinstance(duration, float) and seconds > motion.duration + motion.dt:
                 short.append(f"{name} ({motion.duration:g} s)")
             cut[name] = motion.windowed(seconds)
+        doubts = [*self.sources.doubts]
         if short:
-            message = f"shorter than the {asked:g} s asked for: {listed(short)}"
+            message = f"shorter than the {duration:g} s asked for: {listed(short)}"
             hint = "the whole length is used; `tail:` adds free vibration"
-            self.warnings.at(self.root, ("records", "duration"), message, hint)
-        target = self._target(cut) if isinstance(self.spec.scale, Spectrum) else None
-        found = {}
-        for name, factor in self._factors(cut, target).items():
-            motion = cut[name].scaled(factor) if factor != 1.0 else cut[name]
-            arias = float(records.arias(motion))
-            use = MotionUse(name, motion.source, motion.digest, factor, motion.duration, motion.pga, arias)
-            found[name] = Used(motion, use, target)
-        return found
+            doubts.append(Issue(("records", "duration"), message, hint))
+        target = self._find_target(cut) if isinstance(self.spec.scale, SpectrumSpec) else None
+        factors = self._find_factors(cut, target)
+        uses = {name: self._build_use(name, cut[name], factor) for name, factor in factors.items()}
+        return Suite(uses, target, tuple(doubts))
 
-    def _seconds(self, wanted: float | str, name: str, motion: Motion, key: str) -> float:
-        """The part of a motion that is used [s]; a name of Table 1 that the study does not use has its duration too."""
-        has_one = name in self.known or (name not in self.whole and name in records.names())
-        if wanted == "whole" or (wanted == "auto" and not has_one):
+    def _build_use(self, name: str, cut: Motion, factor: float) -> MotionUse:
+        motion = cut.scaled(factor) if factor != 1.0 else cut
+        arias = float(records.arias(motion))
+        item = self.sources.items[name]
+        return MotionUse(item, motion.source, motion.digest, factor, motion.duration, motion.pga, arias)
+
+    def find_seconds(self, window: float | str, name: str, motion: Motion, key: str) -> float:
+        """Return the part of a motion that is used [s].
+
+        window : seconds, or `whole`, `auto`, `table1`; a name of Table 1 that the study does not use has its duration
+        """
+        has_table1 = self.sources.has_table1(name)
+        if window == "whole" or (window == "auto" and not has_table1):
             return float(motion.duration)
-        if wanted not in ("auto", "table1"):
-            return float(wanted)
-        if has_one:
+        if window not in ("auto", "table1"):
+            return float(window)
+        if has_table1:
             return float(records.entry(name).duration)
         path = ("records", key) if key == "duration" else ("records", "scale", key)
-        raise _Wrong(path, f"table1 has no duration for '{name}'", "write `whole` or a time, e.g. `duration: 10 s`")
+        hint = "write `whole` or a time, e.g. `duration: 10 s`"
+        raise IssuesFound([Issue(path, f"table1 has no duration for '{name}'", hint)])
 
-    def _other(self, name: str, key: str) -> Motion:
-        """A motion that others are scaled to, whole: of the study or of the catalogue."""
-        if name in self.whole:
-            return self.whole[name]
-        if name in records.names():
-            return self.reader.motion(Item(name))
-        known = dict.fromkeys((*self.whole, *records.names()))
-        raise _Wrong(("records", "scale", key), f"no record '{name}'", nearest(name, known))
-
-    def _target(self, cut: dict[str, Motion]) -> records.TargetSpectrum:
-        """The target as a spectrum over its range."""
+    def _find_target(self, cut: Mapping[str, Motion]) -> records.TargetSpectrum:
+        """Return the target as a spectrum over its range."""
         scale: Any = self.spec.scale
-        name, ends = scale.target, (scale.low, scale.high, scale.damping)
-        if isinstance(name, dict):
-            periods, values = zip(*sorted(name.items()), strict=True)
-            return records.TargetSpectrum(periods, values, *ends)
+        ends = (scale.low, scale.high, scale.damping)
+        if isinstance(scale.target, dict):
+            periods, ordinates = zip(*sorted(scale.target.items()), strict=True)
+            return records.TargetSpectrum(periods, ordinates, *ends)
+        name = scale.target
         motion = cut.get(name)
         if motion is None:
-            whole = self._other(name, "target")
-            motion = whole.windowed(self._seconds(self.spec.duration, name, whole, "duration"))
+            whole = self.sources.find_other(name, "target")
+            motion = whole.windowed(self.find_seconds(self.spec.duration, name, whole, "duration"))
         return records.TargetSpectrum.of(motion, *ends)
 
-    def _factors(self, cut: dict[str, Motion], target: records.TargetSpectrum | None) -> dict[str, float]:
+    def _find_factors(self, cut: Mapping[str, Motion], target: records.TargetSpectrum | None) -> dict[str, float]:
+        """Return the scale factor of every motion [-].
+
+        cut : the motions cut to their windows
+        """
         scale: Any = self.spec.scale
         match scale:
             case "table1":
-                for name in cut.keys() - self.known:
-                    hint = "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}"
-                    raise _Wrong(("records", "scale"), f"table1 has no scale for '{name}'", hint)
-                return {name: float(records.entry(name).scale) for name in cut}
-            case Pga():
+                return self._find_table1_scales(cut)
+            case PgaSpec():
                 return {name: records.scale_factor(each, each.pga, scale.pga) for name, each in cut.items()}
-            case Pgv():
+            case PgvSpec():
                 return {name: records.scale_factor(each, records.pgv(each), scale.pgv) for name, each in cut.items()}
-            case Sa():
-                found = {name: records.spectrum(each, (scale.period,), scale.damping)[0] for name, each in cut.items()}
-                return {name: records.scale_factor(cut[name], sa, scale.sa) for name, sa in found.items()}
-            case Spectrum() if target is not None:
+            case SaSpec():
+                ordinates = {
+                    name: records.spectrum(each, (scale.period,), scale.damping)[0] for name, each in cut.items()
+                }
+                return {name: records.scale_factor(cut[name], sa, scale.sa) for name, sa in ordinates.items()}
+            case SpectrumSpec() if target is not None:
                 return records.spectrum_factors(cut, target, scale.spectrum == "each", scale.at_least)
-            case Arias():
-                reference = self._other(scale.arias, "arias")
-                window = self.spec.duration if scale.window == "duration" else scale.window
-                part = {
-                    name: motion.windowed(self._seconds(window, name, motion, "window"))
-                    for name, motion in {scale.arias: reference, **self.whole}.items()
-                }
-                one = part[scale.arias]
-                return {
-                    name: 1.0 if name == scale.arias else records.arias_factor(part[name], one) for name in self.whole
-                }
+            case AriasSpec():
+                return self._find_arias_factors(scale)
         return dict.fromkeys(cut, float(scale))
 
+    def _find_table1_scales(self, cut: Mapping[str, Motion]) -> dict[str, float]:
+        for name in cut:
+            if not self.sources.has_table1(name):
+                hint = "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}"
+                raise IssuesFound([Issue(("records", "scale"), f"table1 has no scale for '{name}'", hint)])
+        return {name: float(records.entry(name).scale) for name in cut}
 
-def _doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[tuple[str, str]]:
-    """Message and hint of files named like vertical components, of time steps that no accelerograph has, and of units
+    def _find_arias_factors(self, scale: AriasSpec) -> dict[str, float]:
+        """Return the factors that give every motion the Arias intensity of one of them, over their windows."""
+        reference = self.sources.find_other(scale.arias, "arias")
+        window = self.spec.duration if scale.window == "duration" else scale.window
+        measured = {
+            name: motion.windowed(self.find_seconds(window, name, motion, "window"))
+            for name, motion in {scale.arias: reference, **self.sources.motions}.items()
+        }
+        target = measured[scale.arias]
+        return {
+            name: 1.0 if name == scale.arias else records.arias_factor(measured[name], target)
+            for name in self.sources.motions
+        }
+
+
+def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[tuple[str, str]]:
+    """Yield message and hint of files named like vertical components, of time steps that no accelerograph has, and of units
     other than the study's that the files state."""
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"

@@ -1,25 +1,33 @@
-"""What a study comes to: different scenes, the table rows that point at them, and those kept over time."""
+"""Plan a study: the different scenes of its sweep, the rows of the tables that point at them, those kept over time."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pounding_cli.model.links import LinkPlace
-from pounding_cli.model.scene import Scene
-from pounding_cli.study import schema
-from pounding_cli.study.file import Problems, get, nearest
-from pounding_cli.study.schema import Histories, Keep
-from pounding_cli.study.words import value_at
+from pounding_cli.model.links import APART, Link, LinkPlace, link_places
+from pounding_cli.model.scene import Analysis, Digests, Scene
+from pounding_cli.study import keep
+from pounding_cli.study.file import Problems
+from pounding_cli.study.group import unique_names
+from pounding_cli.study.motions import Suite
+from pounding_cli.study.resolve import Resolved
+from pounding_cli.study.swept import Point, Swept, sweep_map
 
 if TYPE_CHECKING:
     from pounding_cli.study.axes import Axis
     from pounding_cli.study.study import Study
+
+DIGEST_SIZE = 32
+"""Bytes of a SHA-256 digest."""
+
+RowFilter = Callable[[Point, str, Analysis, str], bool]
+"""row_filter(point, case, analysis, record) -> whether the scenes of a row are wanted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,8 +131,8 @@ class Plan:
         scene = int(self.numbers[(*point, case, analysis, record, 0)])
         return Row(tuple(point), self.cases[case], self.analyses[analysis], self.records[record], scene)
 
-    def shown(self, point: tuple[int, ...]) -> dict[str, str]:
-        """The swept values at a point, by key, in the units of the study."""
+    def display_values(self, point: tuple[int, ...]) -> dict[str, str]:
+        """Return the swept values at a point, by key, in the units of the study."""
         return {
             name: text
             for axis, place in zip(self.axes, point, strict=True)
@@ -132,94 +140,178 @@ class Plan:
         }
 
 
-# `keep: histories`
+def make_plan(study: Study, resolved: Resolved | None = None, row_filter: RowFilter | None = None) -> Plan:
+    """Return the plan of a study.
+
+    Parameters
+    ----------
+    resolved : in place of the parts of the study, such as other links
+    row_filter : which rows have scenes; all unless given
+
+    Raises
+    ------
+    InputError : the histories that are kept would take too much memory
+    """
+    planner = _Planner(study, study.resolved if resolved is None else resolved)
+    return planner.build_plan(row_filter)
 
 
-MOST_BYTES = 2_000_000_000
-"""Histories of a study may take so much [bytes] before compression."""
+class _Planner:
+    """One study being planned; it stays with the plan, to build scenes when they are asked for."""
+
+    def __init__(self, study: Study, resolved: Resolved) -> None:
+        self.study = study
+        self.resolved = resolved
+        self.cases = tuple(study.spec.cases)
+        self.records = tuple(study.motion_uses(study.first_point))
+        self.analyses = tuple(map(Analysis, study.spec.analyses))
+        self.sizes = tuple(len(axis) for axis in study.axes)
+        self.wants_residual_drift = study.wants_residual_drift
+        self.suffixes = sweep_map(self.list_suffixes, resolved.suite, resolved.tail)
+        self.content = bytearray()  # digests of scenes as they are found, one behind the other
+
+    def build_plan(self, row_filter: RowFilter | None) -> Plan:
+        """Return the plan."""
+        study = self.study
+        spec = study.spec
+        rows = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
+        numbers = np.empty((*rows, 1 + len(spec.group)), np.int32)
+        for place, case in enumerate(self.cases):
+            begun = sweep_map(
+                lambda group, links: Digests(group.buildings, links), self.resolved.group, self.resolved.links[case]
+            )
+            numbers[..., place, :, :, 0] = self.number_scenes(begun)
+        for place, name in enumerate(spec.group):
+            alone = self.number_scenes(sweep_map(lambda each: Digests((each,), ()), self.resolved.types[name]))
+            numbers[..., 1 + place] = alone[..., None, :, :]
+        if row_filter is not None:
+            points = product(*map(range, self.sizes))
+            wanted = (row_filter(*row) for row in product(points, self.cases, self.analyses, self.records))
+            numbers[~np.fromiter(wanted, bool, int(np.prod(rows))).reshape(rows)] = -1
+        digests = np.frombuffer(self.content, np.uint8).reshape(-1, DIGEST_SIZE)
+        digests, numbers = _drop_equal(digests, numbers)
+        self.content = bytearray()
+        plan = Plan(
+            study=study,
+            axes=study.axes,
+            cases=self.cases,
+            analyses=tuple(map(str, self.analyses)),
+            records=self.records,
+            buildings=unique_names(spec.group),
+            digests=digests,
+            numbers=numbers,
+            links=_build_table([self.resolved.links[case] for case in self.cases], self.sizes),
+            build=self.build_scene,
+            accuracy=spec.accuracy,
+            method=spec.method,
+            time_step=spec.time_step,
+            estimate=spec.estimate,
+        )
+        return keep_rows(plan) if spec.keep is not None else plan
+
+    def list_suffixes(self, suite: Suite, tail: float) -> list[bytes]:
+        """Return how the digests of all analyses and motions end."""
+        pairs = product(self.analyses, suite.uses.values())
+        return [Digests.suffix(use.digest, analysis, tail, self.wants_residual_drift) for analysis, use in pairs]
+
+    def number_scenes(self, begun: Swept[Digests]) -> np.ndarray:
+        """Return the numbers in `content` of scenes on every motion, in every analysis.
+
+        Shape: points of every axis (1 where the scenes do not depend on it), analyses, motions.
+
+        begun : digests of their buildings and links
+        """
+        first = len(self.content) // DIGEST_SIZE
+        finished = sweep_map(lambda digests, suffixes: b"".join(map(digests.finish, suffixes)), begun, self.suffixes)
+        for digests in finished.values.flat:
+            self.content += digests
+        sizes = [size if axis in finished.axes else 1 for axis, size in enumerate(self.sizes)]
+        numbers = np.arange(first, len(self.content) // DIGEST_SIZE, dtype=np.int32)
+        return numbers.reshape(*sizes, len(self.analyses), len(self.records))
+
+    def build_scene(self, row: int) -> Scene:
+        """Return the scene of a row by its flat number; scenes of one point and case share buildings and links."""
+        shape = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
+        *point, case, analysis, record = map(int, np.unravel_index(row, shape))
+        at = tuple(point)
+        return Scene(
+            self.resolved.group.at(at).buildings,
+            self.resolved.links[self.cases[case]].at(at),
+            self.study.motion(at, self.records[record]),
+            self.analyses[analysis],
+            self.resolved.tail.at(at),
+            self.wants_residual_drift,
+        )
 
 
-def wanted(model: Any) -> Histories | None:
-    """What is to be kept; None where nothing is."""
-    if model.keep is None:
-        return None
-    spec = model.keep.histories if isinstance(model.keep, Keep) else Histories()
-    return spec if isinstance(spec, Histories) else Histories()
+def _build_table(cases: list[Swept[tuple[Link, ...]]], sizes: tuple[int, ...]) -> Links:
+    """Return what the tables say of the links of all cases.
+
+    sizes : lengths of all axes
+    """
+    places = {id(links): link_places(links) for swept in cases for _, links in swept.iter_values()}
+    columns = tuple(sorted({place for of_links in places.values() for place in of_links}))
+    number = {place: column for column, place in enumerate(columns)}
+    absent = {"order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan}
+    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in absent.items()}
+    for case, swept in enumerate(cases):
+        flat = list(swept.values.flat)
+        rows = [row for row, links in enumerate(flat) for _ in links]
+        where = rows, [number[place] for links in flat for place in places[id(links)]]
+        shape = [size if axis in swept.axes else 1 for axis, size in enumerate(sizes)]
+        for name, array in table.items():
+            values = np.full((len(flat), len(columns)), absent[name])
+            values[where] = [_find_fact(name, place, link) for links in flat for place, link in enumerate(links)]
+            array[..., case, :] = values.reshape(*shape, -1)
+    return Links(columns, **table)
 
 
-def check_keep(study: Study, model: Any, problems: Problems) -> None:
-    """Note every name under `keep` that the study does not have, and a method that keeps no histories."""
-    spec = wanted(model)
-    if spec is None:
-        return
-    if model.method != "taylor":
-        message = f"method: {model.method} keeps no histories, only taylor does"
-        problems.at(study.root, ("keep",), message, "write `method: taylor`, or remove `keep`", key=True)
-    _chosen(study, model, spec, problems)
+def _find_fact(name: str, place: int, link: Link) -> Any:
+    """Return what the tables say of a link in a scene; place : its number there."""
+    if name == "order":
+        return place
+    if name == "gap":
+        return np.nan if link.kind == APART else link.gap
+    return getattr(link, name)
 
 
-def _chosen(study: Study, model: Any, spec: Histories, problems: Problems) -> list[list[int]]:
-    """The places that are kept on every axis, among the cases, analyses and motions; unknown names are noted."""
-    root, path = study.root, ("keep", "histories")
-    chosen = [list(range(len(axis))) for axis in study.axes]
-    swept = {name: (number, column) for number, axis in enumerate(study.axes) for column, name in enumerate(axis.names)}
-    for key in spec.where:
-        if key not in swept:
-            message, hint = f"keep: '{key}' is not an axis of the sweep", nearest(key, swept)
-            problems.at(root, (*path, "where", key), message, hint, key=True)
-            continue
-        number, column = swept[key]
-        known, kept = [row[column] for row in study.axes[number].values], set[int]()
-        words = get(root, *path, "where", key)
-        for place, word in enumerate(words if isinstance(words, list) else [words]):
-            value = value_at(schema.Study, tuple(key.split(".")), word)
-            mine = [n for n, each in enumerate(known) if _is_same(value, each)]
-            kept.update(mine)
-            if not mine:
-                at: Any = (*path, "where", key, *([place] if isinstance(words, list) else []))
-                told = ", ".join(dict.fromkeys(study.axes[number].shown(n)[column] for n in range(len(known))))
-                problems.at(root, at, f"keep: the axis '{key}' has no value {word}", f"known: {told}")
-        chosen[number] = [place for place in chosen[number] if place in kept]
-    named = {"cases": model.cases, "analyses": model.analyses, "records": study.motions(study.base)}
-    for name, of_study in named.items():
-        names, there = getattr(spec, name), list(map(str, of_study))
-        for place, word in enumerate(names or ()):
-            if there and word not in there:
-                problems.at(root, (*path, name, place), f"keep: '{word}' is none of the {name}", nearest(word, there))
-        chosen.append([place for place, each in enumerate(there) if names is None or each in names])
-    return chosen
+def _drop_equal(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the different digests, in the order in which `numbers` has them first, and `numbers` among these."""
+    _, first, same = np.unique(digests.view("V32").ravel(), return_index=True, return_inverse=True)
+    numbers = np.where(numbers < 0, -1, same[numbers])
+    used, begins = np.unique(numbers, return_index=True)
+    is_scene = used >= 0
+    used = used[is_scene]
+    used = used[np.argsort(begins[is_scene])]
+    place = np.full(len(first) + 1, -1, np.int32)  # the last one stands for -1
+    place[used] = np.arange(len(used))
+    return digests[first[used]], place[numbers]
 
 
-def _is_same(one: float | str, other: float | str) -> bool:
-    """Whether two values are one, in whatever units they are written."""
-    if isinstance(one, str) or isinstance(other, str):
-        return one == other
-    return math.isclose(one, other, rel_tol=1e-9)
+def keep_rows(plan: Plan) -> Plan:
+    """Return the plan with the rows whose scenes are kept over time, and their output step [s].
 
-
-def kept_rows(plan: Plan) -> Plan:
-    """The plan with the rows whose scenes are kept, and their output step [s].  Raises InputError where they would take
-    more than MOST_BYTES, if all of a motion are as large as its first."""
-    study, spec = plan.study, wanted(plan.study.model)
-    if spec is None:
+    Raises
+    ------
+    InputError : they would take more than MAX_BYTES_OF_HISTORIES, if all of a motion are as large as its first
+    """
+    study = plan.study
+    histories = keep.requested_histories(study.spec.keep)
+    if histories is None:
         return plan
+    names = {"cases": plan.cases, "analyses": plan.analyses, "records": plan.records}
+    chosen, _ = keep.choose_rows(histories, names, study.tree, study.axes)
     mask = np.zeros(plan.shape, bool)
-    mask[np.ix_(*_chosen(study, study.model, spec, Problems("")))] = True
+    mask[np.ix_(*chosen)] = True
     rows = np.flatnonzero(mask).tolist()
     firsts = {row % len(plan.records): row for row in reversed(rows)}  # the motion runs fastest
-    size = sum(_bytes_of(plan.build(row), spec.every) for row in firsts.values()) * len(rows) / max(len(firsts), 1)
-    if size > MOST_BYTES:
-        taken = f"about {size / 1e9:.3g} GB; the most is {MOST_BYTES / 1e9:g} GB"
-        message = f"histories of {len(rows)} rows every {1000 * spec.every:g} ms take {taken}"
+    of_firsts = sum(keep.count_bytes(plan.build(row), histories.every) for row in firsts.values())
+    size = of_firsts * len(rows) / max(len(firsts), 1)
+    if size > keep.MAX_BYTES_OF_HISTORIES:
+        taken = f"about {size / 1e9:.3g} GB; the most is {keep.MAX_BYTES_OF_HISTORIES / 1e9:g} GB"
+        message = f"histories of {len(rows)} rows every {1000 * histories.every:g} ms take {taken}"
         hint = "keep fewer, `keep: {histories: {cases: [..], records: [..], where: {..}}}`, or write a longer `every:`"
         problems = Problems(study.file)
-        problems.at(study.root, ("keep",), message, hint, key=True)
+        problems.at(study.tree, ("keep",), message, hint, key=True)
         problems.check()
-    return replace(plan, kept=tuple(map(plan.row, rows)), every=spec.every)
-
-
-def _bytes_of(scene: Scene, every: float) -> float:
-    """Bytes of the histories of a scene: at every output time four a value, eight for the time itself."""
-    storeys = max(building.storeys for building in scene.buildings)
-    series = 8 + len(scene.buildings) * (4 * storeys + 2) + len(scene.links)
-    return (4.0 * series + 8.0) * (scene.motion.duration + scene.tail) / every
+    return replace(plan, kept=tuple(map(plan.row, rows)), every=histories.every)

@@ -3,31 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import ConfigDict, Field, WithJsonSchema
 
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
 from pounding_cli.study.base import Model, Name, Wrong, form, key, word_or
-from pounding_cli.study.laws import FORMULA, Impact, Link, _Impact, link_models
-from pounding_cli.study.models import Building, Case, OwnLaw
-from pounding_cli.study.motions import Records
+from pounding_cli.study.building_spec import BuildingSpec
+from pounding_cli.study.link_specs import NO_LINK, OWN_LAW, CaseSpec, ImpactSpec, OwnLawSpec, link_models
 from pounding_cli.study.quantity import TIME, Quantity
 from pounding_cli.study.questions import FragilitySpec, GapSpec, OptimiseSpec, SensitivitySpec
+from pounding_cli.study.records_spec import RecordsSpec
 
 Analysis = Literal["elastic", "inelastic"]
+_Kind = TypeVar("_Kind")
+_Buildings = Annotated[dict[Name, _Kind], Field(min_length=1, max_length=1000)]
+_Cases = Annotated[dict[Name, _Kind], Field(min_length=1, max_length=20_000)]
+_Laws = dict[Name, _Kind]
+
+ENTRIES: dict[str, tuple[Any, Any]] = {
+    "buildings": (_Buildings[Any], BuildingSpec),
+    "cases": (_Cases[Any], CaseSpec),
+    "laws": (_Laws[Any], OwnLawSpec),
+}
+"""Sections of entries by name: the type of the section, whatever its entries are, and the type of an entry."""
+
 _FILLED = Field(min_length=1, max_length=10_000)
 
 
-class Report(Model):
+class ReportSpec(Model):
     """What the report shows first."""
 
     plot: tuple[str, ...] | None = key(None, "cases in the main figure; default: all")
     building: str | None = key(None, "building of the main figure; default: the stiffest")
 
 
-class Histories(Model):
+class HistoriesSpec(Model):
     """Scenes whose histories are kept."""
 
     cases: Annotated[tuple[str, ...], _FILLED] | None = key(None, "cases; default: all")
@@ -39,10 +51,12 @@ class Histories(Model):
     )
 
 
-class Keep(Model):
+class KeepSpec(Model):
     """What is kept besides peaks."""
 
-    histories: word_or(Literal["all"], Histories) = key(..., "scenes kept over time, or `all`", {"cases": ["touching"]})  # type: ignore[valid-type]
+    histories: word_or(Literal["all"], HistoriesSpec) = key(
+        ..., "scenes kept over time, or `all`", {"cases": ["touching"]}
+    )  # type: ignore[valid-type]
 
 
 _VALUE, _SPACING = {"type": ["number", "string"]}, {"enum": ["linear", "log"]}
@@ -64,24 +78,22 @@ _UNCERTAIN_FORM = {
 }
 
 
-class Study(Model):
+class StudySpec(Model):
     """A study of earthquake pounding between adjacent buildings."""
 
     model_config = ConfigDict(title="pound study")
 
     title: str = key("", "title of figures and tables; default: the file's name")
-    records: Records = key(..., "ground motions", {"use": ["elcentro", "taft"]})
-    buildings: Annotated[dict[Name, Building], Field(min_length=1, max_length=1000)] = key(
+    records: RecordsSpec = key(..., "ground motions", {"use": ["elcentro", "taft"]})
+    buildings: _Buildings[BuildingSpec] = key(
         ..., "building types by name", {"stiff": {"storeys": 5, "period": "0.36 s"}}
     )
     group: Annotated[tuple[str, ...], Field(max_length=100)] = key(
         ..., "buildings from left to right", ["stiff", "soft"]
     )
-    impact: Impact = key(Impact(), "impact element")
-    laws: dict[Name, OwnLaw] = key({}, "the study's own laws of links, by name")
-    cases: Annotated[dict[Name, Case], Field(min_length=1, max_length=20_000)] = key(
-        ..., "cases by name", {"near": {"link": "pounding", "gap": "5 cm"}}
-    )
+    impact: ImpactSpec = key(ImpactSpec(), "impact element")
+    laws: _Laws[OwnLawSpec] = key({}, "the study's own laws of links, by name")
+    cases: _Cases[CaseSpec] = key(..., "cases by name", {"near": {"link": "pounding", "gap": "5 cm"}})
     analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = key(
         ("elastic", "inelastic"), "whether storeys may yield"
     )
@@ -103,8 +115,8 @@ class Study(Model):
         True,
     )
     claims: Literal["fig6", "fig7"] | None = key(None, "figure of the paper that this study reproduces")
-    report: Report = key(Report(), "first figure of the report")
-    keep: word_or(Literal["histories"], Keep) | None = key(None, "histories to keep; `histories`: of all scenes")  # type: ignore[valid-type]
+    report: ReportSpec = key(ReportSpec(), "first figure of the report")
+    keep: word_or(Literal["histories"], KeepSpec) | None = key(None, "histories to keep; `histories`: of all scenes")  # type: ignore[valid-type]
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = key(
         None,
         "axes: dotted keys with the values they take, a list, a range `{from: 1 cm, to: 5 cm, count: 5}`, or low, "
@@ -138,26 +150,20 @@ class Study(Model):
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"
 
 
-ONCE = {*Study.model_fields} - {"records", "buildings", "impact", "laws", "cases", "tail"}
-"""Sections that are one for the whole study."""
+ONCE = {*StudySpec.model_fields} - {"records", "buildings", "impact", "laws", "cases", "tail"}
+"""Sections that are the same for the whole study."""
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (2020-12) of a study file, for editors: cases as they are written, one link or several."""
-    found = Study.model_json_schema(by_alias=True)
-    defs = found["$defs"]
-    several = defs["Case"]
-    branches = several["properties"]["links"]["items"]["oneOf"]
+    """Return the JSON Schema (2020-12) of a study file, for editors."""
+    schema = StudySpec.model_json_schema(by_alias=True)
     for name, model in link_models().items():
-        link = defs[model.__name__]
-        link["required"] = ["link"]  # what else it lacks, its case may give
-        word = {"type": "string", "not": {"enum": [*link_laws(), "none"]}} if name == FORMULA else {"const": name}
+        if name == OWN_LAW:
+            word = {"type": "string", "not": {"enum": [*link_laws(), NO_LINK]}}
+        else:
+            word = {"const": name}
+        link = schema["$defs"][model.__name__]
         link["properties"]["link"] = {**word, "description": link["properties"]["link"]["description"]}
-    contact = {key: each for key, each in defs["Impact"]["properties"].items() if key not in _Impact.model_fields}
-    defs["Link_pounding"]["properties"] |= contact  # of the law of contact that `impact` names
-    shared = {key: each for model in link_models().values() for key, each in defs[model.__name__]["properties"].items()}
-    shared = {key: each for key, each in shared.items() if key not in Link.model_fields and key != "stiffness"}
-    items = {"anyOf": [{"type": "string"}, {"oneOf": branches}]}
-    several["properties"] = {**shared, "links": {**several["properties"]["links"], "items": items}}
-    defs["Case"] = {"anyOf": [{"oneOf": branches}, several]}
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **found}
+    listed = schema["$defs"]["Case_links"]["properties"]["links"]
+    listed["items"] = {"anyOf": [{"type": "string"}, listed["items"]]}  # a word stands for a link without further keys
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -265,7 +265,7 @@ def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False, i
     is_range : whether it is searched over a range, which is read as the uniform distribution between its ends
     is_joined : whether other keys move with it, so that a value may occur twice
     """
-    (mark, at), node, quantity = holder.marks[key], holder[key], quantity_at(schema.Study, tuple(key.split(".")))
+    (mark, at), node, quantity = holder.marks[key], holder[key], quantity_at(schema.StudySpec, tuple(key.split(".")))
     if is_range and not (isinstance(node, Map) and CHOICE in node):
         node = Map({"uniform": node}, at, {"uniform": (at, at)})
     name = next(iter(node)) if isinstance(node, Map) and len(node) == 1 else ""

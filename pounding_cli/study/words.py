@@ -1,4 +1,4 @@
-"""The schema asked: what may stand at a dotted key, which quantity it is, and errors of pydantic in words."""
+"""Look up schema fields by dotted key; describe validation errors."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ import typing
 from collections.abc import Iterator, Sequence
 from typing import Any, get_args, get_origin, get_type_hints
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import link_laws
-from pounding_cli.study.file import Steps, dumped, get, nearest
-from pounding_cli.study.laws import Link, keys_of, kind_of, link_models, own, tag
+from pounding_cli.study.file import dump_yaml, get, nearest
+from pounding_cli.study.issues import Issue, KeyPath
+from pounding_cli.study.link_specs import NO_LINK, SeveralLinks, link_models, union_tag
+from pounding_cli.study.links import refuse_beside_links, refuse_key
 from pounding_cli.study.quantity import Quantity, Read, Text, said
 
 
@@ -24,15 +26,15 @@ def fields_of(model: type[BaseModel]) -> dict[str, tuple[Any, Any]]:
     return {info.alias or name: (hints[name], info) for name, info in model.model_fields.items()}
 
 
-def leaves(kind: Any) -> Iterator[Any]:
-    """What a type comes to: models, tuples, dicts, literals and what is read."""
+def leaf_types(kind: Any) -> Iterator[Any]:
+    """Yield what a type comes to: models, tuples, dicts, literals and parsers of values."""
     origin, parts = get_origin(kind), get_args(kind)
     if origin is typing.Annotated:
         read = next((part for part in parts[1:] if isinstance(part, Read)), None)
-        yield from [read] if read is not None else leaves(parts[0])
+        yield from [read] if read is not None else leaf_types(parts[0])
     elif origin in (typing.Union, types.UnionType):
         for part in parts:
-            yield from leaves(part)
+            yield from leaf_types(part)
     elif kind is not type(None):
         yield kind
 
@@ -41,57 +43,54 @@ def _is_model(kind: Any) -> bool:
     return isinstance(kind, type) and issubclass(kind, BaseModel)
 
 
-def at(model: type[BaseModel], path: Sequence[Any]) -> tuple[list[Any], Any]:
-    """What may stand at a path, and the field that it is; steps that no type knows, as tags of unions, narrow it."""
-    level, field = [model], None
-    tags = {tag(name): link for name, link in link_models().items()}
+def types_at(model: type[BaseModel], path: Sequence[Any]) -> tuple[list[Any], Any]:
+    """Return the types that may stand at a path, and the field there; tags of unions narrow the types."""
+    level: list[Any] = [model]
+    field = None
+    tags = {union_tag(name): link for name, link in link_models().items()} | {"(links)": SeveralLinks}
     for step in path:
         below: list[Any] = []
         for kind in level:
             if _is_model(kind) and str(step) in fields_of(kind):
                 hint, field = fields_of(kind)[str(step)]
-                below += leaves(hint)
+                below += leaf_types(hint)
             elif get_origin(kind) is tuple and str(step).isdigit():
-                below += leaves(get_args(kind)[0])
+                below += leaf_types(get_args(kind)[0])
             elif get_origin(kind) is dict:
-                below += leaves(get_args(kind)[1])
+                below += leaf_types(get_args(kind)[1])
         if not below and str(step) in tags:
             below = [tags[str(step)]]
         level = below or level
     return level, field
 
 
-def keys_at(model: type[BaseModel], path: Sequence[Any], root: Any) -> list[str]:
+def keys_at(model: type[BaseModel], path: Sequence[Any], tree: Any) -> list[str]:
     """The keys that the schema knows at `path`; of a free mapping those the file has."""
     found: dict[str, None] = {}
-    for kind in at(model, path)[0]:
+    for kind in types_at(model, path)[0]:
         if _is_model(kind):
             found |= dict.fromkeys(fields_of(kind))
-        elif get_origin(kind) is dict and isinstance(node := get(root, *path), dict):
+        elif get_origin(kind) is dict and isinstance(node := get(tree, *path), dict):
             found |= dict.fromkeys(node)
     return list(found)
 
 
 @functools.lru_cache(maxsize=1000)
-def _readers(model: type[BaseModel], path: tuple[str, ...]) -> list[Read]:
-    """What reads the value of a key; keys of links mean one thing wherever they stand."""
-    kinds: list[Any] = at(model, path)[0]
-    if path[0] == "cases" and len(path) > 2:
-        hints = [fields_of(link)[path[-1]][0] for link in link_models().values() if path[-1] in fields_of(link)]
-        kinds = [leaf for hint in hints for leaf in leaves(hint)]
-    return [kind for kind in kinds if isinstance(kind, Read)]
+def _parsers_at(model: type[BaseModel], path: tuple[str, ...]) -> list[Read]:
+    """Return what may parse the value of a key."""
+    return [kind for kind in types_at(model, path)[0] if isinstance(kind, Read)]
 
 
 def quantity_at(model: type[BaseModel], path: tuple[str, ...]) -> Quantity | None:
     """The quantity that may stand at a key, or None."""
-    read = (kind.quantity if isinstance(kind, Text) else kind for kind in _readers(model, path))
+    read = (kind.quantity if isinstance(kind, Text) else kind for kind in _parsers_at(model, path))
     return next((each for each in read if isinstance(each, Quantity)), None)
 
 
 def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float | str:
     """A value of a key as tables have it: an SI number, or the word that the file writes."""
     found = given
-    for reader in _readers(model, path):
+    for reader in _parsers_at(model, path):
         try:
             found = reader.read(given)
             break
@@ -102,103 +101,140 @@ def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float
     return {True: "true", False: "false"}.get(given, str(given)) if isinstance(given, bool) else str(given)
 
 
-Told = tuple[str, str, bool]
+Described = tuple[str, str, bool]
 """Message, hint, whether it stands at the key."""
 
-_SAID: dict[str, Told] = {
-    "literal_error": ("{owner}{shown} is not known", "write {expected}", False),
-    "tuple_type": ("{owner}{shown} is not a list", "write [first, second, ...]", False),
+MAX_DESCRIBED = 100
+"""Errors of one section that are described one by one."""
+
+_MESSAGES: dict[str, Described] = {
+    "literal_error": ("{owner}{value} is not known", "write {expected}", False),
+    "tuple_type": ("{owner}{value} is not a list", "write [first, second, ...]", False),
     "too_long": ("{owner}{actual_length} entries", "write at most {max_length}", False),
-    "string_pattern_mismatch": ("{shown} cannot be a name", "use letters, digits, blanks, _, - and +", True),
-    "string_too_long": ("{shown} is too long a name", "use at most {max_length} characters", True),
-    "bool_parsing": ("{owner}{shown} is neither true nor false", "write true or false", False),
-    "string_type": ("{owner}{shown} is not a text", "write a word, in quotes if it looks like something else", False),
+    "string_pattern_mismatch": ("{value} cannot be a name", "use letters, digits, blanks, _, - and +", True),
+    "string_too_long": ("{value} is too long a name", "use at most {max_length} characters", True),
+    "bool_parsing": ("{owner}{value} is neither true nor false", "write true or false", False),
+    "string_type": ("{owner}{value} is not a text", "write a word, in quotes if it looks like something else", False),
 }
-_SAID |= {"enum": _SAID["literal_error"], "list_type": _SAID["tuple_type"], "bool_type": _SAID["bool_parsing"]}
+_MESSAGES |= {
+    "enum": _MESSAGES["literal_error"],
+    "list_type": _MESSAGES["tuple_type"],
+    "bool_type": _MESSAGES["bool_parsing"],
+}
 
 
-def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: Any) -> Told:
-    """An error of pydantic in words; "" for what is told elsewhere."""
-    kind, context, given, owner = item["type"], item.get("ctx", {}), item.get("input"), _walk(root, path)[1]
-    words = [step for step in path if isinstance(step, str) and not step.startswith("(")]
-    name = (words[-1] if words else "the study")[:60]
-    if kind in _SAID:
-        message, hint, at_key = _SAID[kind]
-        told = context | {"owner": owner, "shown": said(given)}
+def describe_errors(error: ValidationError, path: KeyPath, model: type[BaseModel], tree: Any) -> list[Issue]:
+    """Return the errors of a validation as issues.
+
+    path : of what was validated
+    model : of the whole file
+    tree : the file, which names are taken from
+    """
+    issues = []
+    errors = error.errors(include_url=False)
+    for number, item in enumerate(errors):
+        at = (*path, *item["loc"])
+        if number >= MAX_DESCRIBED:
+            issues.append(Issue(at[:1], f"and {len(errors) - number} more problems like these", at_key=True))
+            break
+        message, hint, at_key = describe_error(dict(item), at, model, tree)
+        if message:
+            issues.append(Issue(at, message, hint, at_key))
+    return issues
+
+
+def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], tree: Any) -> Described:
+    """Return an error of pydantic in words; "" for what is told elsewhere."""
+    kind = item["type"]
+    context = item.get("ctx", {})
+    value = item.get("input")
+    owner = _walk(tree, path)[1]
+    name = _last_key(path)
+    if kind in _MESSAGES:
+        message, hint, at_key = _MESSAGES[kind]
+        fields = context | {"owner": owner, "value": said(value)}
         if kind == "too_long":  # pydantic does not always count
-            told["actual_length"] = len(given or ())
-        return message.format_map(told), hint.format_map(told), at_key
+            fields["actual_length"] = len(value or ())
+        return message.format_map(fields), hint.format_map(fields), at_key
     match kind:
         case "refused":
             return f"{'' if context.get('whole') else owner}{context['message']}", context["hint"], context["key"]
         case "extra_forbidden":
-            return _unknown(str(path[-1])[:60], path, model, root)
+            return _describe_unknown(str(path[-1])[:60], path, model, tree)
         case "missing":
-            return _missing(name, path, model, root)
+            return _describe_missing(name, path, model, tree)
         case "model_type" | "model_attributes_type" | "dict_type":
-            keys, field = keys_at(model, path, root), at(model, path)[1]
-            hint = f"write {{key: value}} with the keys {', '.join(keys)}"
-            if not keys or keys == ["links"] or (len(path) == 1 and field is not None and field.examples):
-                hint = _example(model, path[:1] if keys == ["links"] else path, root)
-            return f"{owner}{said(given)} is not a mapping", hint, False
+            return f"{owner}{said(value)} is not a mapping", _mapping_hint(path, model, tree), False
         case "too_short":
             # Pydantic counts sound entries only: what is wrong with the others is told.
-            is_so = context.get("actual_length") == len(given or ())
-            return f"'{name}' is empty" * is_so, _example(model, path, root) or "write at least one value", False
-    return f"{owner}{item['msg']}", _example(model, path, root), False
+            is_empty = context.get("actual_length") == len(value or ())
+            return f"'{name}' is empty" * is_empty, _example(model, path, tree) or "write at least one value", False
+    return f"{owner}{item['msg']}", _example(model, path, tree), False
 
 
-def _walk(root: Any, path: Steps) -> tuple[Any, str]:
-    """What the file has at a path, where steps that it lacks are passed over, and the innermost key there, `key: `."""
-    node, owner = get(root), ""
+def _last_key(path: KeyPath) -> str:
+    """Return the innermost key of a path; tags of unions are none."""
+    words = [step for step in path if isinstance(step, str) and not step.startswith("(")]
+    return (words[-1] if words else "the study")[:60]
+
+
+def _walk(tree: Any, path: KeyPath) -> tuple[Any, str]:
+    """Return what the file has at a path, and the innermost key there, `key: `; steps that it lacks are passed over."""
+    node = tree
+    owner = ""
     for step in path:
         owner = f"{step}: " if isinstance(node, dict) and step in node else owner
-        node = node if (below := get(node, step)) is None else below
+        below = get(node, step)
+        node = node if below is None else below
     return node, owner
 
 
-def _unknown(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
-    """A key that does not belong where it stands."""
-    known, above = keys_at(model, path[:-1], root), _walk(root, path[:-1])[0]
-    owners, link = [law.name for law in link_laws().values() if name in keys_of(law)], get(above, "link")
-    if "link" in known and owners:
-        if link is None:
-            return "", "", True  # that it is missing is told
-        takes = ", ".join(key for key in known if key not in Link.model_fields)
-        hint = f"remove it: {link} takes {takes or 'none'}; it belongs to {', '.join(owners)}"
-        return f"'{name}' does not apply to link: {link}", hint, True
-    if known == ["links"] and (owners or name in Link.model_fields):
-        hint = f"write it in the entry that it is of: `links: [{{link: ..., {name}: ...}}]`"
-        return f"'{name}' beside `links:` does not apply to them, or does not say which it is of", hint, True
-    known += [key for link in link_models().values() for key in fields_of(link)] if known == ["links"] else []
-    if name in known:
+def _mapping_hint(path: KeyPath, model: type[BaseModel], tree: Any) -> str:
+    """Return what to write where a mapping belongs."""
+    keys = keys_at(model, path, tree)
+    field = types_at(model, path)[1]
+    is_case = path[:1] == ("cases",) and len(path) > 1
+    if not keys or is_case or (len(path) == 1 and field is not None and field.examples):
+        return _example(model, path[:1] if is_case else path, tree)
+    return f"write {{key: value}} with the keys {', '.join(keys)}"
+
+
+def _describe_unknown(name: str, path: KeyPath, model: type[BaseModel], tree: Any) -> Described:
+    """Describe a key that does not belong where it stands."""
+    keys = keys_at(model, path[:-1], tree)
+    all_link_keys = dict.fromkeys(key for link in link_models().values() for key in fields_of(link))
+    if "link" in keys:
+        word = get(_walk(tree, path[:-1])[0], "link")
+        is_known = str(word) in (*link_laws(), NO_LINK, *(get(tree, "laws") or ()))
+        if name in all_link_keys:
+            # That `link` is missing, or its law unknown, is told elsewhere.
+            return (*refuse_key(name, str(word), keys), True) if is_known else ("", "", True)
+        keys = keys if is_known else [*all_link_keys]
+    elif "links" in keys and (name in all_link_keys):
+        return (*refuse_beside_links(name), True)
+    if name in keys:
         return f"'{name}' does not go with the other keys here", "remove it, or them", True
-    return f"unknown key '{name}'", nearest(name, dict.fromkeys(known)), True
+    return f"unknown key '{name}'", nearest(name, dict.fromkeys(keys)), True
 
 
-def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
-    known, above = keys_at(model, path[:-1], root), _walk(root, path[:-1])[0]
-    law = link_laws().get(kind_of(str(get(above, "link"))))
+def _describe_missing(name: str, path: KeyPath, model: type[BaseModel], tree: Any) -> Described:
     if name == "link":
         return "'link' is missing", f"write `link: pounding`, {', '.join([*link_laws()][1:])} or none", False
-    if "link" in known and law is not None and name in own(law):
-        contact = " here or under `impact`" if law.subtracts_gap else ""
-        return f"'{name}' is missing", f"a {law.name} needs it{contact}: {own(law)[name].words}", False
-    return f"'{name}' is missing", _example(model, path, root), False
+    return f"'{name}' is missing", _example(model, path, tree), False
 
 
-def _example(model: type[BaseModel], path: Steps, root: Any) -> str:
+def _example(model: type[BaseModel], path: KeyPath, tree: Any) -> str:
     """Return what the schema says about the field at `path`, with its example, in names of the study."""
-    field = at(model, path)[1]
+    field = types_at(model, path)[1]
     if field is None or not field.description:
         return ""
     words = [str(step) for step in path if not str(step).startswith("(")]
     example = field.examples[0] if field.examples else None
-    names = [*(get(root, "buildings") or ())] if isinstance(get(root, "buildings"), dict) else []
+    names = [*(get(tree, "buildings") or ())] if isinstance(get(tree, "buildings"), dict) else []
     if words[-1:] == ["group"] and names:
         example = (names * 2)[:2]
-    flow = "" if example is None else dumped(example)
+    flow = "" if example is None else dump_yaml(example)
     description = field.description
-    if isinstance(cases := get(root, "cases"), dict) and cases:
+    if isinstance(cases := get(tree, "cases"), dict) and cases:
         description = description.replace("cases: {near:", f"cases: {{{next(iter(cases))}:")
     return f"write {description}" + (f", e.g. `{words[-1]}: {flow}`" if flow else "")

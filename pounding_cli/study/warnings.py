@@ -4,33 +4,42 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel
 
-from pounding_cli.errors import InputError, Problem
+from pounding_cli.errors import Problem
 from pounding_cli.laws.joints import STABLE_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted, listed
-from pounding_cli.study.axes import Axis, sweep_maps
-from pounding_cli.study.build import Group, tell_left_out
-from pounding_cli.study.file import Map, Mark, Problems, Steps, get, locate
-from pounding_cli.study.links import OwnLaw, build_law
-from pounding_cli.study.models import Building as BuildingSpec
-from pounding_cli.study.models import Case, StiffnessAt
-from pounding_cli.study.motions import Used
+from pounding_cli.study.axes import UNWRITTEN, Axis, sweep_maps
+from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
+from pounding_cli.study.buildings import build_building
+from pounding_cli.study.file import Map, Mark, Problems, get, locate
+from pounding_cli.study.group import Group, find_ignored_blows
+from pounding_cli.study.issues import Issues, KeyPath
+from pounding_cli.study.like import resolve_all_likes, resolve_like
+from pounding_cli.study.link_specs import ImpactSpec
+from pounding_cli.study.links import CompleteLink
+from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.quantity import FORCES, NUMBER, RANGES, Plausible, Quantity, Text, lacks_unit
-from pounding_cli.study.words import fields_of, leaves
+from pounding_cli.study.records_spec import RecordsSpec
+from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
+from pounding_cli.study.schema import StudySpec
+from pounding_cli.study.swept import Point
+from pounding_cli.study.words import fields_of, leaf_types
+from pounding_cli.study.written import read_specs
 from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
-    from pounding_cli.study.study import Point, Study, Subject
+    from pounding_cli.study.study import Study
 
 MAX_CORNERS = 256
 """Combinations of the ends of several axes at which values are compared with each other."""
@@ -57,91 +66,111 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     Looked at are the first point of the sweep, the points where one axis moves away from it, the ends of uncertain and
     searched keys, and the points where every axis is at an end. A key is warned of once, at its worst value.
     """
-    view = _with_uncertain_keys(study)
-    warner = _Warner(view)
-    for point in _points_along_axes(view, len(study.axes)):
-        warner.look_at(point)
-    warner.look_at_corners(_corners(view, len(study.axes)))
-    notes = study.notes
+    warner = _Warner(study.spec, study.file, needs_units=not study.from_data, is_swept_pga=_sweeps_pga(study.tree))
+    of_sweep = _View(study.tree, study.axes, study.resolved)
+    for point in _points_along_axes(study.axes):
+        warner.look_at(of_sweep, point)
+    of_ends = _resolve_uncertain_ends(study)
+    if of_ends is not None:
+        for place in range(len(of_ends.axes[0])):
+            warner.look_at(of_ends, (place,))
+    warner.look_at_corners(of_sweep)
+    notes = Problems(study.file)
+    for _, suite in study.resolved.suite.iter_values():
+        for issue in suite.doubts:
+            notes.add_issue(study.tree, issue)
     notes.extend(warner.doubts.merged())
     warn_held_period(study, notes)
-    if study.model.impact.dashpot == "printed":
+    if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
-        notes.at(study.root, ("impact", "dashpot"), message, hint)
+        notes.at(study.tree, ("impact", "dashpot"), message, hint)
     return tuple(sorted(notes.found, key=lambda note: (note.file, note.line, note.column)))
 
 
 # Where in the sweep
 
 
-def _with_uncertain_keys(study: Study) -> Study:
-    """Return the study with a further axis for every uncertain or searched key: the ends of its range, its options.
+@dataclass(frozen=True, eq=False)
+class _View:
+    """A study at the points of some axes."""
 
-    A study that is not sound at one of them is returned as it is: who draws such a sample is told then.
+    tree: Map
+    axes: Sequence[Axis]
+    resolved: Resolved
+
+
+def _resolve_uncertain_ends(study: Study) -> _View | None:
+    """Return the study at the first point of its sweep with one axis, on which one uncertain or searched key after the
+    other takes the ends of its range or its options; None without such keys.
+
+    None also of a study that is not sound at one of them: who draws such a sample is told then.
     """
-    factors = []
+    inputs = []
     problems = Problems(study.file)
-    if study.root.get("uncertain") is not None or get(study.root, "optimise", "over") is not None:
+    if study.tree.get("uncertain") is not None or get(study.tree, "optimise", "over") is not None:
         from pounding_cli.study import vary  # here: few studies have distributions
 
-        if study.root.get("uncertain") is not None:
-            factors += vary.read_uncertain(study.root, problems)
-        if isinstance(get(study.root, "optimise", "over"), Map):
-            factors += vary.read_searched(study.root, problems)
-        factors = [factor for factor in factors if factor.key != vary.MOTION]
-    if not factors or problems.found:
-        return study
-    axes = [_axis_of_ends(factor) for factor in factors]
-    try:
-        return type(study)(study.path, study.text, study.root, (*study.axes, *axes), study.reader, written=study)
-    except InputError:
-        return study
+        if study.tree.get("uncertain") is not None:
+            inputs += vary.read_uncertain(study.tree, problems)
+        if isinstance(get(study.tree, "optimise", "over"), Map):
+            inputs += vary.read_searched(study.tree, problems)
+        inputs = [each for each in inputs if each.key != vary.MOTION]
+    if not inputs or problems.found:
+        return None
+    axes = (_build_axis_of_ends(inputs),)
+    tree = tree_at(study.tree, study.axes, study.first_point)
+    issues = Issues()
+    resolved = resolve(read_specs(tree, issues), tree, axes, study.reader, issues)
+    return None if len(issues) else _View(tree, axes, resolved)
 
 
-def _axis_of_ends(factor: Any) -> Axis:
-    """Return an axis of the ends of the range of an uncertain key, or of its options."""
+def _build_axis_of_ends(inputs: Sequence[Any]) -> Axis:
+    """Return an axis on which one key after the other takes the ends of its range, or its options."""
+    members = [member for each in inputs for member in each.members]
+    names = tuple(member.key for member in members)
+    marks = tuple(member.mark for member in members)
+    units = tuple(member.unit for member in members)
+    rows = []
+    for each in inputs:
+        columns = [member.values(_end_quantiles(each)) for member in each.members]
+        for values in zip(*columns, strict=True):
+            moved = dict(zip((member.key for member in each.members), values, strict=True))
+            rows.append(tuple(moved.get(name, UNWRITTEN) for name in names))
+    return Axis(names, rows, [marks] * len(rows), units)
+
+
+def _end_quantiles(factor: Any) -> list[float]:
+    """Return the quantiles of the ends of a range, or of the options."""
     if factor.options:
         count = min(factor.options, MAX_OPTIONS)
-        shares = [(number + 0.5) / factor.options for number in range(count)]
-    else:
-        low, high = factor.drawn.ends
-        shares = [0.0 if np.isfinite(low) else TAIL, 1.0 if np.isfinite(high) else 1.0 - TAIL]
-    columns = [member.values(shares) for member in factor.members]
-    marks = tuple(member.mark for member in factor.members)
-    names = tuple(member.key for member in factor.members)
-    units = tuple(member.unit for member in factor.members)
-    return Axis(names, list(zip(*columns, strict=True)), [marks] * len(shares), units)
+        return [(number + 0.5) / factor.options for number in range(count)]
+    low, high = factor.drawn.ends
+    return [0.0 if np.isfinite(low) else TAIL, 1.0 if np.isfinite(high) else 1.0 - TAIL]
 
 
-def _first_point(study: Study, swept: int) -> Point:
-    """Return the first point of the sweep; the study's own values of the axes after the first `swept` ones."""
-    return (0,) * swept + (-1,) * (len(study.axes) - swept)
-
-
-def _points_along_axes(study: Study, swept: int) -> Iterator[Point]:
+def _points_along_axes(axes: Sequence[Axis]) -> Iterator[Point]:
     """Yield the first point of a sweep, and those that differ from it in one axis."""
-    first = _first_point(study, swept)
+    first = (0,) * len(axes)
     yield first
-    for place, axis in enumerate(study.axes):
-        for index in range(first[place] + 1, len(axis)):
+    for place, axis in enumerate(axes):
+        for index in range(1, len(axis)):
             yield (*first[:place], index, *first[place + 1 :])
 
 
-def _corners(study: Study, swept: int) -> Iterator[Point]:
+def _corners(axes: Sequence[Axis]) -> Iterator[Point]:
     """Yield the points where every axis is at an end of its values, at most MAX_CORNERS.
 
     What is compared with each other grows or falls with each value, so that the worst combinations stand there.
     """
     ends: list[tuple[int, ...]] = []
-    for axis in study.axes[:swept]:
+    for axis in axes:
         sizes = [next((value for value in values if not isinstance(value, str)), 0.0) for values in axis.values]
         order = sorted(range(len(sizes)), key=sizes.__getitem__)
-        both = (order[0], order[-1]) if len(axis) > 1 and 2 ** len(ends) < MAX_CORNERS else (0,)
-        ends.append(both)
-    rest = _first_point(study, swept)[swept:]
-    if swept > 1:
-        yield from ((*corner, *rest) for corner in product(*ends))
+        has_room = len(axis) > 1 and 2 ** len(ends) < MAX_CORNERS
+        ends.append((order[0], order[-1]) if has_room else (0,))
+    if len(axes) > 1:
+        yield from product(*ends)
 
 
 # Warnings of one key
@@ -169,11 +198,18 @@ class Doubts:
 
     file: str
     needs_units: bool = True
-    by_key: dict[Steps, list[Doubt]] = field(default_factory=dict)
-    _keys: dict[Mark, Steps] = field(default_factory=dict)
+    by_key: dict[KeyPath, list[Doubt]] = field(default_factory=dict)
+    _keys: dict[Mark, KeyPath] = field(default_factory=dict)
 
     def add(
-        self, root: Any, path: Steps, key: Steps, message: str, hint: str, is_bare: bool = False, excess: float = 0.0
+        self,
+        root: Any,
+        path: KeyPath,
+        key: KeyPath,
+        message: str,
+        hint: str,
+        is_bare: bool = False,
+        excess: float = 0.0,
     ) -> None:
         """Note a warning of the value at `path`, one of those of `key`.
 
@@ -201,43 +237,43 @@ class Doubts:
 class _Warner:
     """Looks at a study point by point; what nothing has changed of since is not looked at again."""
 
-    def __init__(self, study: Study) -> None:
-        self.study = study
-        self.doubts = Doubts(study.file, needs_units=not study.from_data)
-        self.seen = set[Any]()
+    def __init__(self, spec: StudySpec, file: str, needs_units: bool, is_swept_pga: bool) -> None:
+        self.spec = spec
+        self.is_swept_pga = is_swept_pga
+        self.doubts = Doubts(file, needs_units)
+        self.seen: list[tuple[Any, ...]] = []  # keeps what was looked at, so that no other object takes its identity
+        self.keys: set[tuple[Any, ...]] = set()
 
-    def look_at(self, point: Point) -> None:
+    def look_at(self, view: _View, point: Point) -> None:
         """Note what is doubtful at a point."""
-        study = self.study
-        root = study.at(point)
-        group = study.group(point)
-        if group is None:  # unsound together with other values: told where the sweep is expanded
-            return
-        for name in study.model.buildings:
-            if self._is_new(name, point, ("buildings", name)):
-                spec, building = study.building_spec(point, name), study.type(point, name)
-                assert spec is not None
-                assert building is not None
-                warn_building(spec, building, root, name, self.doubts)
-        if self._is_new("group", point, "buildings", "group"):
-            self._warn_left_out(group, root)
-        for name in study.model.cases:
-            if self._is_new(name, point, "buildings", "group", "impact", "laws", ("cases", name)):
-                case, impact, laws = study.case(point, name), study.impact(point), study.laws(point)
-                if case is not None and impact is not None and laws is not None:
-                    warn_case(case, impact, group, laws, root, name, self.doubts)
-        if self._is_new("motions", point, "records"):
-            warn_motions(study, point, root, self.doubts)
+        resolved = view.resolved
+        tree = _LazyTree(view, point)
+        group = resolved.group.at(point)
+        for name, types in resolved.types.items():
+            spec = resolved.building_specs[name].at(point)
+            building = types.at(point)
+            if self._is_new(name, spec, building):
+                warn_building(spec, building, tree, name, self.doubts)
+        if self._is_new("group", group.meetings):
+            self._warn_ignored_blows(group, tree)
+        impact = resolved.impact.at(point)
+        for name, links in resolved.complete_links.items():
+            laws = resolved.laws[name].at(point)
+            if self._is_new(name, links.at(point), laws, group):
+                warn_case(links.at(point), laws, impact, group, tree, self.doubts)
+        records = resolved.records.at(point)
+        suite = resolved.suite.at(point)
+        if self._is_new("motions", records, suite):
+            warn_motions(records, suite, self.is_swept_pga, tree, self.doubts)
 
-    def look_at_corners(self, corners: Iterable[Point]) -> None:
+    def look_at_corners(self, view: _View) -> None:
         """Note what several values make doubtful together, of keys that no value makes so by itself."""
         alone = self.doubts
-        together = dict[Steps, list[Doubt]]()
-        for point in corners:
+        together = dict[KeyPath, list[Doubt]]()
+        for point in _corners(view.axes):
             self.doubts = Doubts(alone.file, alone.needs_units, _keys=dict(alone._keys))
-            self.look_at(point)
-            axes = zip(self.study.axes, point, strict=True)
-            where = ", ".join(axis.told(index) for axis, index in axes if index >= 0)
+            self.look_at(view, point)
+            where = ", ".join(axis.told(index) for axis, index in zip(view.axes, point, strict=True))
             for key, doubts in self.doubts.by_key.items():
                 for doubt in doubts if key not in alone.by_key else ():
                     message = f"{doubt.problem.message} (where {where})"
@@ -246,20 +282,44 @@ class _Warner:
         alone.by_key |= together
         self.doubts = alone
 
-    def _is_new(self, name: str, point: Point, *subjects: Subject) -> bool:
-        """Return whether something was not yet looked at where nothing that it depends on differs."""
-        key = name, self.study.key(point, subjects)
-        is_new = key not in self.seen
-        self.seen.add(key)
+    def _is_new(self, name: str, *parts: Any) -> bool:
+        """Return whether parts of the study were not yet looked at together."""
+        key = (name, *map(id, parts))
+        is_new = key not in self.keys
+        if is_new:
+            self.keys.add(key)
+            self.seen.append(parts)
         return is_new
 
-    def _warn_left_out(self, group: Group, root: Any) -> None:
+    def _warn_ignored_blows(self, group: Group, tree: Any) -> None:
         """Note the floors whose blows on columns are left out."""
-        notes = Problems(self.study.file)
-        tell_left_out(group.buildings, root, ("group",), notes)
-        for problem in notes.found:
-            key: Steps = ("group", problem.line, problem.column)
-            self.doubts.by_key.setdefault(key, []).append(Doubt(problem, False, 0.0))
+        for issue in find_ignored_blows(group):
+            notes = Problems(self.doubts.file)
+            notes.add_issue(tree(), issue)
+            for problem in notes.found:
+                key: KeyPath = ("group", problem.line, problem.column)
+                self.doubts.by_key.setdefault(key, []).append(Doubt(problem, False, 0.0))
+
+
+class _LazyTree:
+    """The file at a point with every `like:` resolved, made when it is first asked for: most points need none."""
+
+    def __init__(self, view: _View, point: Point) -> None:
+        self.view = view
+        self.point = point
+
+    @cached_property
+    def tree(self) -> Map:
+        """The file."""
+        return resolve_all_likes(tree_at(self.view.tree, self.view.axes, self.point))
+
+    def __call__(self) -> Map:
+        return self.tree
+
+
+def _sweeps_pga(tree: Map) -> bool:
+    """Return whether the peak that motions are scaled to is swept."""
+    return any("records.scale.pga" in holder for holder in sweep_maps(tree))
 
 
 # Buildings, links and motions
@@ -287,7 +347,7 @@ class Comparison:
 
 def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, doubts: Doubts) -> None:
     """Note what is implausible about a building type: masses, heights, period, damping, yield shears, isolators."""
-    path: Steps = ("buildings", name)
+    path: KeyPath = ("buildings", name)
     warn_values(spec, root, path, doubts)
     if spec.wall is not None:
         return
@@ -298,7 +358,7 @@ def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, 
         shear = spec.yield_shear[0]
         share = compared.ratio_in_words(shear)
         message = f"the lowest storey yields at {format_value(shear, FORCES)}, {share}: {fits.reason}"
-        at: Steps = (*path, "yield_shear", 0)
+        at: KeyPath = (*path, "yield_shear", 0)
         if not fits.holds(shear * compared.share):
             text = _text_at(root, at)
             is_bare = doubts.needs_units and _is_bare(text, FORCE_OF_STOREY)
@@ -310,13 +370,13 @@ def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, 
 FORCE_OF_STOREY = Quantity("force", "N", "900 kN")
 
 
-def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: Steps, doubts: Doubts) -> None:
+def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: KeyPath, doubts: Doubts) -> None:
     """Note a period that is implausible for so many storeys."""
     storeys = building.storeys
-    at: Steps = (*path, "period")
+    at: KeyPath = (*path, "period")
     period = spec.period
     if spec.stiffness is not None:
-        at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAt) else 0)
+        at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAtSpec) else 0)
         period = float(building.periods[0])
     assert period is not None  # a building has one or the other
     compared = [(RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
@@ -331,7 +391,7 @@ def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: Steps,
         return
 
 
-def _warn_base(building: Building, root: Any, path: Steps, doubts: Doubts) -> None:
+def _warn_base(building: Building, root: Any, path: KeyPath, doubts: Doubts) -> None:
     """Note a base so soft that the building would float on it."""
     base = building.foundation
     if base is None or not base.sways:
@@ -339,7 +399,7 @@ def _warn_base(building: Building, root: Any, path: Steps, doubts: Doubts) -> No
     fits = RANGES["period on a moving base"]
     weight = building.weight + base.mass * GRAVITY
     if base.isolation is None:
-        at: Steps = (*path, "foundation", "sway_stiffness")
+        at: KeyPath = (*path, "foundation", "sway_stiffness")
         period = 2 * np.pi * float(np.sqrt(weight / GRAVITY / base.sway_stiffness))
     else:
         at = (*path, "foundation", "isolation")
@@ -354,30 +414,38 @@ def _warn_base(building: Building, root: Any, path: Steps, doubts: Doubts) -> No
 
 
 def warn_case(
-    case: Case, impact: Any, group: Group, laws: Mapping[str, OwnLaw], root: Any, name: str, doubts: Doubts
+    links: Sequence[CompleteLink],
+    laws: Sequence[LinkLaw | None],
+    impact: ImpactSpec,
+    group: Group,
+    root: Any,
+    doubts: Doubts,
 ) -> None:
     """Note what is implausible about the links of a case: gaps, links that do nothing, contacts that floors pass."""
-    for number, link in enumerate(case.links):
-        path: Steps = ("cases", name, "links", number)
-        law = build_law(link, group, impact, laws, path, root)
+    for link, law in zip(links, laws, strict=True):
         compared = _compare_link(law, group) if law is not None else {}
-        given = getattr(link, "stiffness", None)
-        if given is not None and "stiffness" in compared:
-            _warn_compared(group.stiffness(given), root, (*path, "stiffness"), compared["stiffness"], doubts)
-        own_values = {key: each for key, each in compared.items() if key != "stiffness"}
-        warn_values(link, root, path, doubts, own_values, skip=("stiffness",))
+        stiffness = link.values.get("stiffness")
+        if stiffness is not None and "stiffness" in compared:
+            at = link.paths["stiffness"]
+            _warn_compared(group.stiffness(stiffness), root, at, compared["stiffness"], doubts)
+        quantities = _quantities(type(link.spec))
+        for key, path in link.paths.items():
+            quantity = quantities[key][1]
+            value = link.values[key]
+            if key != "stiffness" and quantity is not None and isinstance(value, float):
+                _warn_value(key, quantity, value, root, path, path, doubts, compared.get(key))
         if law is not None and _takes_impact_stiffness(law, link):
             contact = _compare_contact(group)
             _warn_compared(group.stiffness(impact.stiffness), root, ("impact", "stiffness"), contact, doubts)
         if isinstance(law, Viscous):
-            _warn_stiff_damper(law, group, root, path, doubts)
+            _warn_stiff_damper(law, group, root, link.path, doubts)
 
 
 MAX_STEPS_PER_SECOND = 20_000
-"""Steps for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
+"""KeyPath for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
 
 
-def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: Steps, doubts: Doubts) -> None:
+def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: KeyPath, doubts: Doubts) -> None:
     """Note a viscous damper whose slope at rest takes more steps than is usual."""
     lightest = min(float(building.mass.min()) for building in _frames(group))
     slope = law.force_at_1_m_s * law.straight_below ** (law.exponent - 1.0)
@@ -387,16 +455,16 @@ def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: Steps, doubt
     dashpot = f"near rest the viscous damper is a dashpot of {slope:.2g} N s/m, beside a floor of {lightest:.3g} kg"
     cost = f"it takes up to {steps:.1g} steps for each second in which the floors hardly move"
     hint = f"write `straight_below: 1 mm/s` for fewer, or an `exponent` nearer 1; otherwise leave it, {AS_MEANT}"
-    at: Steps = (*path, "exponent")
+    at: KeyPath = (*path, "exponent")
     doubts.add(root, at, at, f"{dashpot}: {cost}", hint, excess=float(np.log10(steps / MAX_STEPS_PER_SECOND)))
 
 
-def _takes_impact_stiffness(law: LinkLaw, link: Any) -> bool:
+def _takes_impact_stiffness(law: LinkLaw, link: CompleteLink) -> bool:
     """Return whether a link strikes with the stiffness that `impact` has."""
     takes = law.parameters()
     if "impact_stiffness" in takes:
         return True
-    return "stiffness" in takes and not law.stiffness_default and getattr(link, "stiffness", None) is None
+    return "stiffness" in takes and not law.stiffness_default and "stiffness" not in link.values
 
 
 def _compare_contact(group: Group) -> Comparison:
@@ -448,7 +516,7 @@ def _stiffest_storey(group: Group) -> float:
     return max(float(each.stiffness.max()) for each in _frames(group))
 
 
-def _warn_compared(value: float, root: Any, path: Steps, compared: Comparison, doubts: Doubts) -> None:
+def _warn_compared(value: float, root: Any, path: KeyPath, compared: Comparison, doubts: Doubts) -> None:
     """Note a stiffness of a link that has no unit, or is implausible beside a storey's."""
     text = _text_at(root, path)
     is_bare = doubts.needs_units and _is_bare(text, BARE_STIFFNESS)
@@ -470,33 +538,29 @@ def _warn_compared(value: float, root: Any, path: Steps, compared: Comparison, d
 BARE_STIFFNESS = Quantity("stiffness", "N/m", "200 kN/mm")
 
 
-def warn_motions(study: Study, point: Point, root: Any, doubts: Doubts) -> None:
+def warn_motions(spec: RecordsSpec, suite: Suite, is_swept_pga: bool, root: Any, doubts: Doubts) -> None:
     """Note accelerations without a unit, and peaks of the ground that are implausible, asked for or as used."""
-    spec = study.section(point, "records")
     warn_values(spec, root, ("records",), doubts)
-    used = study.motions(point)
-    at: Steps = ("records", "scale", "pga")
+    at: KeyPath = ("records", "scale", "pga")
     asked = getattr(spec.scale, "pga", None)
-    is_swept = any("records.scale.pga" in holder for holder in sweep_maps(study.root))
     fits = RANGES["peak asked for"]
-    if asked is not None and not is_swept:
+    if asked is not None and not is_swept_pga:
         if at not in doubts.by_key and not fits.holds(asked):
             message = f"{fits.name} is {format_value(asked, fits.units)}: {fits.reason}"
             doubts.add(root, at, at, message, _hint(_text_at(root, at), asked, fits), excess=fits.excess(asked))
         return
     if not any(key[:2] == at[:2] for key in doubts.by_key):  # else the peaks are what follows from that value
-        _warn_peaks(used, root, doubts)
+        _warn_peaks(list(suite.uses.values()), root, doubts)
 
 
-def _warn_peaks(used: Mapping[str, Used], root: Any, doubts: Doubts) -> None:
+def _warn_peaks(uses: Sequence[MotionUse], root: Any, doubts: Doubts) -> None:
     """Note peaks of the ground that are implausible as used, or above 2 g both in the file and as used."""
     fits = RANGES["peak of a motion"]
-    uses = [each.use for each in used.values()]
     unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
         hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {AS_MEANT}"
         peaks = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
-        at: Steps = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
+        at: KeyPath = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
         excess = max(fits.excess(use.pga) for use in unlikely)
         doubts.add(root, at, at, f"unlikely peaks: {peaks}: {fits.reason}", hint, excess=excess)
 
@@ -506,18 +570,18 @@ def _warn_peaks(used: Mapping[str, Used], root: Any, doubts: Doubts) -> None:
 
 def warn_held_period(study: Study, notes: Problems) -> None:
     """Note every mass that varies in a building with a `period`: its stiffness follows the mass."""
-    model = study.model
-    for key, mark, beside in _varied_masses(study.root):
+    spec = study.spec
+    for key, mark, beside in _varied_masses(study.tree):
         names = [
             name
-            for name in dict.fromkeys(model.group)
-            if name in study.buildings_changed_by(key)
-            and model.buildings[name].period is not None
+            for name in dict.fromkeys(spec.group)
+            if changes_part(key, ("buildings", name), study.tree)
+            and spec.buildings[name].period is not None
             and f"buildings.{name}.period" not in beside
         ]
         if not names:
             continue
-        has_code_strength = "inelastic" in model.analyses and model.buildings[names[0]].yield_shear is None
+        has_code_strength = "inelastic" in spec.analyses and spec.buildings[names[0]].yield_shear is None
         held = f"the period of {names[0]} is" if len(names) == 1 else f"the periods of {listed(names)} are"
         message = f"where the mass varies, {held} held: the stiffness follows the mass"
         if has_code_strength:
@@ -541,7 +605,7 @@ def _varied_masses(root: Map) -> Iterator[tuple[str, Mark, frozenset[str]]]:
 
 def _hint_to_hold(study: Study, name: str, has_code_strength: bool) -> str:
     """Return what to write to hold the stiffness of a building, and its yield shears."""
-    tree = get(study.at(study.base)(), "buildings", name)
+    tree = resolve_like(study.tree["buildings"], name)
     default = BuildingSpec.model_fields["mass"].default
     mass = get(tree, "mass")
     period = get(tree, "period")
@@ -549,8 +613,8 @@ def _hint_to_hold(study: Study, name: str, has_code_strength: bool) -> str:
         f"to hold the stiffness, write `stiffness: {{period: {period}, mass: {default if mass is None else mass}}}` "
         "in place of `period`"
     )
-    building = study.type(study.base, name)
-    if has_code_strength and building is not None:
+    if has_code_strength:
+        building = build_building(name, study.spec.buildings[name])
         shears = ", ".join(f"{shear / 1e3:.5g} kN" for shear in building.yield_shear.tolist())
         hint += f"; to hold the yield shears too, `yield_shear: [{shears}]` in place of `yield`"
     return hint
@@ -562,7 +626,7 @@ def _hint_to_hold(study: Study, name: str, has_code_strength: bool) -> str:
 def warn_values(
     spec: BaseModel,
     root: Any,
-    path: Steps,
+    path: KeyPath,
     doubts: Doubts,
     compared: Mapping[str, Comparison] | None = None,
     skip: Sequence[str] = (),
@@ -586,7 +650,7 @@ def warn_values(
                 _warn_value(key, quantity, each, root, here, at, doubts, (compared or {}).get(key))
 
 
-def _scalars_of(value: Any, written: Any) -> list[tuple[Steps, Any]]:
+def _scalars_of(value: Any, written: Any) -> list[tuple[KeyPath, Any]]:
     """Return the values of a key, each with its place below it: those of a list, of a mapping, or the one."""
     if isinstance(value, tuple):
         return [((n,) if isinstance(written, list) else (), each) for n, each in enumerate(value)]
@@ -601,9 +665,9 @@ def _quantities(model: type[BaseModel]) -> dict[str, tuple[str, Quantity | None]
     names = {info.alias or name: name for name, info in model.model_fields.items()}
     found = {}
     for key, (hint, _) in fields_of(model).items():
-        kinds = list(leaves(hint))
-        kinds += [one for kind in kinds if get_origin(kind) in (tuple, dict) for one in leaves(get_args(kind)[-1])]
-        kinds += [one for kind in kinds if get_origin(kind) is tuple for one in leaves(get_args(kind)[0])]
+        kinds = list(leaf_types(hint))
+        kinds += [one for kind in kinds if get_origin(kind) in (tuple, dict) for one in leaf_types(get_args(kind)[-1])]
+        kinds += [one for kind in kinds if get_origin(kind) is tuple for one in leaf_types(get_args(kind)[0])]
         quantities = (kind.quantity if isinstance(kind, Text) else kind for kind in kinds)
         found[key] = names[key], next((each for each in quantities if isinstance(each, Quantity)), None)
     return found
@@ -614,8 +678,8 @@ def _warn_value(
     quantity: Quantity,
     value: float,
     root: Any,
-    path: Steps,
-    of: Steps,
+    path: KeyPath,
+    of: KeyPath,
     doubts: Doubts,
     compared: Comparison | None = None,
 ) -> None:
@@ -729,7 +793,7 @@ def _hint_for_bare(text: str, value: float, fits: Plausible | None, share: float
     return f"write its unit, `{text} {si}` if that is meant"
 
 
-def _text_at(root: Any, path: Steps) -> str:
+def _text_at(root: Any, path: KeyPath) -> str:
     """Return what the file has at a path, as text; "" where it has nothing."""
     value = get(root, *path)
     return "" if value is None else str(value)

@@ -1,4 +1,4 @@
-"""Buildings, laws and cases of a study file as pydantic models, and what is wrong with their keys."""
+"""Buildings as a study writes them: pydantic models, and what may be wrong with their keys together."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from pydantic import Field, create_model
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.numbers import counted
-from pounding_cli.study.base import Model, Name, Wrong, key, list_or, one_or_many, tagged, word_or
-from pounding_cli.study.laws import RATIO, AnyLink, law_keys, own
+from pounding_cli.study.base import Model, Wrong, key, list_or, one_or_many, tagged, word_or
+from pounding_cli.study.link_specs import RATIO, law_fields, own_parameters
 from pounding_cli.study.quantity import (
     FORCE,
     LENGTH,
@@ -21,11 +21,9 @@ from pounding_cli.study.quantity import (
     STIFFNESS,
     TIME,
     WEIGHTS,
-    Measured,
     Quantity,
     Text,
     Whole,
-    measured,
 )
 
 Ratio = Annotated[float, RATIO]
@@ -41,7 +39,7 @@ SystemK = Annotated[float, Quantity("system factor K", "", "0.67", 0.0, 4.0, ope
 Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
 
 
-class Code(Model):
+class CodeSpec(Model):
     """Yield shears equal to the storey shears of the Uniform Building Code."""
 
     code: Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"] = key("UBC-1991", "edition")
@@ -67,17 +65,17 @@ _SHEAR = replace(RANGES["base yield shear over weight"], name="base shear", unit
 _COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0, usual=_SHEAR)
 
 
-def _base_shear(value: Any) -> float:
+def _read_base_shear(value: Any) -> float:
     return _COEFFICIENT.read(value.strip().removesuffix("W") if isinstance(value, str) else value)
 
 
-Coefficient = Annotated[float, Text(_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
+Coefficient = Annotated[float, Text(_read_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
 Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
 ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
 Behaviour = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
 
 
-class BaseShear(Model):
+class BaseShearSpec(Model):
     """Yield shears from a base-shear coefficient and a distribution of the forces over the height."""
 
     base_shear: Coefficient = key(..., "base shear over weight V/W [-]", "0.10 W")
@@ -96,17 +94,17 @@ BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
 
 def _yield_kind(value: Any) -> str:
     given = isinstance(value, dict) and not value.keys().isdisjoint(BASE_SHEAR)
-    return "shear" if given or isinstance(value, BaseShear) else "code"
+    return "shear" if given or isinstance(value, BaseShearSpec) else "code"
 
 
-class Rayleigh(Model):
+class RayleighSpec(Model):
     """Structural damping C = alpha M + beta K0 of the fixed-base building."""
 
     alpha: Annotated[float, Quantity("alpha", "1/s", "0.5", 0.0)] = key(..., "mass factor [1/s]")
     beta: Annotated[float, Quantity("beta", "s", "0.001 s", 0.0)] = key(..., "stiffness factor [s]")
 
 
-def _of(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
+def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
     """How a study writes a parameter that a law declares; `absent`: 0 stands for what is not there."""
     declared = law.parameters()[name].metadata["parameter"]
     ends = declared.low, declared.high, declared.open_low and not absent, declared.open_high
@@ -115,12 +113,12 @@ def _of(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
     return Quantity(name.replace("_", " "), unit, example, *ends, usual=usual)
 
 
-def _about(law: Any, name: str) -> str:
+def _describe(law: Any, name: str) -> str:
     """What it means, with its unit."""
     return str(law.parameters()[name].metadata["parameter"].words)
 
 
-class _Isolators(Model):
+class _IsolatorsSpec(Model):
     """Isolators under the base."""
 
     kind: ClassVar[Any]
@@ -132,20 +130,30 @@ class _Isolators(Model):
         return type(self).kind(**given)
 
 
-def _isolators(law: Any, **examples: str) -> Any:
+def _isolators_model(law: Any, **examples: str) -> Any:
     """The keys of isolators, from the parameters that their law declares."""
     fields: dict[str, Any] = {}
     for name, example in examples.items():
-        kind, is_needed = Annotated[float, _of(law, name, example)], law.parameters()[name].default is MISSING
-        fields[name] = kind if is_needed else kind | None, key(... if is_needed else None, _about(law, name), example)
-    model = create_model(law.__name__, __base__=_Isolators, __doc__=law.__doc__, **fields)
+        kind, is_needed = (
+            Annotated[float, _build_quantity(law, name, example)],
+            law.parameters()[name].default is MISSING,
+        )
+        fields[name] = (
+            kind if is_needed else kind | None,
+            key(... if is_needed else None, _describe(law, name), example),
+        )
+    model = create_model(law.__name__, __base__=_IsolatorsSpec, __doc__=law.__doc__, **fields)
     model.kind = law
     return model
 
 
-_PENDULUM = _isolators(FrictionPendulum, radius="3.1 m", friction="6 %", yield_displacement="1 cm", capacity="35 cm")
-_BEARINGS = _isolators(Bearings, strength="800 kN", stiffness="5 kN/mm", yield_displacement="1 cm", capacity="35 cm")
-_RUBBER = _isolators(Rubber, stiffness="5 kN/mm", damping_ratio="12 %", capacity="35 cm")
+_PENDULUM = _isolators_model(
+    FrictionPendulum, radius="3.1 m", friction="6 %", yield_displacement="1 cm", capacity="35 cm"
+)
+_BEARINGS = _isolators_model(
+    Bearings, strength="800 kN", stiffness="5 kN/mm", yield_displacement="1 cm", capacity="35 cm"
+)
+_RUBBER = _isolators_model(Rubber, stiffness="5 kN/mm", damping_ratio="12 %", capacity="35 cm")
 
 
 def _isolation_kind(value: Any) -> str:
@@ -158,23 +166,27 @@ def _isolation_kind(value: Any) -> str:
 Isolation: Any = tagged(_isolation_kind, pendulum=_PENDULUM, bearings=_BEARINGS, rubber=_RUBBER)
 
 
-class Foundation(Model):
+class FoundationSpec(Model):
     """Sway and rocking of the base; a motion whose stiffness is absent does not take place."""
 
-    mass: Annotated[float, _of(Sway, "mass", "100 t", absent=True)] = key(0.0, _about(Sway, "mass"))
-    sway_stiffness: Annotated[float, _of(Sway, "sway_stiffness", "200 kN/mm")] | None = key(
-        None, f"{_about(Sway, 'sway_stiffness')}; absent: no sway"
+    mass: Annotated[float, _build_quantity(Sway, "mass", "100 t", absent=True)] = key(0.0, _describe(Sway, "mass"))
+    sway_stiffness: Annotated[float, _build_quantity(Sway, "sway_stiffness", "200 kN/mm")] | None = key(
+        None, f"{_describe(Sway, 'sway_stiffness')}; absent: no sway"
     )
     isolation: Isolation | None = key(
         None, "isolators under the base, instead of sway_stiffness; its displacement is the `sway` of the results"
     )
-    sway_damping: Annotated[float, _of(Sway, "sway_damping", "1e6 N s/m")] = key(0.0, _about(Sway, "sway_damping"))
-    inertia: Annotated[float, _of(Rocking, "inertia", "1000 t m2", absent=True)] = key(0.0, _about(Rocking, "inertia"))
-    rocking_stiffness: Annotated[float, _of(Rocking, "rocking_stiffness", "5e9 N m")] | None = key(
-        None, f"{_about(Rocking, 'rocking_stiffness')}; absent: no rocking"
+    sway_damping: Annotated[float, _build_quantity(Sway, "sway_damping", "1e6 N s/m")] = key(
+        0.0, _describe(Sway, "sway_damping")
     )
-    rocking_damping: Annotated[float, _of(Rocking, "rocking_damping", "1e7 N m s")] = key(
-        0.0, _about(Rocking, "rocking_damping")
+    inertia: Annotated[float, _build_quantity(Rocking, "inertia", "1000 t m2", absent=True)] = key(
+        0.0, _describe(Rocking, "inertia")
+    )
+    rocking_stiffness: Annotated[float, _build_quantity(Rocking, "rocking_stiffness", "5e9 N m")] | None = key(
+        None, f"{_describe(Rocking, 'rocking_stiffness')}; absent: no rocking"
+    )
+    rocking_damping: Annotated[float, _build_quantity(Rocking, "rocking_damping", "1e7 N m s")] = key(
+        0.0, _describe(Rocking, "rocking_damping")
     )
 
     @property
@@ -206,7 +218,7 @@ class Foundation(Model):
             yield (), "this foundation cannot move", hint
 
 
-def _each(quantity: Quantity) -> Any:
+def _one_or_each(quantity: Quantity) -> Any:
     return one_or_many(Annotated[float, quantity])
 
 
@@ -215,10 +227,10 @@ def _list_or(quantity: Quantity, one: Any) -> Any:
 
 
 PERIOD_OF_BUILDING = Annotated[float, TIME.but(name="period", high=60.0)]
-Masses = _each(MASS)
+Masses = _one_or_each(MASS)
 
 
-class StiffnessAt(Model):
+class StiffnessAtSpec(Model):
     """Storey stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
 
     period: PERIOD_OF_BUILDING = key(
@@ -228,9 +240,9 @@ class StiffnessAt(Model):
 
 
 Stiffnesses: Any = tagged(
-    lambda value: "mapping" if isinstance(value, dict | StiffnessAt) else "list",
+    lambda value: "mapping" if isinstance(value, dict | StiffnessAtSpec) else "list",
     list=Annotated[tuple[Annotated[float, STIFFNESS], ...], Field(min_length=1, max_length=100)],
-    mapping=StiffnessAt,
+    mapping=StiffnessAtSpec,
 )
 
 
@@ -257,14 +269,14 @@ class WallSpec(Model):
                 yield (name,), f"'{name}' has no effect without 'stiffness'", hint
 
 
-class _Building(Model):
+class _BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
     like: str | None = key(None, "another building whose keys apply unless given here")
     storeys: Annotated[int, Whole(1, 100)] | None = key(None, "number of storeys; default: the length of a list", 5)
     period: PERIOD_OF_BUILDING | None = key(None, "fundamental period of the fixed-base building [s]", "0.36 s")
     mass: Masses = key("200 t", "floor mass [kg], one or a list")  # type: ignore[valid-type]
-    height: _each(LENGTH.but(usual=RANGES["storey height"])) = key("3 m", "storey height [m], one or a list")  # type: ignore[valid-type]
+    height: _one_or_each(LENGTH.but(usual=RANGES["storey height"])) = key("3 m", "storey height [m], one or a list")  # type: ignore[valid-type]
     taper: Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)] = key(
         "1/3", "top over bottom storey stiffness [-], linear in between"
     )
@@ -276,12 +288,12 @@ class _Building(Model):
     damping: Annotated[float, RATIO.but(usual=RANGES["damping ratio"])] = key(
         "5 %", "damping ratio of the first two modes [-]"
     )
-    rayleigh: Rayleigh | None = key(None, "Rayleigh factors, instead of damping")
-    hardening: _each(Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)) = key(  # type: ignore[valid-type]
+    rayleigh: RayleighSpec | None = key(None, "Rayleigh factors, instead of damping")
+    hardening: _one_or_each(Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)) = key(  # type: ignore[valid-type]
         0.05, "post-yield over initial stiffness [-], one or a list"
     )
-    yield_: tagged(_yield_kind, code=Code, shear=BaseShear) = key(  # type: ignore[valid-type]
-        Code(), "code or base-shear coefficient that sets the yield shears", alias="yield"
+    yield_: tagged(_yield_kind, code=CodeSpec, shear=BaseShearSpec) = key(  # type: ignore[valid-type]
+        CodeSpec(), "code or base-shear coefficient that sets the yield shears", alias="yield"
     )
     yield_shear: _list_or(FORCE, Literal["never"]) | None = key(  # type: ignore[valid-type]
         None, "storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
@@ -302,7 +314,7 @@ class _Building(Model):
         "drift over storey height at which a storey counts as collapsed and the run ends [-]; default: 10 % if a "
         "storey may lose all resistance; `never`: not checked",
     )
-    foundation: word_or(Literal["fixed"], Foundation) = key("fixed", "springs under the base; `fixed`: none")  # type: ignore[valid-type]
+    foundation: word_or(Literal["fixed"], FoundationSpec) = key("fixed", "springs under the base; `fixed`: none")  # type: ignore[valid-type]
     slab: Annotated[float, LENGTH.but(name="slab thickness", example="25 cm", open_low=False)] = key(
         "0 cm", "thickness of the floor slabs [m]; slabs whose heights overlap meet"
     )
@@ -322,7 +334,7 @@ class _Building(Model):
     def lengths(self) -> dict[str, int]:
         names = "mass", "height", "hardening", "stiffness", "yield_shear", "p_delta"
         found = {name: len(value) for name in names if isinstance(value := getattr(self, name), tuple)}
-        if isinstance(self.stiffness, StiffnessAt) and isinstance(self.stiffness.mass, tuple):
+        if isinstance(self.stiffness, StiffnessAtSpec) and isinstance(self.stiffness.mass, tuple):
             found["stiffness.mass"] = len(self.stiffness.mass)
         return found
 
@@ -338,7 +350,7 @@ class _Building(Model):
                 shown = type(self).model_fields[name].alias or name
                 yield (shown,), f"'{shown}' does not apply to a wall", "remove it, or `wall`", True
             return
-        tapered = () if isinstance(self.stiffness, StiffnessAt) else (("stiffness", "taper"),)
+        tapered = () if isinstance(self.stiffness, StiffnessAtSpec) else (("stiffness", "taper"),)
         for one, other in (("stiffness", "period"), *tapered, ("yield_shear", "yield_"), ("rayleigh", "damping")):
             if {one, other} <= self.model_fields_set:
                 what = f"'{one}' and '{other.strip('_')}' cannot both be given"
@@ -358,46 +370,18 @@ class _Building(Model):
             yield ("slab",), what, "write the thickness of the floor slab, e.g. `slab: 25 cm`"
         law = storey_laws()[self.storey_law]
         for owner in storey_laws().values():
-            for name in own(owner).keys() - own(law).keys():
+            for name in own_parameters(owner).keys() - own_parameters(law).keys():
                 if getattr(self, name) is not None:
                     what = f"'{name}' does not apply to storey_law: {law.name}"
                     yield (name,), what, f"remove it; it belongs to {owner.name}", True
-        for name, declared in own(law).items():
+        for name, declared in own_parameters(law).items():
             if getattr(self, name) is None and not isinstance(law.parameters()[name].default, str | float | int):
                 yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.words}"
 
 
 if TYPE_CHECKING:
-    Building = _Building
+    BuildingSpec = _BuildingSpec
 else:
-    Building = create_model("Building", __base__=_Building, __doc__=_Building.__doc__, **law_keys(storey_laws()))
-
-# Links
-
-
-class OwnLaw(Model):
-    """A law of links of the study's own."""
-
-    force: str = key(
-        ...,
-        "its force [N]: a formula of v closing [m], r its rate [m/s], m reduced mass of the floors [kg], d gap [m] "
-        "and the parameters; + - * / **, brackets and sqrt()",
-        "k*v + c*r",
-    )
-    parameters: dict[
-        Name, Annotated[Measured, Text(measured, "number with any unit, or a plain number", ("20 kN/mm", 0.2))]
-    ] = key({}, "constants of the formula by name", {"k": "20 kN/mm"})
-    acts: Literal["beyond gap", "compression", "always"] = key(
-        "beyond gap",
-        "`beyond gap`: once the gap has closed, with v = closing - gap; `compression`: while the closing v is above "
-        "zero, as for material that fills the gap; `always`: as for a damper",
-    )
-    tension_cut: bool = key(False, "no force that pulls the floors together")
-
-
-class Case(Model):
-    """What stands between the buildings of the group: links, which take the keys of the case that their law has."""
-
-    links: Annotated[tuple[AnyLink, ...], Field(min_length=1, max_length=500)] = key(
-        ..., "links between the floors; one may stand in the case itself"
+    BuildingSpec = create_model(
+        "BuildingSpec", __base__=_BuildingSpec, __doc__=_BuildingSpec.__doc__, **law_fields(storey_laws())
     )

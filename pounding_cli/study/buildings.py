@@ -1,0 +1,160 @@
+"""Build the buildings of a study: stiffness and yield shears derived, displacements that codes expect."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from pounding_cli.laws import storey_laws
+from pounding_cli.model.building import Building, Foundation, UnstableError, weight_above
+from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
+from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement
+from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
+from pounding_cli.model.wall import ENDLESS, Wall
+from pounding_cli.study.building_spec import BaseShearSpec, BuildingSpec, StiffnessAtSpec
+from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.link_specs import own_parameters
+
+
+def build_building(name: str, spec: BuildingSpec) -> Building:
+    """Return the building that a section describes.
+
+    Raises
+    ------
+    IssuesFound : it cannot stand
+    """
+    try:
+        return _build_wall(name, spec.wall) if spec.wall is not None else _build_frame(name, spec)
+    except (ValueError, ArithmeticError) as error:
+        path = ("buildings", name, "p_delta") if isinstance(error, UnstableError) else ("buildings", name)
+        hint = "check its masses, heights, period, stiffness and P-Delta"
+        raise IssuesFound([Issue(path, str(error), hint)]) from None
+
+
+def _build_frame(name: str, spec: Any) -> Building:
+    mass = _fill_storeys(spec.mass, spec.count)
+    height = _fill_storeys(spec.height, spec.count)
+    stiffness = _find_stiffness(spec, mass)
+    period = spec.period if spec.stiffness is None else 2 * np.pi / float(frequencies(mass, stiffness)[0])
+    if spec.rayleigh:
+        alpha, beta = spec.rayleigh.alpha, spec.rayleigh.beta
+    else:
+        alpha, beta = rayleigh_factors(mass, stiffness, spec.damping)
+    law = storey_laws()[spec.storey_law]
+    parameters = {key: getattr(spec, key) for key in own_parameters(law)}
+    return Building(
+        name,
+        mass,
+        height,
+        stiffness,
+        _find_yield_shear(spec, mass, height, period),
+        _fill_storeys(spec.hardening, spec.count),
+        float(alpha),
+        float(beta),
+        None if spec.foundation == "fixed" else _build_foundation(spec.foundation),
+        law,
+        tuple((key, value) for key, value in parameters.items() if value is not None),
+        _find_gravity_load(spec, mass),
+        np.inf if isinstance(spec.collapse, str) else spec.collapse,
+        spec.slab,
+        spec.columns,
+    )
+
+
+def _find_stiffness(spec: Any, mass: np.ndarray) -> np.ndarray:
+    """Return the storey stiffnesses [N/m], shape (storeys,)."""
+    if spec.stiffness is None:
+        return stiffness_for_period(mass, spec.period, spec.taper)
+    if isinstance(spec.stiffness, StiffnessAtSpec):
+        mass = _fill_storeys(spec.stiffness.mass, spec.count)
+        return stiffness_for_period(mass, spec.stiffness.period, spec.taper)
+    return np.array(spec.stiffness)
+
+
+def _find_yield_shear(spec: Any, mass: np.ndarray, height: np.ndarray, period: float) -> np.ndarray:
+    """Return the storey yield shears [N], shape (storeys,)."""
+    if spec.yield_shear is None:
+        shears: np.ndarray = spec.yield_.overstrength * _build_design(spec.yield_).yield_shears(mass, height, period)
+        return shears
+    return np.full(spec.count, np.inf) if spec.yield_shear == "never" else np.array(spec.yield_shear)
+
+
+def _find_gravity_load(spec: Any, mass: np.ndarray) -> np.ndarray | None:
+    """Return the weight on every storey [N], shape (storeys,); None without P-Delta."""
+    if isinstance(spec.p_delta, bool):
+        return weight_above(mass) if spec.p_delta else None
+    return np.array(spec.p_delta)
+
+
+def _build_foundation(base: Any) -> Foundation:
+    return Foundation(
+        base.mass,
+        base.sway_stiffness or 0.0,
+        base.sway_damping,
+        base.inertia,
+        base.rocking_stiffness or 0.0,
+        base.rocking_damping,
+        base.sways,
+        base.rocking_stiffness is not None,
+        None if base.isolation is None else base.isolation.law,
+    )
+
+
+def _build_wall(name: str, spec: Any) -> Wall:
+    if spec == "fixed":
+        return Wall.of(name)
+    height = ENDLESS if spec.height is None else spec.height
+    if spec.stiffness is None:
+        return Wall.of(name, height)
+    return Wall.of(name, height, spec.mass, spec.stiffness, spec.damping)
+
+
+def _fill_storeys(value: Any, storeys: int) -> np.ndarray:
+    """Return a value for every storey, shape (storeys,)."""
+    return np.array(value) if isinstance(value, tuple) else np.full(storeys, float(value))
+
+
+def _build_design(code: Any) -> Design:
+    """Return what sets the yield shears."""
+    if isinstance(code, BaseShearSpec):
+        return BaseShearDesign(code.base_shear, code.distribution)
+    factors = {key: value for key in ("rw", "k") if (value := getattr(code, key)) is not None}
+    return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **factors)
+
+
+def find_code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
+    """Return the displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up.
+
+    Rules whose factors the study does not give are left out. All follow from the static displacements under the design
+    forces: those of the UBC times `UbcDesign.amplification`, delta_M and d_s from the forces of `base_shear` and
+    `distribution`.
+    """
+    if spec.wall is not None or spec.yield_shear is not None:
+        return {}
+    code = spec.yield_
+    design = _build_design(code)
+    elastic = design.displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
+    if isinstance(design, UbcDesign):
+        return {UBC: design.amplification * elastic}
+    displacements: dict[str, np.ndarray] = {}
+    if code.cd is not None and code.ie is not None:
+        displacements[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
+    if code.qd is not None:
+        displacements[EN1998] = en1998_displacement(elastic, code.qd)
+    return displacements
+
+
+def find_separation(left: Mapping[str, np.ndarray], right: Mapping[str, np.ndarray]) -> float:
+    """Return the code separation of two neighbours at the lower roof [m]; NaN where one has none.
+
+    It is the sum of their displacements by the UBC there (clauses of `UbcDesign.amplification`; the paper's "sum of
+    the design maximum displacements").
+
+    left, right : displacements that codes expect of both (`find_code_displacements`)
+    """
+    if UBC not in left or UBC not in right:
+        return np.nan
+    lower = min(left[UBC].size, right[UBC].size) - 1
+    return float(left[UBC][lower] + right[UBC][lower])

@@ -1,0 +1,126 @@
+"""A study for people: the units it writes quantities in, and the study as plain data with every default."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel
+
+from pounding_cli.numbers import Unit
+from pounding_cli.study.axes import unit_of
+from pounding_cli.study.buildings import build_building, find_code_displacements, find_separation
+from pounding_cli.study.file import get
+from pounding_cli.study.group import unique_names
+from pounding_cli.study.issues import IssuesFound
+from pounding_cli.study.link_specs import LOSSES, link_keys
+from pounding_cli.study.links import complete_links, find_losses
+from pounding_cli.study.quantity import Measured, Quantity, Storey, written_unit
+from pounding_cli.units import GRAVITY
+
+if TYPE_CHECKING:
+    from pounding_cli.study.study import Study
+
+DISPLAY_UNITS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...], Unit]] = {
+    "gap": ((("cases",),), ("gap",), Unit("cm", 0.01, "m")),
+    "link stiffness": ((("cases",), ("impact",)), ("stiffness",), Unit("MN/m", 1e6, "N/m")),
+    "acceleration": ((("records", "scale"),), ("pga", "sa", "target"), Unit("g", GRAVITY, "m/s2")),
+    "time step": ((("time_step",),), (), Unit("s", 1.0, "s")),
+}
+"""The quantities that screens and tables show in the unit of the study: the sections at or below which it writes them,
+the keys there (none: any), and the unit where it does not write them."""
+
+
+def find_unit(tree: Any, quantity: str) -> Unit:
+    """Return the unit a study writes a quantity of DISPLAY_UNITS in: the first one, SI where all numbers are bare."""
+    sections, keys, usual = DISPLAY_UNITS[quantity]
+    values = [value for section in sections for value in _iter_scalars(get(tree, *section), keys, not keys)]
+    unit = unit_of(values, Quantity(quantity, usual.si, ""))
+    is_written = any(written_unit(value) == unit.name or isinstance(value, int | float) for value in values)
+    return unit if is_written else usual
+
+
+def _iter_scalars(node: Any, keys: Sequence[str], inside: bool) -> Iterator[Any]:
+    """Yield the scalars at or below `node` that stand under one of `keys`; all of them where `inside`."""
+    if isinstance(node, dict):
+        for key, below in node.items():
+            yield from _iter_scalars(below, keys, inside or key in keys)
+    elif isinstance(node, list):
+        for below in node:
+            yield from _iter_scalars(below, keys, inside)
+    elif inside and node is not None:
+        yield node
+
+
+def to_plain_data(value: Any) -> Any:
+    """Return a value of a validated model as plain data: SI numbers, multiples of stiffnesses as text."""
+    if isinstance(value, Storey):
+        return str(value)
+    if isinstance(value, Measured):
+        return value.text
+    if isinstance(value, BaseModel):
+        fields = type(value).model_fields.items()
+        return {info.alias or name: to_plain_data(getattr(value, name)) for name, info in fields}
+    if isinstance(value, dict):
+        return {str(key): to_plain_data(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [to_plain_data(item) for item in value]
+    return value
+
+
+def describe_study(study: Study) -> dict[str, Any]:
+    """Return a study as plain data: every default filled in, SI numbers, the sweep set aside.
+
+    Buildings also carry what was derived (`derived`: mass, height, stiffness, yield_shear, alpha, beta, period);
+    the places of the group are under `places`, and `separation` holds the code separation [m] of each pair of
+    neighbours, None where no code set the yield shears. Links stand with everything that case and `impact` give them.
+    """
+    spec = study.spec
+    plain: dict[str, Any] = {name: to_plain_data(getattr(spec, name)) for name in type(spec).model_fields}
+    plain["title"] = study.title
+    plain["sweep"] = [{"names": list(axis.names), "values": [list(v) for v in axis.values]} for axis in study.axes]
+    plain["cases"] = {name: {"links": _describe_links(case, name, spec.impact)} for name, case in spec.cases.items()}
+    displacements = {}
+    for name, building_spec in spec.buildings.items():
+        try:
+            building = build_building(name, building_spec)
+        except IssuesFound:  # as written it cannot stand; the sweep gives it other values
+            continue
+        plain["buildings"][name]["derived"] = _describe_building(building)
+        displacements[name] = find_code_displacements(building_spec, building)
+    plain["places"] = list(unique_names(spec.group))
+    pairs = zip(spec.group, spec.group[1:], strict=False)
+    gaps = [find_separation(*(displacements.get(name, {}) for name in pair)) for pair in pairs]
+    plain["separation"] = [None if math.isnan(gap) else gap for gap in gaps]
+    return plain
+
+
+def _describe_links(case: Any, name: str, impact: Any) -> list[dict[str, Any]]:
+    """Return the links of a case as plain data."""
+    links = []
+    for link in complete_links(case, name, impact):
+        spec = link.spec
+        place = {"link": link.title, "floors": spec.floors, "pair": spec.pair, "at": spec.at}
+        law = link.law_class
+        values = dict(link.values)
+        if law is not None:
+            losses = find_losses(values, law)
+            keys = link_keys(law)
+            defaults = {key: field.default for key, field in type(spec).model_fields.items() if key in keys}
+            values = {**defaults, **values, **{key: losses[key] for key in LOSSES if key in keys and key in losses}}
+        plain = to_plain_data(place | values)
+        links.append({key: value for key, value in plain.items() if value is not None})
+    return links
+
+
+def _describe_building(building: Any) -> dict[str, Any]:
+    """Return what was derived of a building as plain data."""
+    derived: dict[str, Any] = {key: getattr(building, key).tolist() for key in ("mass", "height", "stiffness")}
+    derived["yield_shear"] = [None if math.isinf(shear) else shear for shear in building.yield_shear.tolist()]
+    derived["alpha"] = building.alpha
+    derived["beta"] = building.beta
+    derived["period"] = float(building.periods[0])
+    if building.gravity_load is not None:
+        derived["theta"] = building.stability_coefficient.tolist()
+    return derived

@@ -1,0 +1,202 @@
+"""The buildings of a study in their places, and where neighbours meet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import BASE
+from pounding_cli.model.meetings import Strike, column_flexibility, meetings
+from pounding_cli.model.wall import Wall
+from pounding_cli.numbers import counted, listed
+from pounding_cli.study.file import nearest
+from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.quantity import Storey
+
+MAX_IN_GROUP = 20
+
+COLUMNS = (
+    "or write `columns:`, what part of a storey's stiffness and yield shear the columns have that the other's slab "
+    "strikes, e.g. `columns: 20 %`"
+)
+"""What to write where slabs strike columns."""
+
+
+@dataclass(frozen=True)
+class ColumnStrike:
+    """A slab that strikes columns of which the study says their share of the storey.
+
+    flexibility : deflection of these columns per force where they are struck [m/N]
+    share : their part of the storey's stiffness and yield shear [-]
+    """
+
+    strike: Strike
+    flexibility: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Where two neighbours meet.
+
+    left, right : their names
+    floors : of both, from 1, that meet; 0 is a base
+    strikes : slabs that strike columns
+    """
+
+    left: str
+    right: str
+    floors: tuple[tuple[int, int], ...]
+    strikes: tuple[ColumnStrike, ...]
+
+    @classmethod
+    def of(cls, left: Building, right: Building) -> Meeting:
+        """Return where two neighbours meet."""
+        floors, strikes = meetings(left, right)
+        pair = (left, right)
+        known = [strike for strike in strikes if pair[strike.side].columns is not None]
+        return cls(left.name, right.name, floors, tuple(_build_column_strike(pair[s.side], s) for s in known))
+
+
+def _build_column_strike(struck: Building, strike: Strike) -> ColumnStrike:
+    assert struck.columns is not None  # of these the share is known
+    return ColumnStrike(strike, column_flexibility(struck, strike.storey, strike.at), struck.columns)
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """The buildings in their places.
+
+    buildings : left to right, by the names of their places
+    types : building types by name
+    """
+
+    buildings: tuple[Building, ...]
+    types: Mapping[str, Building]
+
+    @cached_property
+    def meetings(self) -> tuple[Meeting, ...]:
+        """Where every two neighbours meet."""
+        return tuple(Meeting.of(*pair) for pair in pairwise(self.buildings))
+
+    def stiffness(self, given: float | Storey) -> float:
+        """Return a stiffness, or a multiple of that of a storey, in N/m.  Raises KeyError: no such building."""
+        if not isinstance(given, Storey):
+            return given
+        named = self.buildings if given.building is None else (self.types[given.building],)
+        frames = [building for building in named if not isinstance(building, Wall)] or named
+        storeys = [building.stiffness.tolist() for building in frames]
+        if given.which == "stiffest":
+            return given.factor * max(map(max, storeys))
+        return given.factor * max(sum(stiffness) / len(stiffness) for stiffness in storeys)
+
+
+def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
+    """Return the buildings in their places; a wall without a height of its own is as high as they are.
+
+    names : of the types, left to right
+
+    Raises
+    ------
+    IssuesFound : two neighbours meet nowhere
+    """
+    placed = [
+        types[name] if types[name].name == label else replace(types[name], name=label)
+        for name, label in zip(names, unique_names(names), strict=True)
+    ]
+    roof = max((float(each.elevation[-1]) for each in placed if not isinstance(each, Wall)), default=0.0)
+    placed = [each.up_to(roof) if isinstance(each, Wall) else each for each in placed]
+    group = Group(tuple(placed), types)
+    check_meetings(group)
+    return group
+
+
+def unique_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Return names by place: a type that stands more than once is told apart by a number (soft-1, soft-2)."""
+    return tuple(
+        f"{name}-{list(names[: place + 1]).count(name)}" if list(names).count(name) > 1 else name
+        for place, name in enumerate(names)
+    )
+
+
+def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[str]:
+    """Return the names of a group.  Raises IssuesFound: too few or many, or one that is not defined."""
+    labels = unique_names(names)
+    if not 2 <= len(names) <= MAX_IN_GROUP:
+        example = ", ".join((*defined, *defined)[:2])
+        hint = f"name 2 to {MAX_IN_GROUP}, e.g. `group: [{example}]`; each alone is computed anyway"
+        message = f"the group has {counted(len(names), 'building')}: pounding takes two"
+        raise IssuesFound([Issue(("group",), message, hint)])
+    issues = []
+    for place, (name, label) in enumerate(zip(names, labels, strict=True)):
+        if name not in defined:
+            issues.append(Issue(("group", place), f"no building '{name}' is defined", nearest(name, defined)))
+        if labels.index(label) != place:
+            message = f"two places of the group are called '{label}'"
+            issues.append(Issue(("group", place), message, "give the building another name"))
+    if issues:
+        raise IssuesFound(issues)
+    return names
+
+
+def check_meetings(group: Group) -> None:
+    """Raise IssuesFound where two neighbours cannot strike each other."""
+    issues = []
+    for place, meeting in enumerate(group.meetings):
+        if not meeting.floors and not meeting.strikes:
+            pair = group.buildings[place : place + 2]
+            levels = (listed(f"{elevation:g}" for elevation in each.elevation) for each in pair)
+            names = f"{meeting.left} and {meeting.right}"
+            message = f"{names} have no floor at one elevation: {' against '.join(levels)} m"
+            issues.append(Issue(("group", place + 1), message, f"let the storey heights agree somewhere; {COLUMNS}"))
+    if issues:
+        raise IssuesFound(issues)
+
+
+def find_ignored_blows(group: Group) -> list[Issue]:
+    """Return a warning for every pair of neighbours whose slabs strike columns of which nothing is known."""
+    issues = []
+    for place, pair in enumerate(pairwise(group.buildings)):
+        floors, strikes = meetings(*pair)
+        unknown = [strike for strike in strikes if pair[strike.side].columns is None]
+        if unknown:
+            slabs = listed(f"floor {strike.slab} of {pair[1 - strike.side].name}" for strike in unknown)
+            struck = " and ".join(sorted({pair[strike.side].name for strike in unknown}))
+            where = f"meet at {counted(len(floors), 'floor')} only" if floors else "meet at no floor"
+            message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {slabs}"
+            hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {struck}"
+            issues.append(Issue(("group", place + 1), message, hint))
+    return issues
+
+
+def format_meetings(group: Sequence[Building]) -> list[str]:
+    """Return every meeting of neighbours, a line each from the ground up.
+
+    These are slabs that meet, slabs that strike columns, and blows that are left out. Floors that all meet those of
+    their number share a line.
+    """
+    lines = []
+    for left, right in pairwise(group):
+        pair, (floors, strikes) = f"{left.name}|{right.name}  ", meetings(left, right)
+        if isinstance(left, Wall) or isinstance(right, Wall):
+            named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors)
+            lines.append(f"{pair}the wall meets {named}")
+            continue
+        if not strikes and len(floors) > 1 and all(i == j for i, j in floors):
+            first, last = floors[0][0], floors[-1][0]
+            heights = f"{left.level(first):g} to {left.level(last):g} m"
+            lines.append(f"{pair}{heights}: floors {first} to {last} meet those of the same number")
+            continue
+        found = [(left.level(i), f"floor {i} meets floor {j}") for i, j in floors]
+        for strike in strikes:
+            columns, slab = (left, right)[strike.side], (right, left)[strike.side]
+            said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
+            said += f", at {100 * strike.at:.3g} % of its height"
+            left_out = f"left out: {said}; write `columns:` in {columns.name}"
+            share = f"{said}, {100 * (columns.columns or 0.0):.3g} % of the storey"
+            found.append((slab.level(strike.slab), left_out if columns.columns is None else share))
+        lines += [f"{pair}{height:g} m: {said}" for height, said in sorted(found)]
+    return lines

@@ -1,0 +1,112 @@
+"""Buildings that are like another one: `like:` resolved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from pounding_cli.study.building_spec import BASE_SHEAR
+from pounding_cli.study.file import Map, get, nearest
+from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
+
+CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
+"""Keys of a yield that speak of a code."""
+
+Sides = tuple[frozenset[str], frozenset[str]]
+ALTERNATIVES: dict[str, tuple[Sides, ...]] = {
+    "building": (
+        (frozenset({"stiffness"}), frozenset({"period", "taper"})),
+        (frozenset({"yield_shear"}), frozenset({"yield"})),
+        (frozenset({"rayleigh"}), frozenset({"damping"})),
+    ),
+    "yield": ((frozenset({"K"}), frozenset({"Rw"})), (BASE_SHEAR, CODE)),
+}
+"""Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
+
+
+def resolve_like(buildings: Map, name: str) -> Any:
+    """Return a building as the file has it, with the keys that it takes from others.
+
+    Raises
+    ------
+    IssuesFound : `like:` leads to an unknown name or in a circle
+    """
+    chain = _find_chain(buildings, name)
+    building = buildings[chain[-1]]
+    for heir in reversed(chain[:-1]):
+        building = _merge(building, buildings[heir], "building")
+    return building
+
+
+def find_like(building: Any) -> str | None:
+    """Return the name of the building that one is like, which may be a number; None where it stands on its own."""
+    like = building.get("like") if isinstance(building, Map) else None
+    return str(like) if isinstance(like, str | int | float) and not isinstance(like, bool) else None
+
+
+def _find_chain(buildings: Map, name: str) -> list[str]:
+    """Return a building, the one it is like, and so on, up to one that stands on its own."""
+    chain = [name]
+    while (like := find_like(buildings[chain[-1]])) is not None:
+        path: KeyPath = ("buildings", chain[-1], "like")
+        if like not in buildings:
+            others = [other for other in buildings if other != chain[-1]]
+            raise IssuesFound([Issue(path, f"like: no building '{like}' is defined", nearest(like, others))])
+        if like in chain:
+            circle = " -> ".join((*chain[-5:], like))
+            raise IssuesFound([Issue(path, f"like: is circular: {circle}", "let one of them stand on its own")])
+        chain.append(like)
+    return chain
+
+
+def _merge(parent: Any, child: Any, kind: str = "") -> Any:
+    """Return `child` over `parent`, mapping by mapping; lists and scalars are replaced whole."""
+    if not (isinstance(parent, Map) and isinstance(child, Map)):
+        return child
+    replaced = {"like"}
+    for one, other in _find_alternatives(kind, child.get("stiffness") or parent.get("stiffness")):
+        replaced |= other if child.keys() & one else set()
+        replaced |= one if child.keys() & other else set()
+    merged = Map((), child.mark)
+    for key in parent:
+        if key not in replaced:
+            merged.take(key, parent)
+    for key in child:
+        value = _merge(merged[key], child[key], key) if key in merged else child[key]
+        merged.take(key, child)
+        merged[key] = value
+    return merged
+
+
+def _find_alternatives(kind: str, stiffness: Any) -> tuple[Sides, ...]:
+    """Return those of a mapping; a `stiffness` that is itself made from a period takes the taper."""
+    pairs = ALTERNATIVES.get(kind, ())
+    if kind == "building" and isinstance(stiffness, Map):
+        return ((frozenset({"stiffness"}), frozenset({"period"})), *pairs[1:])
+    return pairs
+
+
+def resolve_all_likes(tree: Map) -> Map:
+    """Return a file with the keys that buildings take from others, to find where these stand; faulty ones as written."""
+    buildings = tree.get("buildings")
+    if not isinstance(buildings, Map):
+        return tree
+    resolved = {}
+    for name in buildings:
+        try:
+            resolved[name] = resolve_like(buildings, name)
+        except IssuesFound:
+            resolved[name] = buildings[name]
+    return Map({**tree, "buildings": Map(resolved, buildings.mark, buildings.marks)}, tree.mark, tree.marks)
+
+
+def inherits_key(buildings: Map, name: str, path: Sequence[str]) -> bool:
+    """Return whether building `name` takes the key at `path` (building, key, ...) from there, itself or by `like:`."""
+    seen: set[str] = set()
+    while name != path[0]:
+        like = find_like(buildings.get(name))
+        if name in seen or like is None or get(buildings, name, *path[1:]) is not None:
+            return False
+        seen.add(name)
+        name = like
+    return True

@@ -1,0 +1,361 @@
+"""Links of cases and the impact element as a study writes them: pydantic models made from what the laws declare."""
+
+from __future__ import annotations
+
+import functools
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
+
+from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
+from pounding_cli.laws.pounding import Pounding
+from pounding_cli.study.base import Model, Name, Wrong, key, one_or_many, tagged
+from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, Measured, Quantity, Text, Whole, measured, refuse, said
+
+POUNDING = Pounding.name
+NO_LINK = "none"
+OWN_LAW = "(formula)"
+"""Stands among the names of laws for the laws that a study writes itself."""
+
+LOSSES = ("damping_ratio", "restitution")
+"""Keys of which one is given; the other follows from it."""
+
+SHARED = ("gap", "stiffness", *LOSSES, "tension_cut")
+"""Keys that several laws take."""
+
+PLACES = ("link", "floors", "pair", "at")
+"""Keys that say which link it is and where it stands."""
+
+_DERIVED = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}
+"""Parameters of laws that are no keys of their own in a study, by what the law acts on."""
+
+RATIO = Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)
+RESTITUTION = Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)
+SHARED_KEYS: dict[str, tuple[Any, Any]] = {
+    "gap": (Annotated[float, GAP] | None, key(None, "the distance d at rest [m], `0 cm` of floors in touch", "5 cm")),
+    "stiffness": (
+        Annotated[Any, LINK_STIFFNESS] | None,
+        key(
+            None,
+            "s_imp, s_mat, s_con or k [N/m]; default: 1/5 mean storey of infill and connector, 1 x mean storey of "
+            "maxwell and friction, else that of `impact`",
+        ),
+    ),
+    "restitution": (Annotated[float, RESTITUTION] | None, key(None, "coefficient of restitution e [-]")),
+    "damping_ratio": (
+        Annotated[float, RATIO] | None,
+        key(
+            None,
+            "damping ratio of the dashpot [-], instead of restitution; also of an infill and a connector, which take "
+            "that of the restitution of `impact` unless it is given: 0.215 of 0.5",
+        ),
+    ),
+    "tension_cut": (bool | None, key(None, "no force that pulls the floors together")),
+}
+
+
+# Keys that laws bring along
+
+
+def _own_parameters(law: Any) -> dict[str, Any]:
+    """Return the parameters of a law that are keys of its own, with what the law declares of each."""
+    derived = _DERIVED[law.acts_on]
+    return {name: each.metadata["parameter"] for name, each in law.parameters().items() if name not in derived}
+
+
+def _link_keys(law: Any) -> frozenset[str]:
+    """Return the keys that a link of this law takes, beside those of its place."""
+    names = set(law.parameters())
+    losses = LOSSES if names & {*LOSSES} else ()
+    return frozenset({*own_parameters(law), *(names & {*SHARED}), *losses})
+
+
+own_parameters: Callable[[Any], dict[str, Any]] = functools.cache(_own_parameters)
+"""own_parameters(law) -> the parameters of a law that are keys of its own, with what the law declares of each."""
+
+link_keys: Callable[[Any], frozenset[str]] = functools.cache(_link_keys)
+"""link_keys(law) -> the keys that a link of this law takes, beside those of its place."""
+
+
+@functools.cache
+def _enumerations(law: Any) -> dict[str, type[StrEnum]]:
+    hints = get_type_hints(law).items()
+    return {name: kind for name, kind in hints if isinstance(kind, type) and issubclass(kind, StrEnum)}
+
+
+def to_enum(law: Any, name: str, value: Any) -> Any:
+    """Return a value as the law takes it: a word as a member of its enumeration, others as they are."""
+    enumeration = _enumerations(law).get(name)
+    return value if enumeration is None or value is None else enumeration(value)
+
+
+def needs_key(law: Any, name: str) -> bool:
+    """Return whether a parameter of a law has no default."""
+    return not isinstance(law.parameters()[name].default, str | float | int)
+
+
+def _value_type(law: Any, name: str, declared: Any, words: tuple[str, ...]) -> Any:
+    """Return the type of a key, from the parameter that a law declares; words : that the key may take."""
+    hint = get_type_hints(law)[name]
+    if hint is bool:
+        return bool
+    if hint is int:
+        return Annotated[int, Whole(int(declared.low), int(declared.high))]
+    if isinstance(hint, type) and issubclass(hint, StrEnum):
+        return Literal[words]
+    if declared.unit == "N/m":
+        return Annotated[Any, LINK_STIFFNESS]
+    unit = "" if declared.unit == "-" else declared.unit
+    default = law.parameters()[name].default
+    example = default if declared.refusal(1.0) and isinstance(default, float) else 1.0
+    ends = declared.low, declared.high, declared.open_low, declared.open_high
+    return Annotated[float, Quantity(name.replace("_", " "), unit, f"{example:g} {unit}".strip(), *ends)]
+
+
+def law_fields(laws: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
+    """Return type and field of all keys that laws bring along, for `create_model`; none of them has to be given.
+
+    The description of each names the laws that take it.
+    """
+    fields: dict[str, tuple[Any, Any]] = {}
+    for law in laws.values():
+        for name, declared in own_parameters(law).items():
+            owners = [owner for owner in laws.values() if name in own_parameters(owner)]
+            words = tuple(dict.fromkeys(str(word) for owner in owners for word in _enumerations(owner).get(name, ())))
+            others = ", ".join(owner.name for owner in owners[:-1])
+            names = f"{others} and {owners[-1].name}" if others else owners[-1].name
+            value_type = _value_type(law, name, declared, words)
+            fields[name] = value_type | None, key(None, f"{names}: {declared.words}")
+    return fields
+
+
+# Links
+
+
+_Floor = Annotated[int, Whole(1, 100, zero="base")]
+
+
+class ExceptSpec(Model):
+    """All floors but some."""
+
+    floors: tuple[_Floor, ...] = key(..., "floors that are left out", [1], alias="except")
+
+
+def _floors_kind(value: Any) -> str:
+    if isinstance(value, dict | ExceptSpec):
+        return "mapping"
+    return "word" if isinstance(value, str) and value != "base" else "floors"
+
+
+Floors: Any = tagged(
+    _floors_kind, word=Literal["all", "rest"], mapping=ExceptSpec, floors=one_or_many(_Floor, as_list=True)
+)
+
+
+def _both_losses(owner: Any) -> Iterator[Wrong]:
+    if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
+        hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
+        yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
+
+
+class LinkSpec(Model):
+    """A link between floors of neighbours."""
+
+    link: str = key(
+        ..., f"its law: {', '.join(link_laws())}, or a name of `laws`; `none` keeps floors free", "pounding"
+    )
+    floors: Floors = key(
+        "all",
+        "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
+        "link of the pair lists; `base`: the moving base of a building beside a wall",
+    )
+    pair: Annotated[int, Whole(1, 19)] | None = key(
+        None, "number of the pair of neighbours, from the left; default: every pair"
+    )
+    at: Literal["columns"] | None = key(
+        None,
+        "`columns`: this link stands where slabs strike columns, and no other there; without it links that list no "
+        "floors stand there too",
+    )
+
+    def wrong(self) -> Iterator[Wrong]:
+        if self.at is not None and self.floors != "all":
+            yield (
+                ("floors",),
+                "'floors' has no effect beside 'at: columns'",
+                "remove it: slabs strike where they are",
+                True,
+            )
+        yield from _refuse_both_losses(self)
+
+
+def _refuse_both_losses(owner: Any) -> Iterator[Wrong]:
+    if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
+        hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
+        yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
+
+
+def _keys_as_written(law: Any) -> frozenset[str]:
+    """Return the keys that a link of a law may be written with; those of pounding are of the law `impact` names."""
+    if law is not Pounding:
+        return link_keys(law)
+    return frozenset().union(*map(link_keys, contact_laws().values()))
+
+
+def _build_link_model(name: str, law: Any) -> type[LinkSpec]:
+    """Return the model of the links of a law; what they lack their case or `impact` may give."""
+    fields: dict[str, Any] = {shared: SHARED_KEYS[shared] for shared in SHARED if shared in _keys_as_written(law)}
+    fields |= law_fields(contact_laws()) if law is Pounding else _own_fields(law)
+    about = (law.__doc__ or name).strip().split("\n\n")[0]
+    title = f"Link_{name}".replace("-", "_")
+    model: type[LinkSpec] = create_model(title, __base__=LinkSpec, __doc__=about, **fields)
+    return model
+
+
+def _own_fields(law: Any) -> dict[str, Any]:
+    """Return type and field of the keys that one law has."""
+    fields: dict[str, Any] = {}
+    for name, declared in own_parameters(law).items():
+        default = law.parameters()[name].default
+        words = tuple(map(str, _enumerations(law).get(name, ())))
+        value_type = _value_type(law, name, declared, words)
+        fields[name] = value_type | None, key(None if needs_key(law, name) else default, declared.words)
+    return fields
+
+
+class NoLinkSpec(LinkSpec):
+    """Nothing between the floors; the keys of other links have no meaning beside it."""
+
+    link: Literal["none"] = key(NO_LINK, "no link")
+
+
+class OwnLinkSpec(LinkSpec):
+    """A link whose law the study writes itself (`laws`)."""
+
+
+@functools.cache
+def link_models() -> dict[str, type[LinkSpec]]:
+    """Return the model of the links of every law by its name; OWN_LAW stands for laws of the study's own."""
+    models = {name: _build_link_model(name, law) for name, law in link_laws().items()}
+    shared: dict[str, Any] = {**SHARED_KEYS}
+    no_link = create_model("Link_none", __base__=NoLinkSpec, __doc__=NoLinkSpec.__doc__, **shared)
+    own_fields: dict[str, Any] = {"gap": SHARED_KEYS["gap"]}
+    own_link = create_model("Link_formula", __base__=OwnLinkSpec, __doc__=OwnLinkSpec.__doc__, **own_fields)
+    return {**models, NO_LINK: no_link, OWN_LAW: own_link}
+
+
+def find_law_name(link: Any) -> str:
+    """Return the name in `link_models` of the law of a link, validated or as the file has it."""
+    word = link.get("link") if isinstance(link, dict) else getattr(link, "link", None)
+    return str(word) if str(word) in link_models() else OWN_LAW
+
+
+def union_tag(name: str) -> str:
+    """Return what the union of all links calls the model of a law; it is no key of the file."""
+    return name if name == OWN_LAW else f"({name})"
+
+
+_LINKS = [Annotated[model, Tag(union_tag(name))] for name, model in link_models().items()]
+AnyLink: Any = Annotated[
+    functools.reduce(operator.or_, _LINKS), Discriminator(lambda link: union_tag(find_law_name(link)))
+]
+
+
+def _to_mapping(entry: Any) -> Any:
+    """Return an entry of a list of links as a mapping: a word stands for the law of a link without further keys."""
+    return {"link": entry} if isinstance(entry, str) else entry
+
+
+ListedLink = Annotated[AnyLink, BeforeValidator(_to_mapping)]
+
+
+# Cases
+
+
+class SeveralLinksSpec(Model):
+    """A case of several links; each takes the keys beside them that its law has."""
+
+    links: Annotated[tuple[ListedLink, ...], Field(min_length=1, max_length=500)] = key(
+        ..., "links between the floors; one may stand in the case itself"
+    )
+
+    def wrong(self) -> Iterator[Wrong]:
+        yield from _refuse_both_losses(self)
+
+
+_CASE_KEYS: dict[str, Any] = {name: field for name, field in SHARED_KEYS.items() if name != "stiffness"}
+_CASE_KEYS |= law_fields(link_laws())
+SeveralLinks: Any = create_model(
+    "Case_links", __base__=SeveralLinksSpec, __doc__=SeveralLinksSpec.__doc__, **_CASE_KEYS
+)
+CaseSpec: Any = tagged(
+    lambda case: (
+        "links" if isinstance(case, SeveralLinksSpec) or (isinstance(case, dict) and "links" in case) else "link"
+    ),
+    link=AnyLink,
+    links=SeveralLinks,
+)
+"""What stands between the buildings of the group: one link, or a list of links under `links`."""
+
+
+class OwnLawSpec(Model):
+    """A law of links of the study's own."""
+
+    force: str = key(
+        ...,
+        "its force [N]: a formula of v closing [m], r its rate [m/s], m reduced mass of the floors [kg], d gap [m] "
+        "and the parameters; + - * / **, brackets and sqrt()",
+        "k*v + c*r",
+    )
+    parameters: dict[
+        Name, Annotated[Measured, Text(measured, "number with any unit, or a plain number", ("20 kN/mm", 0.2))]
+    ] = key({}, "constants of the formula by name", {"k": "20 kN/mm"})
+    acts: Literal["beyond gap", "compression", "always"] = key(
+        "beyond gap",
+        "`beyond gap`: once the gap has closed, with v = closing - gap; `compression`: while the closing v is above "
+        "zero, as for material that fills the gap; `always`: as for a damper",
+    )
+    tension_cut: bool = key(False, "no force that pulls the floors together")
+
+
+# The impact element
+
+
+def _read_contact(value: Any) -> str:
+    if isinstance(value, str) and value.strip():
+        return value.strip()
+    raise refuse(f"{said(value)} is not known", f"write {', '.join(contact_laws())} or a name of `laws`")
+
+
+class _ImpactSpec(Model):
+    """The impact element of pounding, and what an infill stiffens to."""
+
+    law: Annotated[
+        str,
+        Text(
+            _read_contact,
+            "; ".join([*(f"`{name}`" for name in contact_laws()), "NAME of `laws`"]),
+            tuple(contact_laws()),
+        ),
+    ] = key(KELVIN_VOIGT, "law of contact of every `link: pounding`; sweep it to compare laws")
+    stiffness: Annotated[Any, LINK_STIFFNESS] = key("20 x stiffest storey", "impact spring s_imp [N/m]")
+    restitution: Annotated[float, RESTITUTION] | None = key(None, "coefficient of restitution e [-]; default: 0.5")
+    damping_ratio: Annotated[float, RATIO] | None = key(
+        None, "damping ratio of the dashpot [-], instead of restitution"
+    )
+    tension_cut: bool = key(False, "no force that pulls the floors together at the end of a contact")
+    dashpot: Literal["reduced-mass", "printed"] = key(
+        "reduced-mass", "mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
+    )
+
+    def wrong(self) -> Iterator[Wrong]:
+        yield from _refuse_both_losses(self)
+
+
+if TYPE_CHECKING:
+    ImpactSpec = _ImpactSpec
+else:
+    ImpactSpec = create_model("Impact", __base__=_ImpactSpec, __doc__=_ImpactSpec.__doc__, **law_fields(contact_laws()))

@@ -1,0 +1,103 @@
+"""Laws of links that a study writes itself, as a formula under `laws`."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pounding_cli.laws import link_laws
+from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
+from pounding_cli.model.links import APART
+from pounding_cli.study.file import Map, Quoted, get, locate
+from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
+from pounding_cli.study.link_specs import NO_LINK
+
+_TRIAL_GAP = 0.01
+"""Gap [m] at which a formula is tried when it is read."""
+
+
+@dataclass(frozen=True)
+class OwnLaw:
+    """A law of the study's own.
+
+    formula : its force
+    constants : name, value in SI and powers of kg, m and s of every parameter
+    """
+
+    name: str
+    formula: str
+    constants: tuple[tuple[str, float, Any], ...]
+    acts: str
+    tension_cut: bool
+
+    @property
+    def is_contact(self) -> bool:
+        """Whether it acts across a gap, as floors that strike each other do."""
+        return bool(WRITTEN[self.acts].subtracts_gap)
+
+    def build(self, gap: float) -> WrittenLaw:
+        """Return the law across a gap [m].  Raises FormulaError, ValueError: the formula cannot be read."""
+        return WRITTEN[self.acts](
+            gap, called=self.name, formula=self.formula, constants=self.constants, tension_cut=self.tension_cut
+        )
+
+
+def build_own_laws(specs: Mapping[str, Any], tree: Map) -> dict[str, OwnLaw]:
+    """Return the laws of a study by name.
+
+    tree : the file, whose places a formula that cannot be read is told by
+
+    Raises
+    ------
+    IssuesFound : a name is taken, or a formula cannot be read
+    """
+    issues: list[Issue] = []
+    laws: dict[str, OwnLaw] = {}
+    for name, spec in specs.items():
+        path: KeyPath = ("laws", name)
+        if name in (*link_laws(), NO_LINK, APART):
+            message = f"'{name}' is a law of this program"
+            issues.append(Issue(path, message, "give yours another name", at_key=True))
+            continue
+        constants = tuple((key, value.value, value.dimension) for key, value in spec.parameters.items())
+        law = OwnLaw(name, spec.force.strip(), constants, spec.acts, spec.tension_cut)
+        found = _find_bad_parameters(spec, path) or _try_formula(law, path, tree)
+        issues += found
+        laws[name] = law
+    if issues:
+        raise IssuesFound(issues)
+    return laws
+
+
+def _find_bad_parameters(spec: Any, path: KeyPath) -> list[Issue]:
+    """Return an issue for every parameter that a formula cannot name."""
+    issues = []
+    for parameter in spec.parameters:
+        if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*GIVEN, "sqrt"):
+            hint = f"write a name of letters, digits and _ other than {', '.join(GIVEN)} and sqrt"
+            at = (*path, "parameters", parameter)
+            issues.append(Issue(at, f"'{parameter}' cannot be a parameter", hint, at_key=True))
+    return issues
+
+
+def _try_formula(law: OwnLaw, path: KeyPath, tree: Map) -> list[Issue]:
+    """Return what is wrong with a formula, at its place in the text."""
+    at = (*path, "force")
+    try:
+        law.build(_TRIAL_GAP)
+    except FormulaError as error:
+        return [Issue(at, f"force: {error.message}", error.hint, offset=_find_offset(error, at, tree))]
+    except ValueError as error:
+        return [Issue(at, str(error), "write a shorter formula")]
+    return []
+
+
+def _find_offset(error: FormulaError, path: KeyPath, tree: Map) -> int:
+    """Return the place of an error in characters behind the beginning of a formula; 0 in Python data and in blocks."""
+    text = get(tree, *path)
+    _, column = locate(tree, path)
+    if error.line != 0 or "\n" in text or not isinstance(column, int):
+        return 0
+    return error.column + len(text) - len(text.lstrip()) + isinstance(text, Quoted)

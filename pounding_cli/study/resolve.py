@@ -1,0 +1,235 @@
+"""Resolve a study: its buildings, links and motions at the points of the sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypeVar
+
+import numpy as np
+
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
+from pounding_cli.study.axes import UNWRITTEN, Axis
+from pounding_cli.study.buildings import build_building, find_code_displacements
+from pounding_cli.study.file import Map, with_value
+from pounding_cli.study.group import Group, build_group, check_group_names
+from pounding_cli.study.issues import Issues, IssuesFound, KeyPath
+from pounding_cli.study.like import inherits_key
+from pounding_cli.study.links import (
+    CompleteLink,
+    Names,
+    build_laws,
+    build_links,
+    check_case_names,
+    check_contact_law,
+    check_impact_names,
+    check_links,
+    complete_links,
+    find_floors,
+    find_multiples,
+)
+from pounding_cli.study.motions import MotionReader, Suite, read_suite
+from pounding_cli.study.own_laws import build_own_laws
+from pounding_cli.study.swept import Point, Swept, build_array, build_constant, sweep_map
+from pounding_cli.study.written import read_spec
+
+T = TypeVar("T")
+Specs = Mapping[KeyPath, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Resolved:
+    """The parts of a study at the points of its sweep.
+
+    building_specs, types : validated keys of the building types by name, and the buildings
+    group : the buildings in their places
+    impact : the validated impact element
+    complete_links : by case what is written of its links
+    laws : by case the laws of these links, None of no link
+    links : by case what stands between the buildings
+    records, suite : the validated section, and the motions
+    tail : free vibration after the motion [s]
+    """
+
+    building_specs: Mapping[str, Swept[Any]]
+    types: Mapping[str, Swept[Building]]
+    group: Swept[Group]
+    impact: Swept[Any]
+    complete_links: Mapping[str, Swept[tuple[CompleteLink, ...]]]
+    laws: Mapping[str, Swept[tuple[LinkLaw | None, ...]]]
+    links: Mapping[str, Swept[tuple[Link, ...]]]
+    records: Swept[Any]
+    suite: Swept[Suite]
+    tail: Swept[float]
+
+    def displacements(self, name: str) -> Swept[dict[str, np.ndarray]]:
+        """Return the displacements of a building type that codes expect, by rule [m], shape (storeys,)."""
+        return sweep_map(find_code_displacements, self.building_specs[name], self.types[name])
+
+
+def tree_at(tree: Map, axes: Sequence[Axis], point: Point) -> Map:
+    """Return the file at a point of the sweep; -1 on an axis stands for what the file has itself."""
+    for axis, place in zip(axes, point, strict=True):
+        if place >= 0:
+            tree = _set_columns(tree, axis, place, range(len(axis.names)))
+    return tree
+
+
+def _set_columns(tree: Map, axis: Axis, place: int, columns: Sequence[int]) -> Map:
+    """Return the file with some of the keys of an axis at one of their values."""
+    values = axis.given[place]
+    for column in columns:
+        if values[column] is not UNWRITTEN:
+            tree = with_value(tree, axis.paths[column], values[column], axis.marks[place][column])
+    return tree
+
+
+def changes_part(key: str, path: tuple[str, ...], tree: Map) -> bool:
+    """Return whether a swept key changes a part of the study, a section or one of its entries."""
+    section, *below = key.split(".")
+    if section != path[0]:
+        return False
+    if len(path) == 1 or not below:
+        return True
+    if section == "buildings":
+        return inherits_key(tree["buildings"], path[1], below)
+    return below[0] == path[1]
+
+
+def sweep_part(
+    tree: Map, axes: Sequence[Axis], path: tuple[str, ...], read: Callable[[Map], T], issues: Issues
+) -> Swept[T]:
+    """Return what is read from a part of the file at every point of the axes that change it.
+
+    Points at which the keys that change it have the same values share one result.
+
+    path : of the part
+    read : of the whole file at a point; may raise IssuesFound, which is noted
+    """
+    columns = {
+        number: [column for column, key in enumerate(axis.names) if changes_part(key, path, tree)]
+        for number, axis in enumerate(axes)
+    }
+    columns = {number: each for number, each in columns.items() if each}
+    numbers = tuple(columns)
+    shape = tuple(len(axes[number]) for number in numbers)
+    texts = {number: _format_rows(axes[number], columns[number]) for number in numbers}
+    known: dict[tuple[str, ...], tuple[Any, tuple[Any, ...]]] = {}
+    results: list[Any] = []
+    for index in np.ndindex(shape):
+        key = tuple([texts[number][place] for number, place in zip(numbers, index, strict=True)])
+        if key not in known:
+            there = tree
+            for number, place in zip(numbers, index, strict=True):
+                there = _set_columns(there, axes[number], place, columns[number])
+            try:
+                known[key] = read(there), ()
+            except IssuesFound as refused:
+                known[key] = None, refused.issues
+        result, found = known[key]
+        issues.add(numbers, index, found)
+        results.append(result)
+    return Swept(numbers, build_array(results, shape))
+
+
+def _format_rows(axis: Axis, columns: Sequence[int]) -> list[str]:
+    """Return the values of some keys of an axis at every point of it as text, which tells them apart."""
+    return [repr([values[column] for column in columns]) for values in axis.given]
+
+
+def resolve(specs: Specs, tree: Map, axes: Sequence[Axis], reader: MotionReader, issues: Issues) -> Resolved:
+    """Return the parts of a study at the points of its sweep; what is wrong is noted.
+
+    specs : validated sections as written (`read_specs`)
+    """
+    return _Resolver(specs, tree, axes, issues).resolve(reader)
+
+
+class _Resolver:
+    """Resolves one study."""
+
+    def __init__(self, specs: Specs, tree: Map, axes: Sequence[Axis], issues: Issues) -> None:
+        self.specs = specs
+        self.tree = tree
+        self.axes = axes
+        self.issues = issues
+
+    def sweep_spec(self, *path: str) -> Swept[Any]:
+        """Return a validated part of the study: as written, or validated at the points of the axes that change it."""
+        if not any(changes_part(key, path, self.tree) for axis in self.axes for key in axis.names):
+            return build_constant(self.specs.get(path))
+        return sweep_part(self.tree, self.axes, path, partial(read_spec, path=path), self.issues)
+
+    def map(self, build: Callable[..., T], *parts: Swept[Any]) -> Swept[T]:
+        """Return `sweep_map`; what is wrong is noted."""
+        return sweep_map(build, *parts, issues=self.issues)
+
+    def entries(self, section: str) -> list[str]:
+        """Return the names of the entries of a section."""
+        return [str(path[1]) for path in self.specs if len(path) == 2 and path[0] == section]
+
+    def resolve(self, reader: MotionReader) -> Resolved:
+        """Return all parts."""
+        records = self.sweep_spec("records")
+        suite = self.map(partial(read_suite, reader=reader), records)
+        building_specs = {name: self.sweep_spec("buildings", name) for name in self.entries("buildings")}
+        types = {name: self.map(partial(build_building, name), spec) for name, spec in building_specs.items()}
+        group = self.build_group(types)
+        names = self.find_names()
+        impact = self.sweep_spec("impact")
+        sound_impact = self.map(partial(check_impact_names, names=names), impact)
+        laws = self.build_own_laws()
+        contact = self.map(check_contact_law, sound_impact, laws)
+        meetings = self.map(lambda group: group.meetings, group).merge_equal()
+        complete, link_laws, links = {}, {}, {}
+        for name in self.entries("cases"):
+            case = self.sweep_spec("cases", name)
+            sound_case = self.map(partial(check_case_names, name=name, names=names), case)
+            floors = self.map(partial(find_floors, name=name), case, meetings)
+            complete[name] = self.map(lambda case, impact, name=name: complete_links(case, name, impact), case, impact)
+            checked = self.map(
+                lambda case, _contact, links, name=name: check_links(case, name, links),
+                sound_case,
+                contact,
+                complete[name],
+            )
+            multiples = self.map(find_multiples, checked, impact, group).merge_equal()
+            link_laws[name] = self.map(build_laws, checked, contact, laws, multiples)
+            links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
+        tail = self.sweep_spec("tail")
+        return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
+
+    def build_group(self, types: Mapping[str, Swept[Building]]) -> Swept[Group]:
+        """Return the buildings in their places."""
+        names = build_constant(self.specs.get(("group",)))
+        defined = list(types)
+        sound = self.map(lambda names: check_group_names(names, defined), names)
+        if not sound.is_sound or not types:
+            return build_constant(None)  # type: ignore[arg-type]
+
+        def build(names: Sequence[str], *buildings: Building) -> Group:
+            return build_group(names, dict(zip(types, buildings, strict=True)))
+
+        return self.map(build, sound, *types.values())
+
+    def find_names(self) -> Names:
+        """Return the names of laws and buildings of the study, whether or not they are sound."""
+        sections = (self.tree.get("laws"), self.tree.get("buildings"))
+        laws, buildings = (tuple(section) if isinstance(section, Map) else () for section in sections)
+        group = self.specs.get(("group",))
+        return Names(laws, buildings, 0 if group is None else len(group) - 1)
+
+    def build_own_laws(self) -> Swept[Any]:
+        """Return the laws of the study's own."""
+        names = self.entries("laws")
+        if any(self.specs["laws", name] is None for name in names):
+            return build_constant(None)
+
+        def read(tree: Map) -> Any:
+            specs = {name: read_spec(tree, ("laws", name)) for name in names}
+            return build_own_laws(specs, tree)
+
+        return sweep_part(self.tree, self.axes, ("laws",), read, self.issues)
