@@ -16,22 +16,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw
+from pounding_cli.laws.law import REFERENCE_CLOSING, Behaviour, LinkLaw
 from pounding_cli.laws.pounding import next_branch, reduced_mass
 from pounding_cli.units import Dimension
 
-LONGEST, MOST_OPERATIONS = 500, 200
+MAX_FORMULA_LENGTH, MAX_OPERATIONS = 500, 200
 """Characters and operations of a formula."""
 
 PLAIN: Dimension = (0.0, 0.0, 0.0)
 FORCE: Dimension = (1.0, 1.0, -2.0)
 
-GIVEN: Mapping[str, Dimension] = {
+FORMULA_VARIABLES: Mapping[str, Dimension] = {
     "v": (0.0, 1.0, 0.0), "r": (0.0, 1.0, -1.0), "m": (1.0, 0.0, 0.0), "d": (0.0, 1.0, 0.0),
 }  # fmt: skip
 """What a formula may use besides its parameters: closing, its rate, reduced mass of the floors, gap."""
 
-_SAYS = f"a formula is made of numbers, {', '.join(GIVEN)}, parameters, + - * / **, brackets and sqrt()"
+_SAYS = f"a formula is made of numbers, {', '.join(FORMULA_VARIABLES)}, parameters, + - * / **, brackets and sqrt()"
 
 Constants = tuple[tuple[str, float, Dimension], ...]
 """Parameters of a formula: name, SI value, dimension."""
@@ -53,7 +53,7 @@ Row = tuple[float, float, float, float]
 """An operation: (code, x, y, a)."""
 
 
-def carried_out(formula: Any, v: float, r: float) -> float:
+def evaluate_operations(formula: Any, v: float, r: float) -> float:
     """The result of `count` operations at a closing [m] and its rate [m/s]."""
     operations, registers = formula.operations, formula.registers
     registers[0], registers[1] = v, r
@@ -83,7 +83,7 @@ class Formula:
         room = SimpleNamespace(count=len(self.rows), result=self.result)
         room.operations, room.registers = np.reshape(self.rows, (-1, 4)), np.zeros(2 + len(self.rows))
         with np.errstate(all="ignore"):
-            return float(carried_out(room, v, r))
+            return float(evaluate_operations(room, v, r))
 
 
 @dataclass(frozen=True)
@@ -111,8 +111,8 @@ def read(text: str, constants: Constants, mass: float, gap: float, closings: tup
     FormulaError : it is not a formula, or its unit is not N
     """
     text = text.strip()
-    if len(text) > LONGEST:
-        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {LONGEST}")
+    if len(text) > MAX_FORMULA_LENGTH:
+        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {MAX_FORMULA_LENGTH}")
     try:
         tree = ast.parse(text, mode="eval").body
     except SyntaxError as error:
@@ -121,7 +121,7 @@ def read(text: str, constants: Constants, mass: float, gap: float, closings: tup
     except (ValueError, RecursionError, MemoryError):
         raise FormulaError("this is not a formula", _SAYS) from None
     known = {name: (value, dimension) for name, value, dimension in constants}
-    reader = _Reader(text, {**known, "m": (mass, GIVEN["m"]), "d": (gap, GIVEN["d"])}, closings)
+    reader = _Reader(text, {**known, "m": (mass, FORMULA_VARIABLES["m"]), "d": (gap, FORMULA_VARIABLES["d"])}, closings)
     term = reader.term(tree)
     if term.dimension != FORCE:
         raise FormulaError(f"the formula gives {in_units(term.dimension)}, not N", "correct it or a parameter's unit")
@@ -154,12 +154,12 @@ class _Reader:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
                 return self.made(node, PLAIN, 0, NUMBER, a=float(number))
             case ast.Name(id="v" | "r" as name):
-                return Term(0 if name == "v" else 1, GIVEN[name], 1)
+                return Term(0 if name == "v" else 1, FORMULA_VARIABLES[name], 1)
             case ast.Name(id=name) if name in self.known:
                 value, dimension = self.known[name]
                 return self.made(node, dimension, 0, NUMBER, a=value)
             case ast.Name():
-                names = ", ".join(dict.fromkeys((*GIVEN, *self.known)))
+                names = ", ".join(dict.fromkeys((*FORMULA_VARIABLES, *self.known)))
                 raise self.wrong(node, "is not known", f"give it under `parameters`; known: {names}")
             case ast.UnaryOp(op=ast.UAdd(), operand=inner):
                 return self.term(inner)
@@ -197,8 +197,8 @@ class _Reader:
             row = (float(NUMBER), 0.0, 0.0, number)
         if row not in self.rows:
             self.rows.append(row)
-        if len(self.rows) > MOST_OPERATIONS:
-            raise FormulaError(f"the formula has more than {MOST_OPERATIONS} operations", "write a shorter one")
+        if len(self.rows) > MAX_OPERATIONS:
+            raise FormulaError(f"the formula has more than {MAX_OPERATIONS} operations", "write a shorter one")
         return Term(2 + self.rows.index(row), dimension, degree)
 
     def times(self, node: ast.expr, one: Term, other: Term | float) -> Term:
@@ -276,7 +276,7 @@ class WrittenLaw(LinkLaw):
         """Its force where the reduced mass of the floors is `mass` [kg]."""
         return read(self.formula, self.constants, mass, self.gap, self.closings)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """Parameters of `laws.pounding`: of a straight force its line."""
         force = self.force(reduced_mass(left_mass, right_mass))
         k = c = f0 = 0.0
@@ -286,25 +286,25 @@ class WrittenLaw(LinkLaw):
         return k, c, float(self.tension_cut), f0, float(not force.is_straight), float(self.joins)
 
     @functools.cached_property
-    def damped(self) -> bool:
+    def is_damped(self) -> bool:
         """Where its force depends on the rate."""
         force = self.force(1.0)
         return any(force.at(v, 1.0) != force.at(v, 0.0) for v in self.closings)
 
     @property
-    def cut(self) -> bool:
+    def cuts_tension(self) -> bool:
         """As it says."""
         return self.tension_cut
 
     @property
-    def steepest(self) -> tuple[float, float]:
-        """At a closing of `PRESSED`; its dashpot at rest, or up to 1 m/s where that is more."""
+    def max_slopes(self) -> tuple[float, float]:
+        """At a closing of `REFERENCE_CLOSING`; its dashpot at rest, or up to 1 m/s where that is more."""
         force = self.force(1.0)
-        here, before = force.at(PRESSED, 0.0), force.at(0.999 * PRESSED, 0.0)
-        moving, still = force.at(PRESSED, 1.0) - here, (force.at(PRESSED, 1e-6) - here) * 1e6
-        return (here - before) / (0.001 * PRESSED), max(moving, still, 0.0)
+        here, before = force.at(REFERENCE_CLOSING, 0.0), force.at(0.999 * REFERENCE_CLOSING, 0.0)
+        moving, still = force.at(REFERENCE_CLOSING, 1.0) - here, (force.at(REFERENCE_CLOSING, 1e-6) - here) * 1e6
+        return (here - before) / (0.001 * REFERENCE_CLOSING), max(moving, still, 0.0)
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """The work of its force, pressed slowly from where it begins to act [J]. With v = x^4 powers of v by quarters
         are polynomials in x, which the rule integrates exactly."""
         v = closing - self.offset
@@ -320,7 +320,7 @@ class WrittenLaw(LinkLaw):
 class WrittenFilling(WrittenLaw):
     """F = the formula while the material that fills the gap is pressed; v is the closing."""
 
-    drawn = "filling"
+    symbol = "filling"
     subtracts_gap = False
     beyond_gap = "material of a law of the study compressed beyond its thickness"
 
@@ -330,10 +330,10 @@ class WrittenJoint(WrittenLaw):
     """F = the formula at all times; v is the closing, of either sign."""
 
     closings = _BOTH_WAYS
-    drawn = "bar"
+    symbol = "bar"
     subtracts_gap = False
     beyond_gap = "joint of a law of the study closes more than the gap, so the floors would have struck"
-    meaningless = True
+    invalidates = True
     joins = True
 
     def __post_init__(self) -> None:

@@ -93,7 +93,9 @@ class FrictionPendulum(Isolation):
     yield_displacement: float = parameter(
         "displacement at which it slides, of a spring in place of a slider that sticks; 0: it sticks", "m", default=0.0
     )
-    capacity: float = parameter("displacement that it can take", "m", default=math.inf, open_low=True, endless=True)
+    capacity: float = parameter(
+        "displacement that it can take", "m", default=math.inf, open_low=True, can_be_infinite=True
+    )
 
     def law_under(self, weight: float) -> Bilinear | Slider:
         """Strength mu W, stiffness W / R."""
@@ -121,7 +123,9 @@ class Bearings(Isolation):
     strength: float = parameter("strength Qd of bearings at no displacement, all together", "N", open_low=True)
     stiffness: float = parameter("their stiffness k2 beyond the yield", "N/m", open_low=True)
     yield_displacement: float = parameter("displacement at which they yield", "m", open_low=True)
-    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
+    capacity: float = parameter(
+        "displacement that they can take", "m", default=math.inf, open_low=True, can_be_infinite=True
+    )
 
     def law_under(self, weight: float) -> Bilinear:
         """Whatever the weight."""
@@ -136,7 +140,9 @@ class Rubber(Isolation):
 
     stiffness: float = parameter("equivalent stiffness of rubber bearings, all together", "N/m", open_low=True)
     damping_ratio: float = parameter("their equivalent damping ratio xi", "-", high=1.0)
-    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
+    capacity: float = parameter(
+        "displacement that they can take", "m", default=math.inf, open_low=True, can_be_infinite=True
+    )
 
     def law_under(self, weight: float) -> None:
         """They are linear."""

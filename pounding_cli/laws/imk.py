@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws.guards import HIGH, LOW, START
-from pounding_cli.laws.law import Behaviour, line, parameter
+from pounding_cli.laws.law import Behaviour, parameter, set_line
 from pounding_cli.laws.storey import StoreyLaw
 
 (
@@ -44,7 +44,7 @@ def next_branch(e: Any, guard: int) -> None:
             e.h[STRENGTH + i] = 1.0
         e.h[TARGET], e.h[TARGET + 1], e.h[UNLOADING] = limit, -limit, e.p[K]
         e.branch = ELASTIC
-        line(e, e.p[K], e.c, 0.0, -limit, limit)
+        set_line(e, e.p[K], e.c, 0.0, -limit, limit)
         return
     side = 1 if e.branch > 0 or (e.branch == ELASTIC and guard == HIGH) else -1
     was, outward = abs(e.branch), guard == (HIGH if side > 0 else LOW)
@@ -67,7 +67,7 @@ def _load(e: Any, branch: int, k: float, f0: float, end: float) -> None:
     e.h[SLOPE], e.h[OFFSET], e.h[END] = k, f0, end
     e.branch = branch
     low, high, way = (-math.inf, end, 1) if branch > 0 else (end, math.inf, -1)
-    line(e, k, e.c, f0, low, high, way)
+    set_line(e, k, e.c, f0, low, high, way)
 
 
 def _leave_line(e: Any, k: float, f0: float) -> None:
@@ -120,7 +120,7 @@ def _turn_back(e: Any, side: int, was: int) -> None:
         e.h[TARGET + (side < 0)] = drift
     e.branch = side * (was + UNLOADS - 1)
     end = -offset / unloading
-    line(e, unloading, e.c, offset, min(drift, end), max(drift, end))
+    set_line(e, unloading, e.c, offset, min(drift, end), max(drift, end))
 
 
 def _loss(e: Any, capacity: float, energy: float) -> float:
@@ -204,14 +204,14 @@ class PeakOriented(StoreyLaw):
     )
     behaviour = Behaviour(next_branch)
 
-    def numbers(self) -> tuple[float, ...]:
+    def element_parameters(self) -> tuple[float, ...]:
         """As the parameters above."""
-        return *super().numbers(), *PLAIN
+        return *super().element_parameters(), *PLAIN
 
 
 def _capacity(of: str) -> float:
     doc = f"energy capacity of {of}, over Vy Dy; default: no deterioration"
-    return parameter(doc, open_low=True, default=math.inf, endless=True)
+    return parameter(doc, open_low=True, default=math.inf, can_be_infinite=True)
 
 
 @dataclass(frozen=True)
@@ -244,11 +244,11 @@ class PeakOrientedImk(StoreyLaw):
     )
 
     @property
-    def softest(self) -> float:
+    def min_slope_ratio(self) -> float:
         """The post-capping slope."""
         return -self.post_capping_slope
 
-    def numbers(self) -> tuple[float, ...]:
+    def element_parameters(self) -> tuple[float, ...]:
         """As the parameters above."""
         unit = self.yield_shear * self.yield_drift
         each = self.strength_capacity, self.capping_capacity, self.unloading_capacity, self.reloading_capacity

@@ -14,14 +14,14 @@ from typing import Any, ClassVar
 PARAMETERS, HISTORY = 16, 14
 """Room in the record of an element for the parameters p and the history variables h of its law."""
 
-PRESSED = 0.01
+REFERENCE_CLOSING = 0.01
 """Closing [m] at which the slope of a force that stiffens without end is taken: floors press each other by
 millimetres."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a field of a law means, its unit and the range of its values; `endless`: whether it may be infinite."""
+    """What a field of a law means, its unit and the range of its values."""
 
     doc: str
     unit: str = "-"
@@ -29,18 +29,18 @@ class Parameter:
     high: float = math.inf
     open_low: bool = False
     open_high: bool = True
-    endless: bool = False
+    can_be_infinite: bool = False
 
-    def refusal(self, value: float) -> str:
+    def describe_issue(self, value: float) -> str:
         """What is wrong with a value, or ""."""
         above = value > self.low if self.open_low else value >= self.low
         below = value < self.high if self.open_high else value <= self.high
-        if (above and below) or (self.endless and value == math.inf):
+        if (above and below) or (self.can_be_infinite and value == math.inf):
             return ""
         return f"it must be {self.range}"
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """What it means, with its unit."""
         return self.doc if self.unit == "-" else f"{self.doc} [{self.unit}]"
 
@@ -82,12 +82,12 @@ class Law:
             declared, value = each.metadata.get("parameter"), getattr(self, each.name)
             if declared is None or isinstance(value, str | bool):
                 continue
-            if wrong := declared.refusal(value):
+            if wrong := declared.describe_issue(value):
                 unit = "" if declared.unit == "-" else f" {declared.unit}"
                 raise ValueError(f"{self.acts_on}: {each.name} is {value:g}{unit}; {wrong}")
 
     @cached_property
-    def words(self) -> str:
+    def identity(self) -> str:
         """Name and every parameter in a line: two laws with one line act alike."""
         values = (getattr(self, each.name) for each in fields(self))
         return " ".join((self.name, *(repr(v) if isinstance(v, float) else str(v) for v in values)))
@@ -115,7 +115,7 @@ class Behaviour:
     history_rate: Callable[[Any, float, float], float] | None = None
 
 
-def line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: int = 0) -> None:
+def set_line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: int = 0) -> None:
     """Set F = k v + c v' + f0 [N/m, N s/m, N] for low < v < high [m], while v rises (`way` 1), falls (-1), or either
     way (0), with no other guard; the element acts."""
     e.k, e.c, e.f0, e.low, e.high = k, c, f0, low, high
@@ -126,18 +126,18 @@ def line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: in
     e.closed = e.acts = 1
 
 
-def opened(e: Any) -> None:
+def set_open(e: Any) -> None:
     """Set the branch of floors apart: no force until v rises to 0."""
-    line(e, 0.0, 0.0, 0.0, -math.inf, 0.0)
+    set_line(e, 0.0, 0.0, 0.0, -math.inf, 0.0)
     e.branch = e.closed = e.acts = 0
 
 
-def _joined(e: Any, guard: int) -> None:
+def _set_joined(e: Any, guard: int) -> None:
     """One branch without end. Parameters: spring [N/m] and dashpot [N s/m]."""
-    line(e, e.p[0], e.p[1], 0.0, -math.inf, math.inf)
+    set_line(e, e.p[0], e.p[1], 0.0, -math.inf, math.inf)
 
 
-JOINED = Behaviour(_joined)
+JOINED = Behaviour(_set_joined)
 """A spring and a dashpot at all times: connectors, dampers, storeys that cannot yield, foundation springs."""
 
 
@@ -145,13 +145,13 @@ JOINED = Behaviour(_joined)
 class LinkLaw(Law):
     """What stands between two floors. It acts on v, their closing u_left - u_right, less the gap where the law says so.
 
-    drawn : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
+    symbol : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
     beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
-    meaningless : whether that takes the meaning from all numbers of the scene
+    invalidates : whether that takes the meaning from all numbers of the scene
     joins : whether a force acts at all closings, not only once the floors meet
-    remembers : whether its force depends on what happened before, so that only methods that locate events know it
+    path_dependent : whether its force depends on what happened before, so that only methods that locate events know it
     takes_energy : whether it has a dashpot whatever its damping ratio
     behaviour : what it does
 
@@ -161,30 +161,30 @@ class LinkLaw(Law):
     """
 
     acts_on: ClassVar[str] = "link"
-    drawn: ClassVar[str] = "gap"
+    symbol: ClassVar[str] = "gap"
     subtracts_gap: ClassVar[bool] = False
     stiffness_default: ClassVar[str] = ""
     beyond_gap: ClassVar[str] = ""
-    meaningless: ClassVar[bool] = False
+    invalidates: ClassVar[bool] = False
     joins: ClassVar[bool] = False
-    remembers: ClassVar[bool] = False
+    path_dependent: ClassVar[bool] = False
     takes_energy: ClassVar[bool] = False
     behaviour: ClassVar[Behaviour]
 
     gap: float = parameter("initial distance d between the floors", "m")
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """Parameters p of its element between floors of these masses [kg], as `behaviour` reads them."""
         raise NotImplementedError
 
     @classmethod
-    def conflict(cls, **values: float) -> tuple[str, str, str] | None:
+    def find_conflict(cls, **values: float) -> tuple[str, str, str] | None:
         """What is wrong with parameters (SI) that are each in their range: (parameter, what is wrong, what to write);
         None if nothing. Not all need be given."""
         return None
 
     @property
-    def can_close(self) -> bool:
+    def can_act(self) -> bool:
         """Whether a force may ever act."""
         return math.isfinite(self.gap)
 
@@ -199,23 +199,23 @@ class LinkLaw(Law):
         return -math.inf if self.joins else self.offset
 
     @property
-    def damped(self) -> bool:
+    def is_damped(self) -> bool:
         """Whether it takes energy, by a dashpot or otherwise."""
         return self.takes_energy or getattr(self, "damping_ratio", 0.0) > 0.0 or getattr(self, "restitution", 1.0) < 1.0
 
     @property
-    def cut(self) -> bool:
+    def cuts_tension(self) -> bool:
         """Whether a force that would pull is cut off."""
-        return bool(getattr(self, "tension_cut", False)) and self.damped
+        return bool(getattr(self, "tension_cut", False)) and self.is_damped
 
     @property
-    def steepest(self) -> tuple[float, float]:
+    def max_slopes(self) -> tuple[float, float]:
         """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each: the first two of the
         numbers of a law that fixed steps run. A force that stiffens without end is taken where floors press each other
-        by `PRESSED`."""
-        k, c, *_ = self.numbers(1.0, 1.0)
+        by `REFERENCE_CLOSING`."""
+        k, c, *_ = self.element_parameters(1.0, 1.0)
         return k, c
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """Energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""
         return 0.0

@@ -16,11 +16,11 @@ from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.numbers import counted
 from pounding_cli.records.motion import GRAVITY
 
-COLLAPSE = 0.10
+DEFAULT_COLLAPSE_RATIO = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
 
 _LAW_FIELDS = "storey_law", "law_parameters"
-_OF_MEETINGS = "slab", "columns"
+_MEETING_FIELDS = "slab", "columns"
 """Fields that say what neighbours strike; they move no building by themselves, and links carry what follows."""
 
 
@@ -214,9 +214,9 @@ class Building:
         """Drift at which every storey counts as collapsed [m], inf where that is not looked for, shape (n,)."""
         if self.collapse is not None:
             return self.collapse * self.height
-        softest = np.array([law.softest for law in self.laws])
+        softest = np.array([law.min_slope_ratio for law in self.laws])
         softens = np.isfinite(self.yield_shear) & (self.stability_coefficient > softest)
-        return (COLLAPSE if softens.any() else np.inf) * self.height
+        return (DEFAULT_COLLAPSE_RATIO if softens.any() else np.inf) * self.height
 
     @property
     def stability_coefficient(self) -> np.ndarray:
@@ -280,7 +280,7 @@ class Building:
         sha = hashlib.sha256()
         for each in fields(self):
             value = getattr(self, each.name)
-            if each.name in ("name", *_OF_MEETINGS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
+            if each.name in ("name", *_MEETING_FIELDS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
                 continue  # bilinear storeys have the digest that they had before there were others
             if each.name in ("gravity_load", "collapse") and value is None:
                 continue  # nor do these change the digests of buildings without them
@@ -290,5 +290,5 @@ class Building:
                 sha.update(each.name.encode())
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
         if self.foundation is not None and self.foundation.isolation is not None:
-            sha.update(self.foundation.isolation.words.encode())
+            sha.update(self.foundation.isolation.identity.encode())
         return sha.hexdigest()

@@ -91,11 +91,11 @@ class Link:
         return self.law.gap
 
     @property
-    def words(self) -> str:
+    def identity(self) -> str:
         """Everything about the link, in a line: two links with one line act alike."""
         between = "" if self.left_at == self.right_at == 1.0 else f" {self.left_at!r} {self.right_at!r}"
         between += f" columns {self.columns!r}" if self.columns else ""
-        return f"{self.left} {self.left_floor} {self.right_floor} {self.law.words}{between}"
+        return f"{self.left} {self.left_floor} {self.right_floor} {self.law.identity}{between}"
 
 
 LinkPlace = tuple[int, int, int, str]

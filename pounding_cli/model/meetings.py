@@ -49,7 +49,7 @@ class Strike:
         return (self.left_at, self.right_at)[self.side]
 
 
-def meetings(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
+def find_meetings(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
     """(floors of `left` and `right`, from 1, whose slabs meet; slabs that strike columns), from the ground up.
 
     A slab reaches half its thickness up and down from the elevation of its floor. Slabs above the neighbour's roof have

@@ -232,7 +232,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
         for name in ("mass", "height", "stiffness", "yield_shear"):
             found[name] = np.full((len(row), storeys), np.nan)
             for values, building in zip(found[name], row, strict=True):
-                known = building.known(name) if isinstance(building, Wall) else getattr(building, name)
+                known = building.storey_property(name) if isinstance(building, Wall) else getattr(building, name)
                 values[: building.storeys] = known
         return found
 

@@ -13,10 +13,10 @@ from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, Foundation, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
 from pounding_cli.model.links import BASE
-from pounding_cli.model.meetings import Strike, meetings
+from pounding_cli.model.meetings import Strike, find_meetings
 from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
-from pounding_cli.model.wall import ENDLESS, Wall
+from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.numbers import counted, listed
 from pounding_cli.study.file import Problems, Steps, nearest
 from pounding_cli.study.laws import own
@@ -33,7 +33,7 @@ COLUMNS = (
 def tell_left_out(group: Sequence[Building], root: Any, path: Steps, notes: Problems) -> None:
     """Note the floors of every pair of neighbours whose slabs strike columns of which nothing is known."""
     for place, pair in enumerate(pairwise(group)):
-        floors, strikes = meetings(*pair)
+        floors, strikes = find_meetings(*pair)
         unknown = [strike for strike in strikes if pair[strike.side].columns is None]
         if unknown:
             told = listed(f"floor {strike.slab} of {pair[1 - strike.side].name}" for strike in unknown)
@@ -49,7 +49,7 @@ def meetings_in_words(group: Sequence[Building]) -> list[str]:
     blows that are left out. Floors that all meet those of their number share a line."""
     lines = []
     for left, right in pairwise(group):
-        pair, (floors, strikes) = f"{left.name}|{right.name}  ", meetings(left, right)
+        pair, (floors, strikes) = f"{left.name}|{right.name}  ", find_meetings(left, right)
         if isinstance(left, Wall) or isinstance(right, Wall):
             named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors)
             lines.append(f"{pair}the wall meets {named}")
@@ -115,11 +115,11 @@ def building(name: str, spec: Any) -> Building:
 
 def _wall(name: str, spec: Any) -> Wall:
     if spec == "fixed":
-        return Wall.of(name)
-    height = ENDLESS if spec.height is None else spec.height
+        return Wall.build(name)
+    height = UNLIMITED_HEIGHT if spec.height is None else spec.height
     if spec.stiffness is None:
-        return Wall.of(name, height)
-    return Wall.of(name, height, spec.mass, spec.stiffness, spec.damping)
+        return Wall.build(name, height)
+    return Wall.build(name, height, spec.mass, spec.stiffness, spec.damping)
 
 
 def _filled(value: Any, storeys: int) -> np.ndarray:
@@ -188,15 +188,15 @@ class Group:
             for name, label in zip(names, places(names), strict=True)
         )
         roof = max((float(b.elevation[-1]) for b in placed if not isinstance(b, Wall)), default=0.0)
-        placed = tuple(b.up_to(roof) if isinstance(b, Wall) else b for b in placed)
+        placed = tuple(b.raise_to(roof) if isinstance(b, Wall) else b for b in placed)
         return cls.of_buildings(placed, types)
 
     @classmethod
     def of_buildings(cls, placed: tuple[Building, ...], types: Mapping[str, Building]) -> Group:
         """The group of buildings by place."""
         pairs = list(pairwise(placed))
-        common = tuple(dict(meetings(*pair)[0]) for pair in pairs)
-        strikes = tuple(tuple(s for s in meetings(*pair)[1] if pair[s.side].columns is not None) for pair in pairs)
+        common = tuple(dict(find_meetings(*pair)[0]) for pair in pairs)
+        strikes = tuple(tuple(s for s in find_meetings(*pair)[1] if pair[s.side].columns is not None) for pair in pairs)
         return cls(placed, types, common, strikes)
 
     def stiffness(self, given: Any) -> float:

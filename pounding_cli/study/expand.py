@@ -140,7 +140,7 @@ class _Expansion:
                 self._note()
             else:
                 for ending in endings:
-                    self._content += digests.ended(ending)
+                    self._content += digests.finish(ending)
         if self._problems:
             return np.zeros((1,) * (len(shape) + 2), np.int32)
         numbers = np.arange(first, len(self._content) // DIGEST, dtype=np.int32)
@@ -151,7 +151,7 @@ class _Expansion:
         motions, tail = self.study.motions(point), self.study.section(point, "tail")
         to_rest = self.study.asks_residual_drift
         asked = product(self.analyses, self.records if motions else ())
-        return [Digests.ending(motions[name].motion, analysis, tail, to_rest) for analysis, name in asked]
+        return [Digests.suffix(motions[name].motion, analysis, tail, to_rest) for analysis, name in asked]
 
     def _note(self) -> None:
         """Take over what is wrong at the points asked so far.  Raises `InputError` where that is much."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 from pydantic import Discriminator, Tag, create_model
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
-from pounding_cli.laws.pounding import restitution_of
+from pounding_cli.laws.pounding import restitution_from_damping
 from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
 from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, Quantity, Text, Whole, refuse, said
 
@@ -104,7 +104,7 @@ class Link(Model):
             return
         if ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:
             what = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
-            hint = f"write `restitution: {restitution_of(ratio):.3g}`, the e of that ratio there"
+            hint = f"write `restitution: {restitution_from_damping(ratio):.3g}`, the e of that ratio there"
             yield ("damping_ratio",), what, hint, True
 
     @property
@@ -146,7 +146,7 @@ def _kind(law: Any, name: str, declared: Any, words: tuple[str, ...]) -> Any:
     if declared.unit == "N/m":
         return Annotated[Any, LINK_STIFFNESS]
     unit, default = "" if declared.unit == "-" else declared.unit, law.parameters()[name].default
-    example = default if declared.refusal(1.0) and isinstance(default, float) else 1.0
+    example = default if declared.describe_issue(1.0) and isinstance(default, float) else 1.0
     ends = declared.low, declared.high, declared.open_low, declared.open_high
     return Annotated[float, Quantity(name.replace("_", " "), unit, f"{example:g} {unit}".strip(), *ends)]
 
@@ -174,7 +174,7 @@ def law_keys(laws: dict[str, Any]) -> dict[str, tuple[Any, Any]]:
                 dict.fromkeys(str(w) for h in hints if isinstance(h, type) and issubclass(h, StrEnum) for w in h)
             )
             told = " and ".join(filter(None, (", ".join(one.name for one in owners[:-1]), owners[-1].name)))
-            found[name] = _kind(law, name, declared, words) | None, key(None, f"{told}: {declared.words}")
+            found[name] = _kind(law, name, declared, words) | None, key(None, f"{told}: {declared.description}")
     return found
 
 
@@ -183,7 +183,7 @@ def _link_model(name: str, law: Any) -> Any:
     for n, declared in own(law).items():
         default = law.parameters()[n].default
         kind = _kind(law, n, declared, ())
-        fields[n] = kind, key(... if not isinstance(default, str | float | int) else default, declared.words)
+        fields[n] = kind, key(... if not isinstance(default, str | float | int) else default, declared.description)
     about = (law.__doc__ or name).strip().split("\n\n")[0]
     return create_model(f"Link_{name}".replace("-", "_"), __base__=Link, __doc__=about, **fields)
 

@@ -11,9 +11,9 @@ from typing import Any
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.laws import contact_laws, link_laws
-from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
+from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_of
+from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_from_damping
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, column_flexibility
 from pounding_cli.numbers import counted
@@ -44,8 +44,12 @@ def own_laws(specs: Mapping[str, Any], root: Any, problems: Problems) -> dict[st
         if name in (*link_laws(), "none", "apart"):
             problems.at(root, path, f"'{name}' is a law of this program", "give yours another name", key=True)
         for parameter in spec.parameters:
-            if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*GIVEN, "sqrt"):
-                hint = f"write a name of letters, digits and _ other than {', '.join(GIVEN)} and sqrt"
+            if (
+                not parameter.isidentifier()
+                or keyword.iskeyword(parameter)
+                or parameter in (*FORMULA_VARIABLES, "sqrt")
+            ):
+                hint = f"write a name of letters, digits and _ other than {', '.join(FORMULA_VARIABLES)} and sqrt"
                 at = (*path, "parameters", parameter)
                 problems.at(root, at, f"'{parameter}' cannot be a parameter", hint, key=True)
         constants = tuple((key, value.value, value.dimension) for key, value in spec.parameters.items())
@@ -198,7 +202,7 @@ def find_losses(link: Any, kind: type[LinkLaw]) -> dict[str, float]:
     """
     ratio, e = getattr(link, "damping_ratio", None), getattr(link, "restitution", None)
     if ratio is not None:
-        return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
+        return {"damping_ratio": ratio, "restitution": restitution_from_damping(ratio)}
     if e is None and not keys_of(kind) & {*LOSSES}:
         return {}
     e = RESTITUTION if e is None else e
@@ -334,7 +338,9 @@ class _Builder:
                 at = (*path, name) if getattr(link, name, None) is not None else ("impact", "stiffness")
                 self.note(at, *refuse_building(value.building, self.group.types))
                 return None
-        if conflict := kind.conflict(**{name: value for name, value in wanted.items() if isinstance(value, float)}):
+        if conflict := kind.find_conflict(
+            **{name: value for name, value in wanted.items() if isinstance(value, float)}
+        ):
             self.note((*path, conflict[0]), *conflict[1:])
             return None
         return self._made(lambda: kind(**wanted), path)

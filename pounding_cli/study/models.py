@@ -117,7 +117,7 @@ def _of(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
 
 def _about(law: Any, name: str) -> str:
     """What it means, with its unit."""
-    return str(law.parameters()[name].metadata["parameter"].words)
+    return str(law.parameters()[name].metadata["parameter"].description)
 
 
 class _Isolators(Model):
@@ -364,7 +364,7 @@ class _Building(Model):
                     yield (name,), what, f"remove it; it belongs to {owner.name}", True
         for name, declared in own(law).items():
             if getattr(self, name) is None and not isinstance(law.parameters()[name].default, str | float | int):
-                yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.words}"
+                yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.description}"
 
 
 if TYPE_CHECKING:

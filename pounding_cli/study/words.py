@@ -183,7 +183,7 @@ def _missing(name: str, path: Steps, model: type[BaseModel], root: Any) -> Told:
         return "'link' is missing", f"write `link: pounding`, {', '.join([*link_laws()][1:])} or none", False
     if "link" in known and law is not None and name in own(law):
         contact = " here or under `impact`" if law.subtracts_gap else ""
-        return f"'{name}' is missing", f"a {law.name} needs it{contact}: {own(law)[name].words}", False
+        return f"'{name}' is missing", f"a {law.name} needs it{contact}: {own(law)[name].description}", False
     return f"'{name}' is missing", _example(model, path, root), False
 
 

@@ -14,7 +14,7 @@ import pandas as pd
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import APART, Link
-from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
+from pounding_cli.model.meetings import FLOOR_TOLERANCE, find_meetings
 from pounding_cli.model.separation import (
     ASCE7,
     EN1998,
@@ -479,7 +479,7 @@ def _all_facing(apart: Study, point: Point, case: str) -> tuple[Link, ...]:
     assert row is not None  # the study was validated at every point
     links: list[Link] = []
     for left, pair in enumerate(pairwise(row.buildings)):
-        floors, strikes = meetings(*pair)  # slabs beside columns too, whether or not their share is known
+        floors, strikes = find_meetings(*pair)  # slabs beside columns too, whether or not their share is known
         links += [Link.apart(left, *both) for both in floors]
         links += [Link.apart(left, s.left_floor, s.right_floor, s.left_at, s.right_at) for s in strikes]
     return tuple(links)
