@@ -150,6 +150,7 @@ class LinkLaw(Law):
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
     beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
     invalidates : whether that takes the meaning from all numbers of the scene
+    can_act : whether a force may ever act
     joins : whether a force acts at all closings, not only once the floors meet
     path_dependent : whether its force depends on what happened before, so that only methods that locate events know it
     takes_energy : whether it has a dashpot whatever its damping ratio
@@ -166,6 +167,7 @@ class LinkLaw(Law):
     stiffness_default: ClassVar[str] = ""
     beyond_gap: ClassVar[str] = ""
     invalidates: ClassVar[bool] = False
+    can_act: ClassVar[bool] = True
     joins: ClassVar[bool] = False
     path_dependent: ClassVar[bool] = False
     takes_energy: ClassVar[bool] = False
@@ -182,11 +184,6 @@ class LinkLaw(Law):
         """What is wrong with parameters (SI) that are each in their range: (parameter, what is wrong, what to write);
         None if nothing. Not all need be given."""
         return None
-
-    @property
-    def can_act(self) -> bool:
-        """Whether a force may ever act."""
-        return math.isfinite(self.gap)
 
     @property
     def offset(self) -> float:

@@ -81,10 +81,7 @@ def next_branch(e: Any, guard: int) -> None:
 
 @dataclass(frozen=True)
 class Pounding(LinkLaw):
-    """F = s_imp v + c v' for v > 0; v is the closing less the gap.
-
-    A gap of inf stands for floors that never meet: a run finds their largest closing all the same.
-    """
+    """F = s_imp v + c v' for v > 0; v is the closing less the gap."""
 
     name = "pounding"
     example = "{link: pounding, gap: 2 cm, stiffness: 20 x stiffest storey, restitution: 0.5}"
@@ -96,18 +93,17 @@ class Pounding(LinkLaw):
     subtracts_gap = True
     behaviour = Behaviour(next_branch)
 
-    gap: float = parameter("initial distance d between the floors", "m", can_be_infinite=True)
     stiffness: float = parameter("impact spring s_imp", "N/m", open_low=True)
     damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)
     tension_cut: bool = parameter("no force that pulls the floors together", default=False)
     dashpot: DashpotLaw = parameter("mass in eq. (7)", default=DashpotLaw.REDUCED_MASS)
 
     def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
-        """k [N/m], c [N s/m], whether the tension is cut."""
-        k = self.stiffness if self.can_act else 0.0
-        c = dashpot_constant(self.damping_ratio, k, self.dashpot.mass(left_mass, right_mass))
-        return k, c, float(self.cuts_tension)
+        """Return k [N/m], c [N s/m], and 1 where the tension is cut."""
+        mass = self.dashpot.mass(left_mass, right_mass)
+        c = dashpot_constant(self.damping_ratio, self.stiffness, mass)
+        return self.stiffness, c, float(self.cuts_tension)
 
     def stored_energy(self, closing: float, force: float) -> float:
-        """k v^2 / 2 while the floors press [J]."""
-        return 0.5 * self.stiffness * max(closing - self.gap, 0.0) ** 2 if self.can_act else 0.0
+        """Return k v^2 / 2 while the floors press [J]."""
+        return 0.5 * self.stiffness * max(closing - self.gap, 0.0) ** 2

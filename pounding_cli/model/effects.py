@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from pounding_cli.laws import link_laws
+from pounding_cli.laws.apart import Apart
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import APART
 from pounding_cli.model.scene import Analysis, Scene
 
 RESIDUAL_DRIFTS = "residual drifts"
@@ -149,7 +149,7 @@ def _effects_of(
     decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(building.beta > 0 for building in buildings), "stiffness-proportional damping", "beta is 0")
     kinds = sorted({kind for kind, _, _, _ in links})
-    for kind in (*link_laws(), *(kind for kind in kinds if kind not in link_laws() and kind != APART)):
+    for kind in (*link_laws(), *(kind for kind in kinds if kind not in link_laws() and kind != Apart.name)):
         decide(kind in kinds, f"{kind} links", "the case has none")
     if kinds:
         decide(any(damped for _, damped, _, _ in links), "link dashpots", "restitution is 1")

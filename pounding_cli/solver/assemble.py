@@ -293,9 +293,6 @@ def _put_links(elements: np.ndarray, scenes: Sequence[Scene], masses: Sequence[t
         written = 0
         for place, (link, both) in enumerate(zip(scene.links, masses, strict=True)):
             law = link.law
-            if not law.can_act:  # its closing alone is asked for
-                elements["kind"][number, place], elements["eased"][number, place] = BEHAVIOURS.index(JOINED), 0
-                continue
             numbers = law.element_parameters(*both)
             p[number, place, : len(numbers)], offset[number, place] = numbers, law.offset
             if isinstance(law, WrittenLaw):

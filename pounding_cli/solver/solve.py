@@ -230,7 +230,6 @@ def _held_at_start(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     in_links = sum(
         link.law.stored_energy(float(closing), float(k * closing))
         for link, closing, k in zip(links, moved[layout.of_links], stiffness[layout.of_links], strict=True)
-        if link.law.can_act
     )
     return 0.5 * float(data.dofs["mass"][0] @ data.dofs["w"][0, :, 0] ** 2) + float(stored) + in_links
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.model.links import APART, Link, link_places
+from pounding_cli.model.links import Link, link_places
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.study.build import places
@@ -191,7 +191,6 @@ def _table(cases: list[list[tuple[Link, ...]]], sizes: tuple[int, ...], touched:
         rows = [point for point, links in enumerate(points) for _ in links]
         at = rows, [number[place] for links in points for place in _places(links)]
         values: dict[str, list[Any]] = {"order": [n for links in points for n in range(len(links))]}
-        values["gap"] = [np.nan if link.kind == APART else link.gap for links in points for link in links]
         for name, array in whole.items():
             own = np.full((len(points), len(columns)), absent[name])
             own[at] = values.get(name) or [getattr(link, name) for links in points for link in links]
