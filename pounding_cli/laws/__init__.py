@@ -70,5 +70,5 @@ def storey_laws() -> dict[str, type[StoreyLaw]]:
 
 
 def link_symbol(name: str) -> str:
-    """How pictures show a law (`LinkLaw.symbol`), also of one that is not installed here."""
+    """Return the symbol of a law in pictures (`LinkLaw.symbol`), also of one that is not installed here."""
     return link_laws().get(name, LinkLaw).symbol

@@ -43,7 +43,7 @@ def next_branch(e: Any, guard: int) -> None:
 
 
 class BilinearDamping(StrEnum):
-    """Where the energy lost in a blow comes from: the coefficient of restitution that comes out, or a formula."""
+    """Source of the energy lost in a blow: the coefficient of restitution that comes out, or a formula."""
 
     EXACT = "exact"
     MUTHUKUMAR = "muthukumar"
@@ -100,7 +100,7 @@ class BilinearContact(LinkLaw):
         return *self.stiffnesses, self.yield_share * self.penetration
 
     def stored_energy(self, closing: float, force: float) -> float:
-        """What the contact gives back from a closing reached by pressing from the gap [J]."""
+        """Return the energy given back from a closing reached by pressing from the gap [J]."""
         (k1, k2, limit), v = self.element_parameters(1.0, 1.0), max(closing - self.offset, 0.0)
         if v <= limit:
             return 0.5 * k1 * v**2

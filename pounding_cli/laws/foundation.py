@@ -1,4 +1,4 @@
-"""What stands under a base: springs and dashpots where it sways or rocks (paper, Fig. 1), or isolators.
+"""Supports of a base: springs and dashpots where it sways or rocks (paper, Fig. 1), or isolators.
 
 Friction pendulums stick and slide (`laws.slider`), lead-rubber bearings are bilinear in the displacement of the base
 (`laws.bilinear`), high-damping rubber is a spring and a dashpot of equivalent values."""
@@ -64,7 +64,7 @@ class Isolation(Law):
 
     @abstractmethod
     def law_under(self, weight: float) -> Bilinear | Slider | None:
-        """What they do under a weight [N], which stays the same; None where they are linear."""
+        """Return their law under a weight [N], which stays the same; None where they are linear."""
 
     def effective(self, weight: float, displacement: float) -> tuple[float, float]:
         """Period [s] and damping ratio [-] that a linear oscillator has with the secant stiffness, and the energy lost
@@ -152,7 +152,7 @@ class Rubber(Isolation):
         return 2 * self.damping_ratio * math.sqrt(self.stiffness * weight / GRAVITY)
 
     def effective(self, weight: float, displacement: float) -> tuple[float, float]:
-        """Of any amplitude."""
+        """Return the same at any amplitude."""
         return 2 * math.pi * math.sqrt(weight / GRAVITY / self.stiffness), self.damping_ratio
 
 

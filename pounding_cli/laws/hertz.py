@@ -25,7 +25,7 @@ DAMPING_FORMULA = "formula of the damping: `exact` gives the wanted restitution,
 
 
 class HertzDamping(StrEnum):
-    """Where the damping of `HertzDamp` comes from: the coefficient of restitution that comes out, or a formula."""
+    """Source of the damping of `HertzDamp`: the coefficient of restitution that comes out, or a formula."""
 
     EXACT = "exact"
     MUTHUKUMAR = "muthukumar"
@@ -46,7 +46,7 @@ class HertzDamping(StrEnum):
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function of one sign at `low` and the other at `high` is zero."""
+    """Return the zero of a function of one sign at `low` and the other at `high`."""
     from scipy.optimize import brentq
 
     return float(brentq(function, low, high, xtol=1e-300, rtol=1e-14))
@@ -131,7 +131,7 @@ def damped_force(e: Any, v: float, r: float) -> float:
 
 @dataclass(frozen=True)
 class HertzSpring(LinkLaw):
-    """What laws of a Hertz contact have in common: F = k_h v^1.5 for v > 0 but for damping.
+    """Base of the laws of a Hertz contact: F = k_h v^1.5 for v > 0 but for damping.
 
     v is the closing less the gap.
     """
@@ -198,7 +198,8 @@ class HertzDamp(HertzSpring):
 DASHPOT = 1
 """Parameter of Jankowski's contact besides k_h: dashpot 2 xi sqrt(k_h m') of v^0.25 v'."""
 
-APPROACH, RELEASE = 1, 2
+APPROACH = 1
+RELEASE = 2
 """Branches of Jankowski's contact."""
 
 
@@ -222,7 +223,7 @@ def jankowski_force(e: Any, v: float, r: float) -> float:
 
 
 class JankowskiDamping(StrEnum):
-    """Where the damping of `Jankowski` comes from: the coefficient of restitution that comes out, or his formula."""
+    """Source of the damping of `Jankowski`: the coefficient of restitution that comes out, or his formula."""
 
     EXACT = "exact"
     JANKOWSKI = "jankowski"

@@ -104,7 +104,8 @@ def _take_backbone(e: Any, side: int) -> None:
 
 def _turn_back(e: Any, side: int, was: int) -> None:
     """A reversal: the unloading stiffness deteriorates."""
-    drift, unloading = e.v1, e.h[UNLOADING]
+    drift = e.v1
+    unloading = e.h[UNLOADING]
     shear = e.k * drift + e.f0
     if e.p[BY_UNLOADING] < math.inf:
         done = e.h[WORK] + (0.5 * e.k * drift + e.f0) * drift
@@ -160,26 +161,30 @@ def _slope(rise: float, run: float) -> float:
 
 
 def _deteriorate(e: Any, side: int, energy: float) -> None:
-    """What an excursion that dissipated `energy` [J] leaves of strength and post-capping line, and the target."""
-    at, yields = 1 if side < 0 else 0, e.p[K] * e.p[LIMIT]
-    strength = max((1.0 - _loss(e, e.p[BY_STRENGTH], energy)) * e.h[STRENGTH + at], e.p[RESIDUAL] / yields)
+    """Deteriorate strength, post-capping line and target by an excursion that dissipated `energy` [J]."""
+    index = 1 if side < 0 else 0
+    yields = e.p[K] * e.p[LIMIT]
+    strength = max((1.0 - _loss(e, e.p[BY_STRENGTH], energy)) * e.h[STRENGTH + index], e.p[RESIDUAL] / yields)
     # The post-capping line does not fall below the yield point.
     least = yields * (1.0 + e.p[POST]) / e.p[CAP_SHEAR] * strength
-    cap = max((1.0 - _loss(e, e.p[BY_CAPPING], energy)) * e.h[CAP + at], least)
-    target, more = side * e.h[TARGET + at], _loss(e, e.p[BY_RELOADING], energy)
-    e.h[STRENGTH + at], e.h[CAP + at] = strength, cap
+    cap = max((1.0 - _loss(e, e.p[BY_CAPPING], energy)) * e.h[CAP + index], least)
+    target = side * e.h[TARGET + index]
+    more = _loss(e, e.p[BY_RELOADING], energy)
+    e.h[STRENGTH + index] = strength
+    e.h[CAP + index] = cap
     e.h[DISSIPATED] += energy
     if e.h[DISSIPATED] < e.p[BY_RELOADING]:
         target *= 1.0 + more
     if e.p[BY_UNLOADING] < math.inf:
         target = max(target, _nearest_target(e, side))
-    e.h[TARGET + at] = side * target
+    e.h[TARGET + index] = side * target
 
 
 def _nearest_target(e: Any, side: int) -> float:
-    """Where the backbone is met by a line with the unloading stiffness: reloading is no stiffer."""
+    """Return the drift at which a line with the unloading stiffness meets the backbone: reloading is no stiffer."""
     plateau, hardening, cap, falling = _backbone(e, side)
-    begins, unloading = side * e.v1, e.h[UNLOADING]
+    begins = side * e.v1
+    unloading = e.h[UNLOADING]
     if e.p[PINCHED_FORCE] > 0.0:
         begins = max(begins, 0.0)
     reach = unloading * begins
@@ -187,7 +192,7 @@ def _nearest_target(e: Any, side: int) -> float:
     return max(nearest, (reach + e.p[RESIDUAL]) / unloading)
 
 
-PLAIN = 1.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 1.0, 0.0, 0.0, 0.0
+NO_DETERIORATION = 1.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 1.0, 0.0, 0.0, 0.0
 """Parameters from the post-capping slope on of a storey that neither caps nor deteriorates nor pinches."""
 
 
@@ -206,7 +211,7 @@ class PeakOriented(StoreyLaw):
 
     def element_parameters(self) -> tuple[float, ...]:
         """As the parameters above."""
-        return *super().element_parameters(), *PLAIN
+        return *super().element_parameters(), *NO_DETERIORATION
 
 
 def _capacity(of: str) -> float:

@@ -15,7 +15,8 @@ from pounding_cli.laws.pounding import DASHPOT, DashpotLaw, reduced_mass
 MIN_THICKNESS = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
 
-HELD_WITHIN, HELD_AT_LEAST = 1e-7, 1e-10
+HELD_WITHIN = 1e-7
+HELD_AT_LEAST = 1e-10
 """Width of the jump of eq. (9) as printed, for floors that pass it slowly: part of the thickness, and at least [m].
 
 A push between the two forces at the jump holds the floors there. They would swing through it ever faster, an endless
@@ -92,7 +93,7 @@ def next_branch(e: Any, guard: int) -> None:
 
 
 class InfillLaw(StrEnum):
-    """How an infill goes on beyond its thickness: F(d) + s_imp (v - d), or s_imp v as eq. (9) is printed."""
+    """Force of an infill beyond its thickness: F(d) + s_imp (v - d), or s_imp v as eq. (9) is printed."""
 
     CONTINUOUS = "continuous"
     PRINTED = "printed"
@@ -168,6 +169,7 @@ class Infill(LinkLaw):
     def stored_energy(self, closing: float, force: float) -> float:
         """Its elastic force integrated from zero [J]."""
         k, cubic, _, impact, offset, d, *_ = self.element_parameters(1.0, 1.0)
-        inside, beyond = min(max(closing, 0.0), d), max(closing - d, 0.0)
+        inside = min(max(closing, 0.0), d)
+        beyond = max(closing - d, 0.0)
         energy = 0.5 * k * inside**2 + 0.25 * cubic * inside**4
         return energy + (impact * d + offset) * beyond + 0.5 * impact * beyond**2

@@ -1,4 +1,4 @@
-"""What joins two floors for good: a connector, and dampers of four kinds (paper, eq. 10)."""
+"""Links that join two floors for good: a connector, and dampers of four kinds (paper, eq. 10)."""
 
 from __future__ import annotations
 

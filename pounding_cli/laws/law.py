@@ -1,4 +1,4 @@
-"""What a law declares: its parameters, and what its element does on each branch (`Behaviour`).
+"""Declaration of a law: its parameters, and its element on each branch (`Behaviour`).
 
 The functions of a law are plain Python on the fields of an element; the solver compiles them. Everything that acts is
 one-dimensional: a force F on a deformation v, the drift of a storey or the closing of two floors."""
@@ -11,7 +11,8 @@ from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import cached_property
 from typing import Any, ClassVar
 
-PARAMETERS, HISTORY = 16, 14
+PARAMETERS = 16
+HISTORY = 14
 """Room in the record of an element for the parameters p and the history variables h of its law."""
 
 REFERENCE_CLOSING = 0.01
@@ -21,7 +22,7 @@ millimetres."""
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a field of a law means, its unit and the range of its values."""
+    """Meaning of a field of a law, its unit and the range of its values."""
 
     doc: str
     unit: str = "-"
@@ -32,7 +33,7 @@ class Parameter:
     can_be_infinite: bool = False
 
     def describe_issue(self, value: float) -> str:
-        """What is wrong with a value, or ""."""
+        """Return what is wrong with a value, or ""."""
         above = value > self.low if self.open_low else value >= self.low
         below = value < self.high if self.open_high else value <= self.high
         if (above and below) or (self.can_be_infinite and value == math.inf):
@@ -41,7 +42,7 @@ class Parameter:
 
     @property
     def description(self) -> str:
-        """What it means, with its unit."""
+        """The meaning, with the unit."""
         return self.doc if self.unit == "-" else f"{self.doc} [{self.unit}]"
 
     @property
@@ -100,7 +101,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """What an element does, as functions of its record e that the solver compiles (`solver.dispatch`).
+    """Functions of the record e of an element, which the solver compiles (`solver.dispatch`).
 
     next_branch : (e, guard) -> None: the element met a guard (`laws.guards`) at the deformation e.v1 [m] with the rate
         e.r1 [m/s]; sets its next branch and its history variables e.h. On a branch the force is
@@ -143,13 +144,13 @@ JOINED = Behaviour(_set_joined)
 
 @dataclass(frozen=True)
 class LinkLaw(Law):
-    """What stands between two floors. It acts on v, their closing u_left - u_right, less the gap where the law says so.
+    """Law of a link between two floors. It acts on v, their closing u_left - u_right, less the gap if so declared.
 
     symbol : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
     beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
-    invalidates : whether that takes the meaning from all numbers of the scene
+    invalidates : whether exceeding the gap invalidates the scene
     can_act : whether a force may ever act
     joins : whether a force acts at all closings, not only once the floors meet
     path_dependent : whether its force depends on what happened before, so that only methods that locate events know it
@@ -176,18 +177,20 @@ class LinkLaw(Law):
     gap: float = parameter("initial distance d between the floors", "m")
 
     def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
-        """Parameters p of its element between floors of these masses [kg], as `behaviour` reads them."""
+        """Return the parameters p of its element between floors of these masses [kg], as `behaviour` reads them."""
         raise NotImplementedError
 
     @classmethod
     def find_conflict(cls, **values: float) -> tuple[str, str, str] | None:
-        """What is wrong with parameters (SI) that are each in their range: (parameter, what is wrong, what to write);
-        None if nothing. Not all need be given."""
+        """Return (parameter, what is wrong, what to write) of values (SI) that do not fit together; None where they do.
+
+        Each value is in its range; not all need be given.
+        """
         return None
 
     @property
     def offset(self) -> float:
-        """What v leaves out of the closing u_left - u_right [m]."""
+        """Part of the closing u_left - u_right that v leaves out [m]."""
         return self.gap if self.subtracts_gap else 0.0
 
     @property
@@ -197,12 +200,12 @@ class LinkLaw(Law):
 
     @property
     def is_damped(self) -> bool:
-        """Whether it takes energy, by a dashpot or otherwise."""
+        """True where it takes energy, by a dashpot or otherwise."""
         return self.takes_energy or getattr(self, "damping_ratio", 0.0) > 0.0 or getattr(self, "restitution", 1.0) < 1.0
 
     @property
     def cuts_tension(self) -> bool:
-        """Whether a force that would pull is cut off."""
+        """True where a force that would pull is cut off."""
         return bool(getattr(self, "tension_cut", False)) and self.is_damped
 
     @property
@@ -214,5 +217,5 @@ class LinkLaw(Law):
         return k, c
 
     def stored_energy(self, closing: float, force: float) -> float:
-        """Energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""
+        """Return the energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""
         return 0.0

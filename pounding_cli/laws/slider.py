@@ -54,5 +54,5 @@ class Slider(StoreyLaw):
         return self.stiffness, self.yield_shear
 
     def stored_energy(self, drift: Any, shear: Any) -> Any:
-        """What the surface gives back [J]."""
+        """Return the energy that the surface gives back [J]."""
         return 0.5 * self.stiffness * drift**2

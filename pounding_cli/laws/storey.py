@@ -1,4 +1,4 @@
-"""What a law of storeys declares. A storey acts on its drift v; its force is the shear."""
+"""Declaration of a law of storeys. A storey acts on its drift v; its force is the shear."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pounding_cli.laws.law import Behaviour, Law, parameter
 
 @dataclass(frozen=True)
 class StoreyLaw(Law):
-    """What holds a floor to the floor below.
+    """Law of a storey, which holds a floor to the floor below.
 
-    behaviour : what it does where it can yield
+    behaviour : functions of its element where it can yield
 
     Raises
     ------
@@ -36,7 +36,7 @@ class StoreyLaw(Law):
 
     @property
     def can_yield(self) -> bool:
-        """Whether it may leave its first branch."""
+        """True where it may leave its first branch."""
         return math.isfinite(self.yield_shear)
 
     @property
@@ -56,5 +56,6 @@ class StoreyLaw(Law):
 
 def energy_in_two_springs(law: StoreyLaw, drift: Any, shear: Any) -> Any:
     """Energy [J] in a spring a k under the drift and one of (1 - a) k that yields, side by side."""
-    k, a = law.stiffness, law.hardening
+    k = law.stiffness
+    a = law.hardening
     return 0.5 * a * k * drift**2 + 0.5 * (shear - a * k * drift) ** 2 / ((1.0 - a) * k)

@@ -201,7 +201,7 @@ class Building:
         return float(self.elevation[floor - 1]) if floor else 0.0
 
     def has_floor(self, floor: int) -> bool:
-        """Whether a link may end there: at a floor, or at a base that moves (0)."""
+        """Return whether a link may end there: at a floor, or at a base that moves (0)."""
         return 1 <= floor <= self.storeys or (floor == 0 and self.foundation is not None and self.foundation.sways)
 
     @cached_property
@@ -237,7 +237,7 @@ class Building:
 
     @cached_property
     def isolators(self) -> Bilinear | Slider | None:
-        """What the isolators do under its weight; None where it has none, or linear ones."""
+        """Law of the isolators under its weight; None where it has none, or linear ones."""
         base = self.foundation
         return None if base is None or base.isolation is None else base.isolation.law_under(self.weight)
 
@@ -252,7 +252,7 @@ class Building:
 
     @property
     def weight(self) -> float:
-        """Of floors and of a base that sways [N]."""
+        """Weight of the floors and of a base that sways [N]."""
         base = self.foundation.mass if self.foundation is not None and self.foundation.sways else 0.0
         return GRAVITY * (base + float(self.mass.sum()))
 

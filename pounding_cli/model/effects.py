@@ -1,4 +1,4 @@
-"""What a scene calls for, and why the rest is left out: decided here, once, before anything is simulated."""
+"""Decide which effects a scene simulates; give the reason for each one omitted."""
 
 from __future__ import annotations
 
@@ -119,7 +119,10 @@ def _effects_of(
     analysis: Analysis,
     residual_drift: bool,
 ) -> Effects:
-    """Of links the kind, whether they have a dashpot, whether their tension is cut, whether that is asked."""
+    """Return the effects of scenes that share these.
+
+    links : of each the kind, whether it has a dashpot, whether its tension is cut, whether that is requested
+    """
     kept = list[str]()
     dropped = list[DroppedEffect]()
 

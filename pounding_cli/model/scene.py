@@ -17,7 +17,7 @@ from pounding_cli.records.motion import Motion
 
 
 class Analysis(StrEnum):
-    """Whether storeys may yield; contact is the same in both."""
+    """Elastic or yielding storeys; contact is the same in both."""
 
     ELASTIC = "elastic"
     INELASTIC = "inelastic"
