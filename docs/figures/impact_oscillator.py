@@ -49,7 +49,7 @@ def speed_of_rigid_blow() -> float:
 def speed_of_blow(stiffness: float) -> float:
     """Return the speed of the blows [m/s] from a contact of this stiffness [N/m]: impulse over (1 + r) m."""
     building = pound.building("oscillator", storeys=1, mass=1.0, stiffness=[1.0], yield_shear="never", damping=0.0)
-    wall = Wall.of("wall", height=float(building.height[0]))
+    wall = Wall.build("wall", height=float(building.height[0]))
     impulses, impacts = [], []
     for periods in PERIODS:
         step = 2 * pi / FREQUENCY / SAMPLES

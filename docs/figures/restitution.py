@@ -46,7 +46,7 @@ def speed_of(law: LinkLaw) -> float:
     """Speed of the blow [m/s]: of a bilinear contact the one that it is laid out for."""
     if not isinstance(law, BilinearContact):
         return SPEED
-    k1, k2, limit = law.numbers(1.0, 1.0)
+    k1, k2, limit = law.element_parameters(1.0, 1.0)
     beyond = law.penetration - limit
     return math.sqrt((k1 * limit**2 + 2 * k1 * limit * beyond + k2 * beyond**2) / (MASS / 2))
 

@@ -84,10 +84,10 @@ def link_page(law: type[LinkLaw]) -> str:
     facts = [
         f"Its force acts {'at all times' if law.joins else 'once the floors press'}; v is the closing of the two floors"
         + (", less the gap." if law.subtracts_gap else "."),
-        solved(law.behaviour.force is not None, law.remembers),
+        solved(law.behaviour.force is not None, law.path_dependent),
     ]
     if law.beyond_gap:
-        meaning = "; the numbers of that scene then have no meaning" if law.meaningless else ""
+        meaning = "; the numbers of that scene then have no meaning" if law.invalidates else ""
         facts.append(f"A scene in which it closes more than the gap is flagged: *{law.beyond_gap}*{meaning}.")
     return page(law, f"# Link: `{law.name}`", rows, facts, "cases:\n  example: ", law.name)
 
@@ -98,7 +98,9 @@ def storey_page(law: type[StoreyLaw]) -> str:
     rows = [row("hardening", *fields["hardening"])]
     for name, declared in own(law).items():
         default = law.parameters()[name].default
-        given = Field(... if default is MISSING else None if default == inf else default, description=declared.words)
+        given = Field(
+            ... if default is MISSING else None if default == inf else default, description=declared.description
+        )
         rows.append(row(name, fields[name][0], given))
     facts = [
         "D is the drift of the storey, k its stiffness, Vy its yield shear, Dy = Vy / k, and a its `hardening`.",
@@ -107,10 +109,10 @@ def storey_page(law: type[StoreyLaw]) -> str:
     return page(law, f"# Storey: `{law.name}`", rows, facts, "buildings:\n  example: ", f"storey-{law.name}")
 
 
-def solved(smooth: bool, remembers: bool) -> str:
+def solved(smooth: bool, path_dependent: bool) -> str:
     """How the solver takes it."""
     way = "Dormand-Prince 8(5,3) while it acts" if smooth else "Taylor series between its events"
-    return f"It is solved by {way}." + (" Methods of fixed steps refuse it." if remembers else "")
+    return f"It is solved by {way}." + (" Methods of fixed steps refuse it." if path_dependent else "")
 
 
 def page(law: type, heading: str, rows: list[str], facts: list[str], before: str, figure: str) -> str:

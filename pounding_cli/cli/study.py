@@ -229,12 +229,12 @@ def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
 
 def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
     """Return the law of a link with its gap, stiffness and parameters in words."""
-    from pounding_cli.laws.pounding import restitution_of
+    from pounding_cli.laws.pounding import restitution_from_damping
     from pounding_cli.study.plausible import format_value, units_of_size
 
     law = link.law
     words = [f"{'slab against columns' if link.columns else link.kind}", f"gap {width.text(link.gap)}"]
-    stiffness = getattr(law, "stiffness", law.steepest[0])
+    stiffness = getattr(law, "stiffness", law.max_slopes[0])
     if stiffness > 0 and not link.columns:
         words.append(strength.text(stiffness, 4))
     for name, field in law.parameters().items():
@@ -243,7 +243,7 @@ def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
             continue
         title = name.replace("_", " ").replace("1 m s", "1 m/s")
         if name == "damping_ratio":
-            words.append(f"damping ratio {100 * value:.3g} % (restitution {restitution_of(value):.3g})")
+            words.append(f"damping ratio {100 * value:.3g} % (restitution {restitution_from_damping(value):.3g})")
         elif unit.startswith("N"):
             words.append(f"{title} {format_value(value, units_of_size(unit))}")
         else:

@@ -69,6 +69,6 @@ def storey_laws() -> dict[str, type[StoreyLaw]]:
     return {law.name: law for law in BUILT_IN if issubclass(law, StoreyLaw)}
 
 
-def drawn(name: str) -> str:
-    """How pictures show a law (`LinkLaw.drawn`), also of one that is not installed here."""
-    return link_laws().get(name, LinkLaw).drawn
+def link_symbol(name: str) -> str:
+    """Return the symbol of a law in pictures (`LinkLaw.symbol`), also of one that is not installed here."""
+    return link_laws().get(name, LinkLaw).symbol

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws.guards import HIGH, INSIDE, START
-from pounding_cli.laws.law import Behaviour, line
-from pounding_cli.laws.storey import StoreyLaw, stored_in_two_springs
+from pounding_cli.laws.law import Behaviour, set_line
+from pounding_cli.laws.storey import StoreyLaw, energy_in_two_springs
 
 K, LIMIT, A = range(3)
 """Parameters: stiffness [N/m], yield drift [m], post-yield over initial stiffness [-]."""
@@ -25,12 +25,12 @@ def next_branch(e: Any, guard: int) -> None:
     k, limit, a = e.p[K], e.p[LIMIT], e.p[A]
     if e.branch == ELASTIC and guard != START:
         e.branch = UPPER if guard == HIGH else LOWER
-        line(e, a * k, e.c, e.branch * (1.0 - a) * k * limit, -math.inf, math.inf, e.branch)
+        set_line(e, a * k, e.c, e.branch * (1.0 - a) * k * limit, -math.inf, math.inf, e.branch)
         return
     if guard != START:  # the drift turns
         e.h[PLASTIC] = e.v1 - e.branch * (limit - INSIDE * (limit + abs(e.v1)))
     e.branch = ELASTIC
-    line(e, k, e.c, -(1.0 - a) * k * e.h[PLASTIC], e.h[PLASTIC] - limit, e.h[PLASTIC] + limit)
+    set_line(e, k, e.c, -(1.0 - a) * k * e.h[PLASTIC], e.h[PLASTIC] - limit, e.h[PLASTIC] + limit)
 
 
 BILINEAR = Behaviour(next_branch)
@@ -48,6 +48,6 @@ class Bilinear(StoreyLaw):
     citation = (("spiliopoulos1996", "bilinear storeys, section 2"),)
     behaviour = BILINEAR
 
-    def stored(self, drift: Any, shear: Any) -> Any:
+    def stored_energy(self, drift: Any, shear: Any) -> Any:
         """In two springs, one of which yields."""
-        return stored_in_two_springs(self, drift, shear)
+        return energy_in_two_springs(self, drift, shear)

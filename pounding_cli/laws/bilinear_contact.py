@@ -8,8 +8,8 @@ from enum import StrEnum
 from typing import Any
 
 from pounding_cli.laws.guards import FASTER, HIGH, INSIDE, LOW, SLOWER, START
-from pounding_cli.laws.hertz import DAMPING_FORMULA, LEAST_RESTITUTION
-from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
+from pounding_cli.laws.hertz import DAMPING_FORMULA, MIN_RESTITUTION
+from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
 
 K1, K2, LIMIT = range(3)
 """Parameters: stiffness up to the yield and on unloading, stiffness beyond it [N/m], yield closing [m]."""
@@ -25,25 +25,25 @@ def next_branch(e: Any, guard: int) -> None:
     """Elastic up to the yield; unloading along K1 over the same closing, then returning along K2."""
     k1, k2, limit = e.p[K1], e.p[K2], e.p[LIMIT]
     if guard == START or (guard == LOW and e.low == 0.0):
-        opened(e)
+        set_open(e)
     elif guard == SLOWER or guard == FASTER:
         margin = INSIDE * (limit + abs(e.v1))
         e.h[YIELDS] = e.v1 + margin if guard == SLOWER else e.v1 + limit - margin
         e.branch = UNLOADING
-        line(e, k1, 0.0, -(k1 - k2) * (e.h[YIELDS] - limit), max(e.h[YIELDS] - limit, 0.0), e.h[YIELDS])
+        set_line(e, k1, 0.0, -(k1 - k2) * (e.h[YIELDS] - limit), max(e.h[YIELDS] - limit, 0.0), e.h[YIELDS])
     elif e.branch == OPEN:
         e.branch = ELASTIC
-        line(e, k1, 0.0, 0.0, 0.0, limit if k1 != k2 else math.inf)
+        set_line(e, k1, 0.0, 0.0, 0.0, limit if k1 != k2 else math.inf)
     elif guard == HIGH:
         e.branch = YIELDING
-        line(e, k2, 0.0, (k1 - k2) * limit, 0.0, math.inf, 1)
+        set_line(e, k2, 0.0, (k1 - k2) * limit, 0.0, math.inf, 1)
     else:
         e.branch = RETURNING
-        line(e, k2, 0.0, 0.0, 0.0, math.inf, -1)
+        set_line(e, k2, 0.0, 0.0, 0.0, math.inf, -1)
 
 
 class BilinearDamping(StrEnum):
-    """Where the energy lost in a blow comes from: the coefficient of restitution that comes out, or a formula."""
+    """Source of the energy lost in a blow: the coefficient of restitution that comes out, or a formula."""
 
     EXACT = "exact"
     MUTHUKUMAR = "muthukumar"
@@ -71,12 +71,12 @@ class BilinearContact(LinkLaw):
     example = "{link: bilinear, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5, penetration: 5 mm, restitution: 0.6}"
     citation = (("muthukumar2006", "the bilinear contact"),)
     subtracts_gap = True
-    remembers = True
+    path_dependent = True
     behaviour = Behaviour(next_branch)
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
     penetration: float = parameter("closing d_m of the blow for which the contact is designed", "m", open_low=True)
-    restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
+    restitution: float = parameter("coefficient of restitution e", low=MIN_RESTITUTION, high=1.0, open_high=False)
     yield_share: float = parameter("closing at which it yields over d_m, a", open_low=True, high=0.5, default=0.1)
     damping_formula: BilinearDamping = parameter(DAMPING_FORMULA, default=BilinearDamping.EXACT)
 
@@ -95,13 +95,13 @@ class BilinearContact(LinkLaw):
         effective, share = self.hertz_stiffness * self.penetration**0.5, self.damping_formula.share(self.restitution)
         return effective * (1.0 + share / self.yield_share), effective * (1.0 - share / (1.0 - self.yield_share))
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """K1, K2 [N/m], yield closing [m]."""
         return *self.stiffnesses, self.yield_share * self.penetration
 
-    def stored(self, closing: float, force: float) -> float:
-        """What the contact gives back from a closing reached by pressing from the gap [J]."""
-        (k1, k2, limit), v = self.numbers(1.0, 1.0), max(closing - self.offset, 0.0)
+    def stored_energy(self, closing: float, force: float) -> float:
+        """Return the energy given back from a closing reached by pressing from the gap [J]."""
+        (k1, k2, limit), v = self.element_parameters(1.0, 1.0), max(closing - self.offset, 0.0)
         if v <= limit:
             return 0.5 * k1 * v**2
         beyond = v - limit

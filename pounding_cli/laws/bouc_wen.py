@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws.guards import CROSSES, HIGH, START
-from pounding_cli.laws.law import Behaviour, line, parameter
-from pounding_cli.laws.storey import StoreyLaw, stored_in_two_springs
+from pounding_cli.laws.law import Behaviour, parameter, set_line
+from pounding_cli.laws.storey import StoreyLaw, energy_in_two_springs
 
 K, LIMIT, A, EXPONENT, GAMMA = range(5)
 """Parameters: stiffness [N/m], yield drift [m], post-yield over initial stiffness, n and gamma [-]."""
@@ -29,7 +29,7 @@ def next_branch(e: Any, guard: int) -> None:
     if guard == START:  # z = D / Dy but for |z|^(n + 1)
         counts = limit * ROUNDING ** (1.0 / (e.p[EXPONENT] + 1.0))
         e.branch = ELASTIC
-        line(e, k, e.c, 0.0, -counts, counts)
+        set_line(e, k, e.c, 0.0, -counts, counts)
         return
     if e.branch == ELASTIC:
         e.h[Z] = e.v1 / limit
@@ -38,7 +38,7 @@ def next_branch(e: Any, guard: int) -> None:
         e.branch += 1 if e.branch == RISING or e.branch == FALLING else -1
     else:  # the drift turns
         e.branch += 2 if e.branch <= RISING_BELOW else -2
-    line(e, e.p[A] * k, e.c, 0.0, -math.inf, math.inf, 1 if e.branch <= RISING_BELOW else -1)
+    set_line(e, e.p[A] * k, e.c, 0.0, -math.inf, math.inf, 1 if e.branch <= RISING_BELOW else -1)
     e.smooth = 1
     e.crosses = 1 if e.branch == RISING or e.branch == FALLING else -1
 
@@ -88,10 +88,10 @@ class BoucWen(StoreyLaw):
         default=0.5,
     )
 
-    def numbers(self) -> tuple[float, ...]:
+    def element_parameters(self) -> tuple[float, ...]:
         """As the parameters above."""
         return self.stiffness, self.yield_drift, self.hardening, self.wen_exponent, self.wen_gamma
 
-    def stored(self, drift: Any, shear: Any) -> Any:
+    def stored_energy(self, drift: Any, shear: Any) -> Any:
         """In two springs: a k under the drift, (1 - a) k under its elastic part Dy z."""
-        return stored_in_two_springs(self, drift, shear)
+        return energy_in_two_springs(self, drift, shear)

@@ -16,29 +16,30 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw
+from pounding_cli.laws.law import REFERENCE_CLOSING, Behaviour, LinkLaw
 from pounding_cli.laws.pounding import next_branch, reduced_mass
 from pounding_cli.units import Dimension
 
-LONGEST, MOST_OPERATIONS = 500, 200
+MAX_FORMULA_LENGTH = 500
+MAX_OPERATIONS = 200
 """Characters and operations of a formula."""
 
-PLAIN: Dimension = (0.0, 0.0, 0.0)
-FORCE: Dimension = (1.0, 1.0, -2.0)
+DIMENSIONLESS: Dimension = (0.0, 0.0, 0.0)
+FORCE_DIMENSION: Dimension = (1.0, 1.0, -2.0)
 
-GIVEN: Mapping[str, Dimension] = {
+FORMULA_VARIABLES: Mapping[str, Dimension] = {
     "v": (0.0, 1.0, 0.0), "r": (0.0, 1.0, -1.0), "m": (1.0, 0.0, 0.0), "d": (0.0, 1.0, 0.0),
 }  # fmt: skip
 """What a formula may use besides its parameters: closing, its rate, reduced mass of the floors, gap."""
 
-_SAYS = f"a formula is made of numbers, {', '.join(GIVEN)}, parameters, + - * / **, brackets and sqrt()"
+_SAYS = f"a formula is made of numbers, {', '.join(FORMULA_VARIABLES)}, parameters, + - * / **, brackets and sqrt()"
 
 Constants = tuple[tuple[str, float, Dimension], ...]
 """Parameters of a formula: name, SI value, dimension."""
 
 
 class FormulaError(ValueError):
-    """What is wrong with a formula, what to write instead, and at which line and character of it, both from 0."""
+    """Message on a wrong formula, hint what to write instead, and its line and character, both from 0."""
 
     def __init__(self, message: str, hint: str, line: int = 0, column: int = 0) -> None:
         super().__init__(message)
@@ -49,12 +50,12 @@ NUMBER, PLUS, TIMES, POWER = range(4)
 """What an operation makes of the registers x and y and the number a: a; x + y; x y; x^a, 0 where a is no whole number
 and x is below zero. Registers 0 and 1 hold v [m] and v' [m/s], and each operation fills the next one."""
 
-Row = tuple[float, float, float, float]
+Operation = tuple[float, float, float, float]
 """An operation: (code, x, y, a)."""
 
 
-def carried_out(formula: Any, v: float, r: float) -> float:
-    """The result of `count` operations at a closing [m] and its rate [m/s]."""
+def evaluate_operations(formula: Any, v: float, r: float) -> float:
+    """Return the result of `count` operations at a closing [m] and its rate [m/s]."""
     operations, registers = formula.operations, formula.registers
     registers[0], registers[1] = v, r
     for i in range(formula.count):
@@ -74,16 +75,16 @@ def carried_out(formula: Any, v: float, r: float) -> float:
 class Formula:
     """Operations, the register that holds their result in the end, and whether it is straight in v and r."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[Operation, ...]
     result: int
     is_straight: bool = False
 
-    def at(self, v: float, r: float) -> float:
-        """The result at a closing [m] and its rate [m/s]."""
+    def evaluate(self, v: float, r: float) -> float:
+        """Return the result at a closing [m] and its rate [m/s]."""
         room = SimpleNamespace(count=len(self.rows), result=self.result)
         room.operations, room.registers = np.reshape(self.rows, (-1, 4)), np.zeros(2 + len(self.rows))
         with np.errstate(all="ignore"):
-            return float(carried_out(room, v, r))
+            return float(evaluate_operations(room, v, r))
 
 
 @dataclass(frozen=True)
@@ -91,14 +92,14 @@ class Term:
     """A part of a formula: the register that holds it, its dimension, and its degree in v and r, 2 where it is not
     straight in them."""
 
-    at: int
+    register: int
     dimension: Dimension
     degree: int = 0
 
 
 @functools.lru_cache(maxsize=4096)
-def read(text: str, constants: Constants, mass: float, gap: float, closings: tuple[float, ...]) -> Formula:
-    """The force [N] that a formula says.
+def parse_formula(text: str, constants: Constants, mass: float, gap: float, closings: tuple[float, ...]) -> Formula:
+    """Return the force [N] that a formula gives.
 
     Parameters
     ----------
@@ -111,8 +112,8 @@ def read(text: str, constants: Constants, mass: float, gap: float, closings: tup
     FormulaError : it is not a formula, or its unit is not N
     """
     text = text.strip()
-    if len(text) > LONGEST:
-        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {LONGEST}")
+    if len(text) > MAX_FORMULA_LENGTH:
+        raise FormulaError(f"the formula has {len(text)} characters", f"write at most {MAX_FORMULA_LENGTH}")
     try:
         tree = ast.parse(text, mode="eval").body
     except SyntaxError as error:
@@ -121,107 +122,116 @@ def read(text: str, constants: Constants, mass: float, gap: float, closings: tup
     except (ValueError, RecursionError, MemoryError):
         raise FormulaError("this is not a formula", _SAYS) from None
     known = {name: (value, dimension) for name, value, dimension in constants}
-    reader = _Reader(text, {**known, "m": (mass, GIVEN["m"]), "d": (gap, GIVEN["d"])}, closings)
-    term = reader.term(tree)
-    if term.dimension != FORCE:
-        raise FormulaError(f"the formula gives {in_units(term.dimension)}, not N", "correct it or a parameter's unit")
-    return Formula(tuple(reader.rows), term.at, term.degree < 2)
+    parser = _FormulaParser(
+        text, {**known, "m": (mass, FORMULA_VARIABLES["m"]), "d": (gap, FORMULA_VARIABLES["d"])}, closings
+    )
+    term = parser.parse_node(tree)
+    if term.dimension != FORCE_DIMENSION:
+        raise FormulaError(
+            f"the formula gives {format_dimension(term.dimension)}, not N", "correct it or a parameter's unit"
+        )
+    return Formula(tuple(parser.rows), term.register, term.degree < 2)
 
 
-def in_units(dimension: Dimension) -> str:
+def format_dimension(dimension: Dimension) -> str:
     """A dimension in SI units, such as `kg m s^-2`."""
     powers = zip(("kg", "m", "s"), dimension, strict=True)
     parts = [unit if power == 1 else f"{unit}^{power:g}" for unit, power in powers if power]
-    return "N" if dimension == FORCE else " ".join(parts) or "a plain number"
+    return "N" if dimension == FORCE_DIMENSION else " ".join(parts) or "a plain number"
 
 
-class _Reader:
+class _FormulaParser:
     """Reads one formula with these values and dimensions; `rows` are the operations so far."""
 
     def __init__(self, text: str, known: Mapping[str, tuple[float, Dimension]], closings: tuple[float, ...]) -> None:
-        self.text, self.known, self.closings, self.rows = text, known, closings, list[Row]()
+        self.text, self.known, self.closings, self.rows = text, known, closings, list[Operation]()
 
-    def source(self, node: ast.expr) -> str:
-        """What a node is in the text."""
+    def quote(self, node: ast.expr) -> str:
+        """Return the text of a node, in quotes."""
         return f"'{ast.get_source_segment(self.text, node)}'"
 
-    def wrong(self, node: ast.expr, message: str, hint: str = _SAYS) -> FormulaError:
-        return FormulaError(f"{self.source(node)} {message}", hint, node.lineno - 1, node.col_offset)
+    def error_at(self, node: ast.expr, message: str, hint: str = _SAYS) -> FormulaError:
+        return FormulaError(f"{self.quote(node)} {message}", hint, node.lineno - 1, node.col_offset)
 
-    def term(self, node: ast.expr) -> Term:
-        """What a node says; only what is named here is taken."""
+    def parse_node(self, node: ast.expr) -> Term:
+        """Return the term of a node; any node not named here is refused."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return self.made(node, PLAIN, 0, NUMBER, a=float(number))
+                return self.add_operation(node, DIMENSIONLESS, 0, NUMBER, a=float(number))
             case ast.Name(id="v" | "r" as name):
-                return Term(0 if name == "v" else 1, GIVEN[name], 1)
+                return Term(0 if name == "v" else 1, FORMULA_VARIABLES[name], 1)
             case ast.Name(id=name) if name in self.known:
                 value, dimension = self.known[name]
-                return self.made(node, dimension, 0, NUMBER, a=value)
+                return self.add_operation(node, dimension, 0, NUMBER, a=value)
             case ast.Name():
-                names = ", ".join(dict.fromkeys((*GIVEN, *self.known)))
-                raise self.wrong(node, "is not known", f"give it under `parameters`; known: {names}")
+                names = ", ".join(dict.fromkeys((*FORMULA_VARIABLES, *self.known)))
+                raise self.error_at(node, "is not known", f"give it under `parameters`; known: {names}")
             case ast.UnaryOp(op=ast.UAdd(), operand=inner):
-                return self.term(inner)
+                return self.parse_node(inner)
             case ast.UnaryOp(op=ast.USub(), operand=inner):
-                return self.times(node, self.term(inner), -1.0)
+                return self.multiply(node, self.parse_node(inner), -1.0)
             case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
-                one, other = self.term(left), self.term(right)
+                one, other = self.parse_node(left), self.parse_node(right)
                 if one.dimension != other.dimension:
-                    units = f"is in {in_units(one.dimension)}, {self.source(right)} in {in_units(other.dimension)}"
-                    raise self.wrong(left, units, "add what has one unit")
-                other = self.times(node, other, -1.0) if isinstance(node.op, ast.Sub) else other
-                return self.made(node, one.dimension, max(one.degree, other.degree), PLUS, one.at, other.at)
+                    left_unit = format_dimension(one.dimension)
+                    right_unit = format_dimension(other.dimension)
+                    message = f"is in {left_unit}, {self.quote(right)} in {right_unit}"
+                    raise self.error_at(left, message, "add what has one unit")
+                other = self.multiply(node, other, -1.0) if isinstance(node.op, ast.Sub) else other
+                return self.add_operation(
+                    node, one.dimension, max(one.degree, other.degree), PLUS, one.register, other.register
+                )
             case ast.BinOp(left=left, op=ast.Mult(), right=right):
-                return self.times(node, self.term(left), self.term(right))
+                return self.multiply(node, self.parse_node(left), self.parse_node(right))
             case ast.BinOp(left=left, op=ast.Div(), right=right):
-                return self.times(node, self.term(left), self.power(right, -1.0))
+                return self.multiply(node, self.parse_node(left), self.raise_to_power(right, -1.0))
             case ast.BinOp(left=left, op=ast.Pow(), right=right):
-                exponent = self.term(right)
-                if exponent.degree or exponent.dimension != PLAIN:
-                    raise self.wrong(right, "is a power but not a plain number", "write a number")
-                return self.power(left, self.rows[exponent.at - 2][3])
+                exponent = self.parse_node(right)
+                if exponent.degree or exponent.dimension != DIMENSIONLESS:
+                    raise self.error_at(right, "is a power but not a plain number", "write a number")
+                return self.raise_to_power(left, self.rows[exponent.register - 2][3])
             case ast.Call(func=ast.Name(id="sqrt"), args=[inner], keywords=[]):
-                return self.power(inner, 0.5)
-        raise self.wrong(node, "is not allowed in a formula")
+                return self.raise_to_power(inner, 0.5)
+        raise self.error_at(node, "is not allowed in a formula")
 
-    def made(
+    def add_operation(
         self, node: ast.expr, dimension: Dimension, degree: int, code: int, x: int = 0, y: int = 0, a: float = 0.0
     ) -> Term:
-        """What an operation makes of registers x and y: of constants a constant; what is said twice is made once."""
-        row: Row = (float(code), float(x), float(y), a)
+        """Add an operation on registers x and y; of constants it is a constant, and equal ones are added once."""
+        row: Operation = (float(code), float(x), float(y), a)
         if not degree:
-            number = Formula((*self.rows, row), 2 + len(self.rows)).at(0.0, 0.0)
+            number = Formula((*self.rows, row), 2 + len(self.rows)).evaluate(0.0, 0.0)
             if not math.isfinite(number):
-                raise self.wrong(node, "does not give a finite number", "correct it")
+                raise self.error_at(node, "does not give a finite number", "correct it")
             row = (float(NUMBER), 0.0, 0.0, number)
         if row not in self.rows:
             self.rows.append(row)
-        if len(self.rows) > MOST_OPERATIONS:
-            raise FormulaError(f"the formula has more than {MOST_OPERATIONS} operations", "write a shorter one")
+        if len(self.rows) > MAX_OPERATIONS:
+            raise FormulaError(f"the formula has more than {MAX_OPERATIONS} operations", "write a shorter one")
         return Term(2 + self.rows.index(row), dimension, degree)
 
-    def times(self, node: ast.expr, one: Term, other: Term | float) -> Term:
+    def multiply(self, node: ast.expr, one: Term, other: Term | float) -> Term:
         """A product of two terms, or of a term and a number."""
         if isinstance(other, float):
-            other = self.made(node, PLAIN, 0, NUMBER, a=other)
-        dimension, degree = _sum(one.dimension, other.dimension), min(one.degree + other.degree, 2)
-        return self.made(node, dimension, degree, TIMES, one.at, other.at)
+            other = self.add_operation(node, DIMENSIONLESS, 0, NUMBER, a=other)
+        dimension = _sum(one.dimension, other.dimension)
+        degree = min(one.degree + other.degree, 2)
+        return self.add_operation(node, dimension, degree, TIMES, one.register, other.register)
 
-    def power(self, node: ast.expr, exponent: float) -> Term:
+    def raise_to_power(self, node: ast.expr, exponent: float) -> Term:
         """A node to a power. Roots, and divisors that vary, have to be above zero; of v itself it is enough that the
         law acts in compression alone."""
-        base = self.term(node)
-        of_closing = base.at == 0 and exponent > 0.0 and min(self.closings) >= 0.0
+        base = self.parse_node(node)
+        of_closing = base.register == 0 and exponent > 0.0 and min(self.closings) >= 0.0
         if not of_closing and (not exponent.is_integer() or (base.degree and exponent < 0.0)):
-            formula = Formula(tuple(self.rows), base.at)
+            formula = Formula(tuple(self.rows), base.register)
             for v, r in itertools.product(self.closings, (-3.0, -0.1, 0.0, 0.1, 3.0)):
-                if not formula.at(v, r) > 0.0:
+                if not formula.evaluate(v, r) > 0.0:
                     message = f"is not above zero at v = {v:g} m, r = {r:g} m/s"
                     hint = "divisors and arguments of roots and fractional powers must stay above zero"
-                    raise self.wrong(node, message, f"{hint}; of v itself write v**1.5")
-        dimension, degree = _sum(PLAIN, base.dimension, exponent), 2 if base.degree else 0
-        return self.made(node, dimension, degree, POWER, base.at, a=exponent)
+                    raise self.error_at(node, message, f"{hint}; of v itself write v**1.5")
+        dimension, degree = _sum(DIMENSIONLESS, base.dimension, exponent), 2 if base.degree else 0
+        return self.add_operation(node, dimension, degree, POWER, base.register, a=exponent)
 
 
 def _sum(one: Dimension, other: Dimension, times: float = 1.0) -> Dimension:
@@ -274,45 +284,48 @@ class WrittenLaw(LinkLaw):
 
     def force(self, mass: float) -> Formula:
         """Its force where the reduced mass of the floors is `mass` [kg]."""
-        return read(self.formula, self.constants, mass, self.gap, self.closings)
+        return parse_formula(self.formula, self.constants, mass, self.gap, self.closings)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """Parameters of `laws.pounding`: of a straight force its line."""
         force = self.force(reduced_mass(left_mass, right_mass))
         k = c = f0 = 0.0
         if force.is_straight:
-            f0 = force.at(0.0, 0.0)
-            k, c = force.at(1.0, 0.0) - f0, force.at(0.0, 1.0) - f0
+            f0 = force.evaluate(0.0, 0.0)
+            k, c = force.evaluate(1.0, 0.0) - f0, force.evaluate(0.0, 1.0) - f0
         return k, c, float(self.tension_cut), f0, float(not force.is_straight), float(self.joins)
 
     @functools.cached_property
-    def damped(self) -> bool:
-        """Where its force depends on the rate."""
+    def is_damped(self) -> bool:
+        """True where its force depends on the rate."""
         force = self.force(1.0)
-        return any(force.at(v, 1.0) != force.at(v, 0.0) for v in self.closings)
+        return any(force.evaluate(v, 1.0) != force.evaluate(v, 0.0) for v in self.closings)
 
     @property
-    def cut(self) -> bool:
+    def cuts_tension(self) -> bool:
         """As it says."""
         return self.tension_cut
 
     @property
-    def steepest(self) -> tuple[float, float]:
-        """At a closing of `PRESSED`; its dashpot at rest, or up to 1 m/s where that is more."""
+    def max_slopes(self) -> tuple[float, float]:
+        """At a closing of `REFERENCE_CLOSING`; its dashpot at rest, or up to 1 m/s where that is more."""
         force = self.force(1.0)
-        here, before = force.at(PRESSED, 0.0), force.at(0.999 * PRESSED, 0.0)
-        moving, still = force.at(PRESSED, 1.0) - here, (force.at(PRESSED, 1e-6) - here) * 1e6
-        return (here - before) / (0.001 * PRESSED), max(moving, still, 0.0)
+        here = force.evaluate(REFERENCE_CLOSING, 0.0)
+        before = force.evaluate(0.999 * REFERENCE_CLOSING, 0.0)
+        moving = force.evaluate(REFERENCE_CLOSING, 1.0) - here
+        still = (force.evaluate(REFERENCE_CLOSING, 1e-6) - here) * 1e6
+        return (here - before) / (0.001 * REFERENCE_CLOSING), max(moving, still, 0.0)
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """The work of its force, pressed slowly from where it begins to act [J]. With v = x^4 powers of v by quarters
         are polynomials in x, which the rule integrates exactly."""
         v = closing - self.offset
         if v <= 0.0 and not self.joins:
             return 0.0
-        half, way = 0.5 * abs(v) ** 0.25, math.copysign(1.0, v)
+        half = 0.5 * abs(v) ** 0.25
+        way = math.copysign(1.0, v)
         x, weight = np.polynomial.legendre.leggauss(24)
-        pressed = [self.force(1.0).at(way * (half * (each + 1.0)) ** 4, 0.0) for each in x]
+        pressed = [self.force(1.0).evaluate(way * (half * (each + 1.0)) ** 4, 0.0) for each in x]
         return float(half * way * np.sum(weight * 4.0 * (half * (x + 1.0)) ** 3 * pressed))
 
 
@@ -320,7 +333,7 @@ class WrittenLaw(LinkLaw):
 class WrittenFilling(WrittenLaw):
     """F = the formula while the material that fills the gap is pressed; v is the closing."""
 
-    drawn = "filling"
+    symbol = "filling"
     subtracts_gap = False
     beyond_gap = "material of a law of the study compressed beyond its thickness"
 
@@ -330,17 +343,17 @@ class WrittenJoint(WrittenLaw):
     """F = the formula at all times; v is the closing, of either sign."""
 
     closings = _BOTH_WAYS
-    drawn = "bar"
+    symbol = "bar"
     subtracts_gap = False
     beyond_gap = "joint of a law of the study closes more than the gap, so the floors would have struck"
-    meaningless = True
+    invalidates = True
     joins = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.tension_cut:
             raise FormulaError("a law that acts always may pull", "leave `tension_cut` out")
-        still = self.force(1.0).at(0.0, 0.0)
+        still = self.force(1.0).evaluate(0.0, 0.0)
         if still != 0.0:
             raise FormulaError(f"the force at rest, v = r = 0, is {still:g} N", "let it be zero there")
 

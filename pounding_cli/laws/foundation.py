@@ -1,4 +1,4 @@
-"""What stands under a base: springs and dashpots where it sways or rocks (paper, Fig. 1), or isolators.
+"""Supports of a base: springs and dashpots where it sways or rocks (paper, Fig. 1), or isolators.
 
 Friction pendulums stick and slide (`laws.slider`), lead-rubber bearings are bilinear in the displacement of the base
 (`laws.bilinear`), high-damping rubber is a spring and a dashpot of equivalent values."""
@@ -64,7 +64,7 @@ class Isolation(Law):
 
     @abstractmethod
     def law_under(self, weight: float) -> Bilinear | Slider | None:
-        """What they do under a weight [N], which stays the same; None where they are linear."""
+        """Return their law under a weight [N], which stays the same; None where they are linear."""
 
     def effective(self, weight: float, displacement: float) -> tuple[float, float]:
         """Period [s] and damping ratio [-] that a linear oscillator has with the secant stiffness, and the energy lost
@@ -93,7 +93,9 @@ class FrictionPendulum(Isolation):
     yield_displacement: float = parameter(
         "displacement at which it slides, of a spring in place of a slider that sticks; 0: it sticks", "m", default=0.0
     )
-    capacity: float = parameter("displacement that it can take", "m", default=math.inf, open_low=True, endless=True)
+    capacity: float = parameter(
+        "displacement that it can take", "m", default=math.inf, open_low=True, can_be_infinite=True
+    )
 
     def law_under(self, weight: float) -> Bilinear | Slider:
         """Strength mu W, stiffness W / R."""
@@ -121,7 +123,9 @@ class Bearings(Isolation):
     strength: float = parameter("strength Qd of bearings at no displacement, all together", "N", open_low=True)
     stiffness: float = parameter("their stiffness k2 beyond the yield", "N/m", open_low=True)
     yield_displacement: float = parameter("displacement at which they yield", "m", open_low=True)
-    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
+    capacity: float = parameter(
+        "displacement that they can take", "m", default=math.inf, open_low=True, can_be_infinite=True
+    )
 
     def law_under(self, weight: float) -> Bilinear:
         """Whatever the weight."""
@@ -136,7 +140,9 @@ class Rubber(Isolation):
 
     stiffness: float = parameter("equivalent stiffness of rubber bearings, all together", "N/m", open_low=True)
     damping_ratio: float = parameter("their equivalent damping ratio xi", "-", high=1.0)
-    capacity: float = parameter("displacement that they can take", "m", default=math.inf, open_low=True, endless=True)
+    capacity: float = parameter(
+        "displacement that they can take", "m", default=math.inf, open_low=True, can_be_infinite=True
+    )
 
     def law_under(self, weight: float) -> None:
         """They are linear."""
@@ -146,7 +152,7 @@ class Rubber(Isolation):
         return 2 * self.damping_ratio * math.sqrt(self.stiffness * weight / GRAVITY)
 
     def effective(self, weight: float, displacement: float) -> tuple[float, float]:
-        """Of any amplitude."""
+        """Return the same at any amplitude."""
         return 2 * math.pi * math.sqrt(weight / GRAVITY / self.stiffness), self.damping_ratio
 
 

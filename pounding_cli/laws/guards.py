@@ -1,4 +1,4 @@
-"""Where a branch of a law ends. A branch says by the fields of its element which of these guards it asks for."""
+"""Guards: the ends of a branch of a law. The fields of an element say which of them its branch asks for."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LEVELS : the rate stops growing, v'' = 0; asked for where `levels` is 1
 FORCE : the force changes its sign: from pushing to pulling where it acts, back where it is cut off; where `cuts` is 1
 CROSSES : the history variable passes zero; where `crosses` is not 0
 SLIPS_RIGHT, SLIPS_LEFT : what pulls at a slider that sticks overcomes its friction; asked for where `holds` is 1
-COLLAPSE_LOW, COLLAPSE_HIGH : the drift passes what the building stands: the run ends"""
+COLLAPSE_LOW, COLLAPSE_HIGH : the drift exceeds the collapse drift: the run ends"""
 
 INSIDE = 1e-14
 """Part of the elastic range and of the deformation by which a turning point is moved into the elastic range: in numbers

@@ -11,13 +11,13 @@ from enum import StrEnum
 from typing import Any
 
 from pounding_cli.laws.guards import FASTER, LEVELS, LOW, SLOWER, START
-from pounding_cli.laws.law import PRESSED, Behaviour, LinkLaw, line, opened, parameter
+from pounding_cli.laws.law import REFERENCE_CLOSING, Behaviour, LinkLaw, parameter, set_line, set_open
 from pounding_cli.laws.pounding import reduced_mass
 
 EXPONENT = 1.5
 """Of the closing [-]."""
 
-LEAST_RESTITUTION = 0.01
+MIN_RESTITUTION = 0.01
 """Below this the damping of `HertzDamp` grows as 1 / e, and does not apply to floors of buildings."""
 
 DAMPING_FORMULA = "formula of the damping: `exact` gives the wanted restitution, the others are published formulas"
@@ -25,7 +25,7 @@ DAMPING_FORMULA = "formula of the damping: `exact` gives the wanted restitution,
 
 
 class HertzDamping(StrEnum):
-    """Where the damping of `HertzDamp` comes from: the coefficient of restitution that comes out, or a formula."""
+    """Source of the damping of `HertzDamp`: the coefficient of restitution that comes out, or a formula."""
 
     EXACT = "exact"
     MUTHUKUMAR = "muthukumar"
@@ -46,7 +46,7 @@ class HertzDamping(StrEnum):
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function of one sign at `low` and the other at `high` is zero."""
+    """Return the zero of a function of one sign at `low` and the other at `high`."""
     from scipy.optimize import brentq
 
     return float(brentq(function, low, high, xtol=1e-300, rtol=1e-14))
@@ -83,10 +83,10 @@ OPEN, GAINING, DAMPED, CUT = range(4)
 def next_branch(e: Any, guard: int) -> None:
     """Open and in contact."""
     if guard == START or guard == LOW:
-        opened(e)
+        set_open(e)
         return
     e.branch = 1
-    line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
+    set_line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
     e.smooth = 1
 
 
@@ -98,7 +98,7 @@ def force(e: Any, v: float, r: float) -> float:
 def next_damped(e: Any, guard: int) -> None:
     """Open; gaining; damped; cut."""
     if guard == START or guard == LOW:
-        opened(e)
+        set_open(e)
         return
     if guard == LEVELS:
         e.h[FASTEST] = e.r1
@@ -108,7 +108,7 @@ def next_damped(e: Any, guard: int) -> None:
         e.branch = CUT
     else:
         e.branch = DAMPED
-    line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
+    set_line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
     e.smooth = 1
     if e.branch == GAINING:
         e.levels = 1
@@ -131,7 +131,7 @@ def damped_force(e: Any, v: float, r: float) -> float:
 
 @dataclass(frozen=True)
 class HertzSpring(LinkLaw):
-    """What laws of a Hertz contact have in common: F = k_h v^1.5 for v > 0 but for damping.
+    """Base of the laws of a Hertz contact: F = k_h v^1.5 for v > 0 but for damping.
 
     v is the closing less the gap.
     """
@@ -140,14 +140,14 @@ class HertzSpring(LinkLaw):
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """k_h v^2.5 / 2.5 [J]."""
         return self.hertz_stiffness * max(closing - self.offset, 0.0) ** (EXPONENT + 1) / (EXPONENT + 1)
 
     @property
-    def steepest(self) -> tuple[float, float]:
-        """1.5 k_h sqrt(v) at a closing of `PRESSED`."""
-        return EXPONENT * self.hertz_stiffness * PRESSED ** (EXPONENT - 1), 0.0
+    def max_slopes(self) -> tuple[float, float]:
+        """1.5 k_h sqrt(v) at a closing of `REFERENCE_CLOSING`."""
+        return EXPONENT * self.hertz_stiffness * REFERENCE_CLOSING ** (EXPONENT - 1), 0.0
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ class Hertz(HertzSpring):
     citation = (("muthukumar2006", "the Hertz contact"),)
     behaviour = Behaviour(next_branch, force)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k_h [N/m^1.5]."""
         return (self.hertz_stiffness,)
 
@@ -178,11 +178,11 @@ class HertzDamp(HertzSpring):
         ("muthukumar2006", "the Hertz contact with damping"),
         ("ye2009", "its damping from the coefficient of restitution"),
     )
-    remembers = True
+    path_dependent = True
     tension_cut = True
     behaviour = Behaviour(next_damped, damped_force)
 
-    restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
+    restitution: float = parameter("coefficient of restitution e", low=MIN_RESTITUTION, high=1.0, open_high=False)
     damping_formula: HertzDamping = parameter(DAMPING_FORMULA, default=HertzDamping.EXACT)
 
     @property
@@ -190,7 +190,7 @@ class HertzDamp(HertzSpring):
         """zeta [-]."""
         return self.damping_formula.ratio(self.restitution)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k_h [N/m^1.5], zeta [-]."""
         return self.hertz_stiffness, self.damping_factor
 
@@ -198,17 +198,18 @@ class HertzDamp(HertzSpring):
 DASHPOT = 1
 """Parameter of Jankowski's contact besides k_h: dashpot 2 xi sqrt(k_h m') of v^0.25 v'."""
 
-APPROACH, RELEASE = 1, 2
+APPROACH = 1
+RELEASE = 2
 """Branches of Jankowski's contact."""
 
 
 def next_jankowski(e: Any, guard: int) -> None:
     """Open; approach, with the dashpot; release, without."""
     if guard == START or guard == LOW:
-        opened(e)
+        set_open(e)
         return
     e.branch = RELEASE if guard == SLOWER else APPROACH
-    line(e, 0.0, 0.0, 0.0, 0.0, math.inf, 1 if e.branch == APPROACH else -1)
+    set_line(e, 0.0, 0.0, 0.0, 0.0, math.inf, 1 if e.branch == APPROACH else -1)
     e.smooth = 1
 
 
@@ -222,7 +223,7 @@ def jankowski_force(e: Any, v: float, r: float) -> float:
 
 
 class JankowskiDamping(StrEnum):
-    """Where the damping of `Jankowski` comes from: the coefficient of restitution that comes out, or his formula."""
+    """Source of the damping of `Jankowski`: the coefficient of restitution that comes out, or his formula."""
 
     EXACT = "exact"
     JANKOWSKI = "jankowski"
@@ -272,10 +273,10 @@ class Jankowski(HertzSpring):
         ("jankowski2005", "the Hertz contact with damping during the approach"),
         ("jankowski2006", "his formula for its damping from the coefficient of restitution"),
     )
-    remembers = True
+    path_dependent = True
     behaviour = Behaviour(next_jankowski, jankowski_force)
 
-    restitution: float = parameter("coefficient of restitution e", low=LEAST_RESTITUTION, high=1.0, open_high=False)
+    restitution: float = parameter("coefficient of restitution e", low=MIN_RESTITUTION, high=1.0, open_high=False)
     damping_formula: JankowskiDamping = parameter(DAMPING_FORMULA, default=JankowskiDamping.EXACT)
 
     @property
@@ -283,7 +284,7 @@ class Jankowski(HertzSpring):
         """xi [-]."""
         return self.damping_formula.ratio(self.restitution)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k_h, and 2 xi sqrt(k_h m')."""
         mass = reduced_mass(left_mass, right_mass)
         return self.hertz_stiffness, 2.0 * self.damping_ratio * math.sqrt(self.hertz_stiffness * mass)

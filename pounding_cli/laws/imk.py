@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws.guards import HIGH, LOW, START
-from pounding_cli.laws.law import Behaviour, line, parameter
+from pounding_cli.laws.law import Behaviour, parameter, set_line
 from pounding_cli.laws.storey import StoreyLaw
 
 (
@@ -44,7 +44,7 @@ def next_branch(e: Any, guard: int) -> None:
             e.h[STRENGTH + i] = 1.0
         e.h[TARGET], e.h[TARGET + 1], e.h[UNLOADING] = limit, -limit, e.p[K]
         e.branch = ELASTIC
-        line(e, e.p[K], e.c, 0.0, -limit, limit)
+        set_line(e, e.p[K], e.c, 0.0, -limit, limit)
         return
     side = 1 if e.branch > 0 or (e.branch == ELASTIC and guard == HIGH) else -1
     was, outward = abs(e.branch), guard == (HIGH if side > 0 else LOW)
@@ -67,7 +67,7 @@ def _load(e: Any, branch: int, k: float, f0: float, end: float) -> None:
     e.h[SLOPE], e.h[OFFSET], e.h[END] = k, f0, end
     e.branch = branch
     low, high, way = (-math.inf, end, 1) if branch > 0 else (end, math.inf, -1)
-    line(e, k, e.c, f0, low, high, way)
+    set_line(e, k, e.c, f0, low, high, way)
 
 
 def _leave_line(e: Any, k: float, f0: float) -> None:
@@ -104,7 +104,8 @@ def _take_backbone(e: Any, side: int) -> None:
 
 def _turn_back(e: Any, side: int, was: int) -> None:
     """A reversal: the unloading stiffness deteriorates."""
-    drift, unloading = e.v1, e.h[UNLOADING]
+    drift = e.v1
+    unloading = e.h[UNLOADING]
     shear = e.k * drift + e.f0
     if e.p[BY_UNLOADING] < math.inf:
         done = e.h[WORK] + (0.5 * e.k * drift + e.f0) * drift
@@ -120,7 +121,7 @@ def _turn_back(e: Any, side: int, was: int) -> None:
         e.h[TARGET + (side < 0)] = drift
     e.branch = side * (was + UNLOADS - 1)
     end = -offset / unloading
-    line(e, unloading, e.c, offset, min(drift, end), max(drift, end))
+    set_line(e, unloading, e.c, offset, min(drift, end), max(drift, end))
 
 
 def _loss(e: Any, capacity: float, energy: float) -> float:
@@ -160,26 +161,30 @@ def _slope(rise: float, run: float) -> float:
 
 
 def _deteriorate(e: Any, side: int, energy: float) -> None:
-    """What an excursion that dissipated `energy` [J] leaves of strength and post-capping line, and the target."""
-    at, yields = 1 if side < 0 else 0, e.p[K] * e.p[LIMIT]
-    strength = max((1.0 - _loss(e, e.p[BY_STRENGTH], energy)) * e.h[STRENGTH + at], e.p[RESIDUAL] / yields)
+    """Deteriorate strength, post-capping line and target by an excursion that dissipated `energy` [J]."""
+    index = 1 if side < 0 else 0
+    yields = e.p[K] * e.p[LIMIT]
+    strength = max((1.0 - _loss(e, e.p[BY_STRENGTH], energy)) * e.h[STRENGTH + index], e.p[RESIDUAL] / yields)
     # The post-capping line does not fall below the yield point.
     least = yields * (1.0 + e.p[POST]) / e.p[CAP_SHEAR] * strength
-    cap = max((1.0 - _loss(e, e.p[BY_CAPPING], energy)) * e.h[CAP + at], least)
-    target, more = side * e.h[TARGET + at], _loss(e, e.p[BY_RELOADING], energy)
-    e.h[STRENGTH + at], e.h[CAP + at] = strength, cap
+    cap = max((1.0 - _loss(e, e.p[BY_CAPPING], energy)) * e.h[CAP + index], least)
+    target = side * e.h[TARGET + index]
+    more = _loss(e, e.p[BY_RELOADING], energy)
+    e.h[STRENGTH + index] = strength
+    e.h[CAP + index] = cap
     e.h[DISSIPATED] += energy
     if e.h[DISSIPATED] < e.p[BY_RELOADING]:
         target *= 1.0 + more
     if e.p[BY_UNLOADING] < math.inf:
         target = max(target, _nearest_target(e, side))
-    e.h[TARGET + at] = side * target
+    e.h[TARGET + index] = side * target
 
 
 def _nearest_target(e: Any, side: int) -> float:
-    """Where the backbone is met by a line with the unloading stiffness: reloading is no stiffer."""
+    """Return the drift at which a line with the unloading stiffness meets the backbone: reloading is no stiffer."""
     plateau, hardening, cap, falling = _backbone(e, side)
-    begins, unloading = side * e.v1, e.h[UNLOADING]
+    begins = side * e.v1
+    unloading = e.h[UNLOADING]
     if e.p[PINCHED_FORCE] > 0.0:
         begins = max(begins, 0.0)
     reach = unloading * begins
@@ -187,7 +192,7 @@ def _nearest_target(e: Any, side: int) -> float:
     return max(nearest, (reach + e.p[RESIDUAL]) / unloading)
 
 
-PLAIN = 1.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 1.0, 0.0, 0.0, 0.0
+NO_DETERIORATION = 1.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 1.0, 0.0, 0.0, 0.0
 """Parameters from the post-capping slope on of a storey that neither caps nor deteriorates nor pinches."""
 
 
@@ -204,14 +209,14 @@ class PeakOriented(StoreyLaw):
     )
     behaviour = Behaviour(next_branch)
 
-    def numbers(self) -> tuple[float, ...]:
+    def element_parameters(self) -> tuple[float, ...]:
         """As the parameters above."""
-        return *super().numbers(), *PLAIN
+        return *super().element_parameters(), *NO_DETERIORATION
 
 
 def _capacity(of: str) -> float:
     doc = f"energy capacity of {of}, over Vy Dy; default: no deterioration"
-    return parameter(doc, open_low=True, default=math.inf, endless=True)
+    return parameter(doc, open_low=True, default=math.inf, can_be_infinite=True)
 
 
 @dataclass(frozen=True)
@@ -244,11 +249,11 @@ class PeakOrientedImk(StoreyLaw):
     )
 
     @property
-    def softest(self) -> float:
+    def min_slope_ratio(self) -> float:
         """The post-capping slope."""
         return -self.post_capping_slope
 
-    def numbers(self) -> tuple[float, ...]:
+    def element_parameters(self) -> tuple[float, ...]:
         """As the parameters above."""
         unit = self.yield_shear * self.yield_drift
         each = self.strength_capacity, self.capping_capacity, self.unloading_capacity, self.reloading_capacity

@@ -9,13 +9,14 @@ from enum import StrEnum
 from typing import Any
 
 from pounding_cli.laws.guards import FORCE, HIGH, LOW, START
-from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
+from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
 from pounding_cli.laws.pounding import DASHPOT, DashpotLaw, reduced_mass
 
-THINNEST = 1e-6
+MIN_THICKNESS = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
 
-HELD_WITHIN, HELD_AT_LEAST = 1e-7, 1e-10
+HELD_WITHIN = 1e-7
+HELD_AT_LEAST = 1e-10
 """Width of the jump of eq. (9) as printed, for floors that pass it slowly: part of the thickness, and at least [m].
 
 A push between the two forces at the jump holds the floors there. They would swing through it ever faster, an endless
@@ -40,14 +41,14 @@ def width_of_jump(thickness: float) -> float:
 
 def set_inside(e: Any) -> None:
     """Set the force inside the thickness."""
-    line(e, e.p[K], 0.0, 0.0, 0.0, e.p[THICKNESS])
+    set_line(e, e.p[K], 0.0, 0.0, 0.0, e.p[THICKNESS])
     e.cubic, e.root = e.p[CUBIC], e.p[ROOT]
 
 
 def set_beyond(e: Any) -> None:
     """Set the force beyond the thickness."""
     dashpot = e.p[ROOT] * math.sqrt(e.p[K_BEYOND])
-    line(e, e.p[K_BEYOND], dashpot, e.p[F0_BEYOND], e.p[THICKNESS], math.inf)
+    set_line(e, e.p[K_BEYOND], dashpot, e.p[F0_BEYOND], e.p[THICKNESS], math.inf)
 
 
 def set_held(e: Any) -> None:
@@ -59,14 +60,14 @@ def set_held(e: Any) -> None:
     spring = (behind - before) / width
     force_at_zero = 0.5 * (before + behind) - spring * thickness
     dashpot = e.p[ROOT] * math.sqrt(e.p[K_BEYOND])
-    line(e, spring, dashpot, force_at_zero, thickness - 0.5 * width, thickness + 0.5 * width)
+    set_line(e, spring, dashpot, force_at_zero, thickness - 0.5 * width, thickness + 0.5 * width)
 
 
 def next_branch(e: Any, guard: int) -> None:
     """Open, inside its thickness, held at a jump there, beyond it; where the tension is cut, the last three without a
     force too."""
     if guard == START or (guard == LOW and e.low == 0.0):
-        opened(e)
+        set_open(e)
         return
     pulls = e.branch > BEYOND
     branch = e.branch - WITHOUT_FORCE if pulls else e.branch
@@ -92,7 +93,7 @@ def next_branch(e: Any, guard: int) -> None:
 
 
 class InfillLaw(StrEnum):
-    """How an infill goes on beyond its thickness: F(d) + s_imp (v - d), or s_imp v as eq. (9) is printed."""
+    """Force of an infill beyond its thickness: F(d) + s_imp (v - d), or s_imp v as eq. (9) is printed."""
 
     CONTINUOUS = "continuous"
     PRINTED = "printed"
@@ -111,7 +112,7 @@ class Infill(LinkLaw):
         ("anagnostopoulos1992", "the viscoelastic impact element"),
         DASHPOT,
     )
-    drawn = "filling"
+    symbol = "filling"
     stiffness_default = "0.2 x mean storey"
     beyond_gap = "infill compressed beyond its thickness"
     behaviour = Behaviour(next_branch)
@@ -131,19 +132,23 @@ class Infill(LinkLaw):
             raise ValueError("link: an infill needs a gap above zero to fill; write pounding for a gap of zero")
 
     @classmethod
-    def conflict(cls, **values: float) -> tuple[str, str, str] | None:
+    def find_conflict(cls, **values: float) -> tuple[str, str, str] | None:
         """Too thin, or softer when it is pressed."""
         gap, stiffness, impact = (values.get(name, math.nan) for name in ("gap", "stiffness", "impact_stiffness"))
-        if gap < THINNEST:
-            wrong = f"an infill {gap:g} m thick is thinner than the least thickness, {THINNEST:g} m"
-            return "gap", wrong, f"write `link: pounding` for buildings in touch, or a gap of {THINNEST:g} m or more"
+        if gap < MIN_THICKNESS:
+            wrong = f"an infill {gap:g} m thick is thinner than the least thickness, {MIN_THICKNESS:g} m"
+            return (
+                "gap",
+                wrong,
+                f"write `link: pounding` for buildings in touch, or a gap of {MIN_THICKNESS:g} m or more",
+            )
         if stiffness > impact:
             wrong = f"the infill's stiffness {stiffness:.3g} N/m is above the impact stiffness {impact:.3g} N/m"
             hint = "an infill stiffens to impact.stiffness (paper, Fig. 3): lower the one or raise the other"
             return "stiffness", wrong, hint
         return None
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """As the parameters above."""
         d = self.gap
         cubic = (self.impact_stiffness - self.stiffness) / (3 * d**2)
@@ -154,16 +159,17 @@ class Infill(LinkLaw):
             offset = -jump
         else:  # at which floors swing through half the width of the jump
             held_rate = math.sqrt(0.5 * jump * width_of_jump(d) / reduced_mass(left_mass, right_mass))
-        return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cut), held_rate
+        return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cuts_tension), held_rate
 
     @property
-    def steepest(self) -> tuple[float, float]:
+    def max_slopes(self) -> tuple[float, float]:
         """Beyond its thickness."""
         return self.impact_stiffness, 2 * self.damping_ratio * math.sqrt(0.5 * self.impact_stiffness)
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """Its elastic force integrated from zero [J]."""
-        k, cubic, _, impact, offset, d, *_ = self.numbers(1.0, 1.0)
-        inside, beyond = min(max(closing, 0.0), d), max(closing - d, 0.0)
+        k, cubic, _, impact, offset, d, *_ = self.element_parameters(1.0, 1.0)
+        inside = min(max(closing, 0.0), d)
+        beyond = max(closing - d, 0.0)
         energy = 0.5 * k * inside**2 + 0.25 * cubic * inside**4
         return energy + (impact * d + offset) * beyond + 0.5 * impact * beyond**2

@@ -1,4 +1,4 @@
-"""What joins two floors for good: a connector, and dampers of four kinds (paper, eq. 10)."""
+"""Links that join two floors for good: a connector, and dampers of four kinds (paper, eq. 10)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws.bilinear import BILINEAR
-from pounding_cli.laws.law import JOINED, Behaviour, LinkLaw, line, parameter
+from pounding_cli.laws.law import JOINED, Behaviour, LinkLaw, parameter, set_line
 from pounding_cli.laws.pounding import DASHPOT, DashpotLaw, dashpot_constant
 
 
@@ -19,8 +19,8 @@ class Joint(LinkLaw):
     leaves out the very thing it is about, so all numbers of that scene lose their meaning (paper, after eq. 10).
     """
 
-    drawn = "bar"
-    meaningless = True
+    symbol = "bar"
+    invalidates = True
     joins = True
     behaviour = JOINED
 
@@ -43,12 +43,12 @@ class Connector(Joint):
     damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)
     dashpot: DashpotLaw = parameter("mass in eq. (7)", default=DashpotLaw.REDUCED_MASS)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k [N/m], c [N s/m]."""
         mass = self.dashpot.mass(left_mass, right_mass)
         return self.stiffness, dashpot_constant(self.damping_ratio, self.stiffness, mass)
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """k v^2 / 2 [J]."""
         return 0.5 * self.stiffness * closing**2
 
@@ -64,7 +64,7 @@ class Damper(Joint):
 
     damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """No spring, c [N s/m]."""
         return 0.0, self.damping_coefficient
 
@@ -77,7 +77,7 @@ def flow(e: Any, guard: int) -> None:
     """The one branch of a fluid viscous damper, whose force is straight where the power is 1. Parameters: force at
     1 m/s [N], power of the rate [-], rate below which the force is straight, to the power 4."""
     straight = e.p[1] == 1.0
-    line(e, 0.0, e.p[0] if straight else 0.0, 0.0, -math.inf, math.inf)
+    set_line(e, 0.0, e.p[0] if straight else 0.0, 0.0, -math.inf, math.inf)
     e.smooth = 0 if straight else 1
 
 
@@ -106,12 +106,12 @@ class Viscous(Joint):
     exponent: float = parameter("power a of the rate", low=0.1, high=1.0, open_high=False)
     straight_below: float = parameter("rate w below which the force is straight", "m/s", low=1e-9, default=1e-6)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """c [N], a [-], w^4."""
         return self.force_at_1_m_s, self.exponent, self.straight_below**4
 
     @property
-    def steepest(self) -> tuple[float, float]:
+    def max_slopes(self) -> tuple[float, float]:
         """The slope at rest."""
         return 0.0, self.force_at_1_m_s * self.straight_below ** (self.exponent - 1.0)
 
@@ -119,7 +119,7 @@ class Viscous(Joint):
 def relax(e: Any, guard: int) -> None:
     """The one branch of a Maxwell damper, whose force relaxes. Parameters: spring k [N/m] and dashpot c [N s/m]; the
     history variable is the force [N]."""
-    line(e, e.p[0], 0.0, 0.0, -math.inf, math.inf)
+    set_line(e, e.p[0], 0.0, 0.0, -math.inf, math.inf)
     e.relaxation = e.p[0] / e.p[1]
 
 
@@ -132,7 +132,7 @@ class Maxwell(Joint):
     citation = (("zhang2000", "Maxwell dampers between buildings"),)
     stiffness_default = "1 x mean storey"
     beyond_gap = "Maxwell damper closes more than the gap, so the floors would have struck"
-    remembers = True
+    path_dependent = True
     takes_energy = True
     behaviour = Behaviour(relax)
 
@@ -144,11 +144,11 @@ class Maxwell(Joint):
         if self.damping_coefficient < 1e-6 * self.stiffness:  # steps are a few times as long as c / k
             raise ValueError("link: c / k of a Maxwell damper is below 1e-6 s: write `link: damper`, without a spring")
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k [N/m], c [N s/m]."""
         return self.stiffness, self.damping_coefficient
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """F^2 / 2 k in the spring [J]."""
         return 0.5 * force**2 / self.stiffness
 
@@ -162,16 +162,16 @@ class Friction(Joint):
     citation = (("pall1982", "friction dampers"), ("bhaskararao2006", "friction dampers between buildings"))
     stiffness_default = "1 x mean storey"
     beyond_gap = "friction damper closes more than the gap, so the floors would have struck"
-    remembers = True
+    path_dependent = True
     behaviour = BILINEAR
 
     stiffness: float = parameter("spring k of the damper and its brace before it slips", "N/m", open_low=True)
     slip_force: float = parameter("force Fs at which it slips", "N", open_low=True)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k [N/m], Fs / k [m], no hardening."""
         return self.stiffness, self.slip_force / self.stiffness, 0.0
 
-    def stored(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, force: float) -> float:
         """F^2 / 2 k [J]."""
         return 0.5 * force**2 / self.stiffness

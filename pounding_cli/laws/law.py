@@ -1,4 +1,4 @@
-"""What a law declares: its parameters, and what its element does on each branch (`Behaviour`).
+"""Declaration of a law: its parameters, and its element on each branch (`Behaviour`).
 
 The functions of a law are plain Python on the fields of an element; the solver compiles them. Everything that acts is
 one-dimensional: a force F on a deformation v, the drift of a storey or the closing of two floors."""
@@ -11,17 +11,18 @@ from dataclasses import MISSING, Field, dataclass, field, fields
 from functools import cached_property
 from typing import Any, ClassVar
 
-PARAMETERS, HISTORY = 16, 14
+PARAMETERS = 16
+HISTORY = 14
 """Room in the record of an element for the parameters p and the history variables h of its law."""
 
-PRESSED = 0.01
+REFERENCE_CLOSING = 0.01
 """Closing [m] at which the slope of a force that stiffens without end is taken: floors press each other by
 millimetres."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """What a field of a law means, its unit and the range of its values; `endless`: whether it may be infinite."""
+    """Meaning of a field of a law, its unit and the range of its values."""
 
     doc: str
     unit: str = "-"
@@ -29,19 +30,19 @@ class Parameter:
     high: float = math.inf
     open_low: bool = False
     open_high: bool = True
-    endless: bool = False
+    can_be_infinite: bool = False
 
-    def refusal(self, value: float) -> str:
-        """What is wrong with a value, or ""."""
+    def describe_issue(self, value: float) -> str:
+        """Return what is wrong with a value, or ""."""
         above = value > self.low if self.open_low else value >= self.low
         below = value < self.high if self.open_high else value <= self.high
-        if (above and below) or (self.endless and value == math.inf):
+        if (above and below) or (self.can_be_infinite and value == math.inf):
             return ""
         return f"it must be {self.range}"
 
     @property
-    def words(self) -> str:
-        """What it means, with its unit."""
+    def description(self) -> str:
+        """The meaning, with the unit."""
         return self.doc if self.unit == "-" else f"{self.doc} [{self.unit}]"
 
     @property
@@ -82,12 +83,12 @@ class Law:
             declared, value = each.metadata.get("parameter"), getattr(self, each.name)
             if declared is None or isinstance(value, str | bool):
                 continue
-            if wrong := declared.refusal(value):
+            if wrong := declared.describe_issue(value):
                 unit = "" if declared.unit == "-" else f" {declared.unit}"
                 raise ValueError(f"{self.acts_on}: {each.name} is {value:g}{unit}; {wrong}")
 
     @cached_property
-    def words(self) -> str:
+    def identity(self) -> str:
         """Name and every parameter in a line: two laws with one line act alike."""
         values = (getattr(self, each.name) for each in fields(self))
         return " ".join((self.name, *(repr(v) if isinstance(v, float) else str(v) for v in values)))
@@ -100,7 +101,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """What an element does, as functions of its record e that the solver compiles (`solver.dispatch`).
+    """Functions of the record e of an element, which the solver compiles (`solver.dispatch`).
 
     next_branch : (e, guard) -> None: the element met a guard (`laws.guards`) at the deformation e.v1 [m] with the rate
         e.r1 [m/s]; sets its next branch and its history variables e.h. On a branch the force is
@@ -115,7 +116,7 @@ class Behaviour:
     history_rate: Callable[[Any, float, float], float] | None = None
 
 
-def line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: int = 0) -> None:
+def set_line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: int = 0) -> None:
     """Set F = k v + c v' + f0 [N/m, N s/m, N] for low < v < high [m], while v rises (`way` 1), falls (-1), or either
     way (0), with no other guard; the element acts."""
     e.k, e.c, e.f0, e.low, e.high = k, c, f0, low, high
@@ -126,32 +127,33 @@ def line(e: Any, k: float, c: float, f0: float, low: float, high: float, way: in
     e.closed = e.acts = 1
 
 
-def opened(e: Any) -> None:
+def set_open(e: Any) -> None:
     """Set the branch of floors apart: no force until v rises to 0."""
-    line(e, 0.0, 0.0, 0.0, -math.inf, 0.0)
+    set_line(e, 0.0, 0.0, 0.0, -math.inf, 0.0)
     e.branch = e.closed = e.acts = 0
 
 
-def _joined(e: Any, guard: int) -> None:
+def _set_joined(e: Any, guard: int) -> None:
     """One branch without end. Parameters: spring [N/m] and dashpot [N s/m]."""
-    line(e, e.p[0], e.p[1], 0.0, -math.inf, math.inf)
+    set_line(e, e.p[0], e.p[1], 0.0, -math.inf, math.inf)
 
 
-JOINED = Behaviour(_joined)
+JOINED = Behaviour(_set_joined)
 """A spring and a dashpot at all times: connectors, dampers, storeys that cannot yield, foundation springs."""
 
 
 @dataclass(frozen=True)
 class LinkLaw(Law):
-    """What stands between two floors. It acts on v, their closing u_left - u_right, less the gap where the law says so.
+    """Law of a link between two floors. It acts on v, their closing u_left - u_right, less the gap if so declared.
 
-    drawn : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
+    symbol : how pictures show it: "gap" (nothing between the floors), "filling" or "bar"
     subtracts_gap : whether v is the closing less the gap
     stiffness_default : spring unless given, as a study file would write it; "" for `impact.stiffness`
     beyond_gap : what a scene is flagged with where the closing exceeds the gap, or ""
-    meaningless : whether that takes the meaning from all numbers of the scene
+    invalidates : whether exceeding the gap invalidates the scene
+    can_act : whether a force may ever act
     joins : whether a force acts at all closings, not only once the floors meet
-    remembers : whether its force depends on what happened before, so that only methods that locate events know it
+    path_dependent : whether its force depends on what happened before, so that only methods that locate events know it
     takes_energy : whether it has a dashpot whatever its damping ratio
     behaviour : what it does
 
@@ -161,36 +163,34 @@ class LinkLaw(Law):
     """
 
     acts_on: ClassVar[str] = "link"
-    drawn: ClassVar[str] = "gap"
+    symbol: ClassVar[str] = "gap"
     subtracts_gap: ClassVar[bool] = False
     stiffness_default: ClassVar[str] = ""
     beyond_gap: ClassVar[str] = ""
-    meaningless: ClassVar[bool] = False
+    invalidates: ClassVar[bool] = False
+    can_act: ClassVar[bool] = True
     joins: ClassVar[bool] = False
-    remembers: ClassVar[bool] = False
+    path_dependent: ClassVar[bool] = False
     takes_energy: ClassVar[bool] = False
     behaviour: ClassVar[Behaviour]
 
     gap: float = parameter("initial distance d between the floors", "m")
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
-        """Parameters p of its element between floors of these masses [kg], as `behaviour` reads them."""
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """Return the parameters p of its element between floors of these masses [kg], as `behaviour` reads them."""
         raise NotImplementedError
 
     @classmethod
-    def conflict(cls, **values: float) -> tuple[str, str, str] | None:
-        """What is wrong with parameters (SI) that are each in their range: (parameter, what is wrong, what to write);
-        None if nothing. Not all need be given."""
+    def find_conflict(cls, **values: float) -> tuple[str, str, str] | None:
+        """Return (parameter, what is wrong, what to write) of values (SI) that do not fit together; None where they do.
+
+        Each value is in its range; not all need be given.
+        """
         return None
 
     @property
-    def can_close(self) -> bool:
-        """Whether a force may ever act."""
-        return math.isfinite(self.gap)
-
-    @property
     def offset(self) -> float:
-        """What v leaves out of the closing u_left - u_right [m]."""
+        """Part of the closing u_left - u_right that v leaves out [m]."""
         return self.gap if self.subtracts_gap else 0.0
 
     @property
@@ -199,23 +199,23 @@ class LinkLaw(Law):
         return -math.inf if self.joins else self.offset
 
     @property
-    def damped(self) -> bool:
-        """Whether it takes energy, by a dashpot or otherwise."""
+    def is_damped(self) -> bool:
+        """True where it takes energy, by a dashpot or otherwise."""
         return self.takes_energy or getattr(self, "damping_ratio", 0.0) > 0.0 or getattr(self, "restitution", 1.0) < 1.0
 
     @property
-    def cut(self) -> bool:
-        """Whether a force that would pull is cut off."""
-        return bool(getattr(self, "tension_cut", False)) and self.damped
+    def cuts_tension(self) -> bool:
+        """True where a force that would pull is cut off."""
+        return bool(getattr(self, "tension_cut", False)) and self.is_damped
 
     @property
-    def steepest(self) -> tuple[float, float]:
+    def max_slopes(self) -> tuple[float, float]:
         """(stiffness [N/m], dashpot [N s/m]) where it is stiffest, between floors of 1 kg each: the first two of the
         numbers of a law that fixed steps run. A force that stiffens without end is taken where floors press each other
-        by `PRESSED`."""
-        k, c, *_ = self.numbers(1.0, 1.0)
+        by `REFERENCE_CLOSING`."""
+        k, c, *_ = self.element_parameters(1.0, 1.0)
         return k, c
 
-    def stored(self, closing: float, force: float) -> float:
-        """Energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""
+    def stored_energy(self, closing: float, force: float) -> float:
+        """Return the energy that it could give back [J] at a closing u_left - u_right [m] with the force [N]."""
         return 0.0

@@ -9,7 +9,7 @@ from enum import StrEnum
 from typing import Any
 
 from pounding_cli.laws.guards import FORCE, LOW, START
-from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
+from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
 
 
 def reduced_mass(left_mass: float, right_mass: float) -> float:
@@ -48,7 +48,7 @@ def damping_ratio(restitution: float) -> float:
     return -log / math.hypot(math.pi, log)
 
 
-def restitution_of(ratio: float) -> float:
+def restitution_from_damping(ratio: float) -> float:
     """Coefficient of restitution [-] of a damping ratio, 0 <= xi < 1: the inverse of `damping_ratio`."""
     return math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2))
 
@@ -70,10 +70,10 @@ def next_branch(e: Any, guard: int) -> None:
     """Open, pressed, and, where the tension is cut, pulling."""
     joins = e.p[JOINS] > 0.0
     if (guard == START or guard == LOW) and not joins:
-        opened(e)
+        set_open(e)
         return
     e.branch = PULLING if guard == FORCE and e.branch == PRESSED else PRESSED
-    line(e, e.p[K], e.p[C], e.p[F0], -math.inf if joins else 0.0, math.inf)
+    set_line(e, e.p[K], e.p[C], e.p[F0], -math.inf if joins else 0.0, math.inf)
     e.smooth = 1 if e.p[SMOOTH] > 0.0 else 0
     e.cuts = 1 if e.p[CUTS] > 0.0 else 0
     e.acts = 1 if e.branch == PRESSED else 0
@@ -81,10 +81,7 @@ def next_branch(e: Any, guard: int) -> None:
 
 @dataclass(frozen=True)
 class Pounding(LinkLaw):
-    """F = s_imp v + c v' for v > 0; v is the closing less the gap.
-
-    A gap of inf stands for floors that never meet: a run finds their largest closing all the same.
-    """
+    """F = s_imp v + c v' for v > 0; v is the closing less the gap."""
 
     name = "pounding"
     example = "{link: pounding, gap: 2 cm, stiffness: 20 x stiffest storey, restitution: 0.5}"
@@ -96,18 +93,17 @@ class Pounding(LinkLaw):
     subtracts_gap = True
     behaviour = Behaviour(next_branch)
 
-    gap: float = parameter("initial distance d between the floors", "m", endless=True)
     stiffness: float = parameter("impact spring s_imp", "N/m", open_low=True)
     damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)
     tension_cut: bool = parameter("no force that pulls the floors together", default=False)
     dashpot: DashpotLaw = parameter("mass in eq. (7)", default=DashpotLaw.REDUCED_MASS)
 
-    def numbers(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
-        """k [N/m], c [N s/m], whether the tension is cut."""
-        k = self.stiffness if self.can_close else 0.0
-        c = dashpot_constant(self.damping_ratio, k, self.dashpot.mass(left_mass, right_mass))
-        return k, c, float(self.cut)
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """Return k [N/m], c [N s/m], and 1 where the tension is cut."""
+        mass = self.dashpot.mass(left_mass, right_mass)
+        c = dashpot_constant(self.damping_ratio, self.stiffness, mass)
+        return self.stiffness, c, float(self.cuts_tension)
 
-    def stored(self, closing: float, force: float) -> float:
-        """k v^2 / 2 while the floors press [J]."""
-        return 0.5 * self.stiffness * max(closing - self.gap, 0.0) ** 2 if self.can_close else 0.0
+    def stored_energy(self, closing: float, force: float) -> float:
+        """Return k v^2 / 2 while the floors press [J]."""
+        return 0.5 * self.stiffness * max(closing - self.gap, 0.0) ** 2

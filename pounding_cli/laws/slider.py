@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws.guards import SLIPS_RIGHT, START
-from pounding_cli.laws.law import Behaviour, line, parameter
+from pounding_cli.laws.law import Behaviour, parameter, set_line
 from pounding_cli.laws.storey import StoreyLaw
 
 K, FRICTION = range(2)
@@ -26,7 +26,7 @@ def next_branch(e: Any, guard: int) -> None:
         e.branch = STUCK
     else:
         e.branch = RIGHTWARDS if guard == SLIPS_RIGHT else LEFTWARDS
-    line(e, e.p[K], e.c, e.branch * e.p[FRICTION], -math.inf, math.inf, e.branch)
+    set_line(e, e.p[K], e.c, e.branch * e.p[FRICTION], -math.inf, math.inf, e.branch)
     e.holds = 1 if e.branch == STUCK else 0
 
 
@@ -49,10 +49,10 @@ class Slider(StoreyLaw):
         """It sticks without any [m]."""
         return 0.0
 
-    def numbers(self) -> tuple[float, ...]:
+    def element_parameters(self) -> tuple[float, ...]:
         """K [N/m], friction [N]."""
         return self.stiffness, self.yield_shear
 
-    def stored(self, drift: Any, shear: Any) -> Any:
-        """What the surface gives back [J]."""
+    def stored_energy(self, drift: Any, shear: Any) -> Any:
+        """Return the energy that the surface gives back [J]."""
         return 0.5 * self.stiffness * drift**2

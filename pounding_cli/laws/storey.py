@@ -1,4 +1,4 @@
-"""What a law of storeys declares. A storey acts on its drift v; its force is the shear."""
+"""Declaration of a law of storeys. A storey acts on its drift v; its force is the shear."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from pounding_cli.laws.law import Behaviour, Law, parameter
 
 @dataclass(frozen=True)
 class StoreyLaw(Law):
-    """What holds a floor to the floor below.
+    """Law of a storey, which holds a floor to the floor below.
 
-    behaviour : what it does where it can yield
+    behaviour : functions of its element where it can yield
 
     Raises
     ------
@@ -25,7 +25,7 @@ class StoreyLaw(Law):
 
     stiffness: float = parameter("initial stiffness k", "N/m", open_low=True)
     yield_shear: float = parameter(
-        "yield shear Vy; inf for a storey that cannot yield", "N", open_low=True, endless=True
+        "yield shear Vy; inf for a storey that cannot yield", "N", open_low=True, can_be_infinite=True
     )
     hardening: float = parameter("post-yield over initial stiffness a", high=1.0)
 
@@ -36,25 +36,26 @@ class StoreyLaw(Law):
 
     @property
     def can_yield(self) -> bool:
-        """Whether it may leave its first branch."""
+        """True where it may leave its first branch."""
         return math.isfinite(self.yield_shear)
 
     @property
-    def softest(self) -> float:
+    def min_slope_ratio(self) -> float:
         """The least slope of its shear beyond the yield, over k [-]."""
         return self.hardening
 
-    def numbers(self) -> tuple[float, ...]:
+    def element_parameters(self) -> tuple[float, ...]:
         """Parameters p of its element, as `behaviour` reads them."""
         return self.stiffness, self.yield_drift, self.hardening
 
-    def stored(self, drift: Any, shear: Any) -> Any:
+    def stored_energy(self, drift: Any, shear: Any) -> Any:
         """Energy that the storey holds [J] at drifts [m] with shears [N]: what an unloading with the initial stiffness
         would give back."""
         return 0.5 * shear**2 / self.stiffness
 
 
-def stored_in_two_springs(law: StoreyLaw, drift: Any, shear: Any) -> Any:
+def energy_in_two_springs(law: StoreyLaw, drift: Any, shear: Any) -> Any:
     """Energy [J] in a spring a k under the drift and one of (1 - a) k that yields, side by side."""
-    k, a = law.stiffness, law.hardening
+    k = law.stiffness
+    a = law.hardening
     return 0.5 * a * k * drift**2 + 0.5 * (shear - a * k * drift) ** 2 / ((1.0 - a) * k)

@@ -16,11 +16,11 @@ from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.numbers import counted
 from pounding_cli.records.motion import GRAVITY
 
-COLLAPSE = 0.10
+DEFAULT_COLLAPSE_RATIO = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
 
 _LAW_FIELDS = "storey_law", "law_parameters"
-_OF_MEETINGS = "slab", "columns"
+_MEETING_FIELDS = "slab", "columns"
 """Fields that say what neighbours strike; they move no building by themselves, and links carry what follows."""
 
 
@@ -201,7 +201,7 @@ class Building:
         return float(self.elevation[floor - 1]) if floor else 0.0
 
     def has_floor(self, floor: int) -> bool:
-        """Whether a link may end there: at a floor, or at a base that moves (0)."""
+        """Return whether a link may end there: at a floor, or at a base that moves (0)."""
         return 1 <= floor <= self.storeys or (floor == 0 and self.foundation is not None and self.foundation.sways)
 
     @cached_property
@@ -214,9 +214,9 @@ class Building:
         """Drift at which every storey counts as collapsed [m], inf where that is not looked for, shape (n,)."""
         if self.collapse is not None:
             return self.collapse * self.height
-        softest = np.array([law.softest for law in self.laws])
+        softest = np.array([law.min_slope_ratio for law in self.laws])
         softens = np.isfinite(self.yield_shear) & (self.stability_coefficient > softest)
-        return (COLLAPSE if softens.any() else np.inf) * self.height
+        return (DEFAULT_COLLAPSE_RATIO if softens.any() else np.inf) * self.height
 
     @property
     def stability_coefficient(self) -> np.ndarray:
@@ -237,7 +237,7 @@ class Building:
 
     @cached_property
     def isolators(self) -> Bilinear | Slider | None:
-        """What the isolators do under its weight; None where it has none, or linear ones."""
+        """Law of the isolators under its weight; None where it has none, or linear ones."""
         base = self.foundation
         return None if base is None or base.isolation is None else base.isolation.law_under(self.weight)
 
@@ -252,7 +252,7 @@ class Building:
 
     @property
     def weight(self) -> float:
-        """Of floors and of a base that sways [N]."""
+        """Weight of the floors and of a base that sways [N]."""
         base = self.foundation.mass if self.foundation is not None and self.foundation.sways else 0.0
         return GRAVITY * (base + float(self.mass.sum()))
 
@@ -280,7 +280,7 @@ class Building:
         sha = hashlib.sha256()
         for each in fields(self):
             value = getattr(self, each.name)
-            if each.name in ("name", *_OF_MEETINGS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
+            if each.name in ("name", *_MEETING_FIELDS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
                 continue  # bilinear storeys have the digest that they had before there were others
             if each.name in ("gravity_load", "collapse") and value is None:
                 continue  # nor do these change the digests of buildings without them
@@ -290,5 +290,5 @@ class Building:
                 sha.update(each.name.encode())
             sha.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
         if self.foundation is not None and self.foundation.isolation is not None:
-            sha.update(self.foundation.isolation.words.encode())
+            sha.update(self.foundation.isolation.identity.encode())
         return sha.hexdigest()

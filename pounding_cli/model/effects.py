@@ -1,4 +1,4 @@
-"""What a scene calls for, and why the rest is left out: decided here, once, before anything is simulated."""
+"""Decide which effects a scene simulates; give the reason for each one omitted."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from typing import ClassVar
 import numpy as np
 
 from pounding_cli.laws import link_laws
+from pounding_cli.laws.apart import Apart
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import APART
 from pounding_cli.model.scene import Analysis, Scene
 
 RESIDUAL_DRIFTS = "residual drifts"
 """The effect of a scene that is followed until it is at rest."""
 
-NOT_ASKED = "the study does not ask for them (key residual_drift)"
+NOT_REQUESTED = "the study does not ask for them (key residual_drift)"
 """The reason to leave them out; without a colon, which ends the name of an effect."""
 
-EXPECTED = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS)
+EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS)
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is told."""
 
 
-OVERRULED = ("the analysis is elastic", "without a dashpot no link can pull")
+OVERRULING_REASONS = ("the analysis is elastic", "without a dashpot no link can pull")
 """Reasons to leave out an effect that the study asks for: it is never counted among those that nothing calls for."""
 
 NEVER_CLOSES = "the gap never closes"
@@ -78,7 +78,7 @@ def summarize_effects(
             without.setdefault(each.effect, {})[each.reason] = count
     rest = [
         name for name, reasons in without.items()
-        if name not in kept and name not in EXPECTED and reasons.keys().isdisjoint(OVERRULED)
+        if name not in kept and name not in EXPECTED_EFFECTS and reasons.keys().isdisjoint(OVERRULING_REASONS)
     ]  # fmt: skip
     for name, reasons in without.items():
         if name not in rest:
@@ -108,7 +108,7 @@ class Effects:
 
 def effects_of(scene: Scene) -> Effects:
     """Derive what a scene needs from its own data alone."""
-    links = {(e.kind, e.law.damped, e.law.cut, getattr(e.law, "tension_cut", False)) for e in scene.links}
+    links = {(e.kind, e.law.is_damped, e.law.cuts_tension, getattr(e.law, "tension_cut", False)) for e in scene.links}
     return _effects_of(scene.buildings, tuple(sorted(links)), scene.analysis, scene.residual_drift)
 
 
@@ -119,7 +119,10 @@ def _effects_of(
     analysis: Analysis,
     residual_drift: bool,
 ) -> Effects:
-    """Of links the kind, whether they have a dashpot, whether their tension is cut, whether that is asked."""
+    """Return the effects of scenes that share these.
+
+    links : of each the kind, whether it has a dashpot, whether its tension is cut, whether that is requested
+    """
     kept = list[str]()
     dropped = list[DroppedEffect]()
 
@@ -145,11 +148,11 @@ def _effects_of(
         "collapse",
         "the analysis is elastic" if can_collapse else "no storey can lose its resistance, and none is asked for",
     )
-    decide(residual_drift, RESIDUAL_DRIFTS, NOT_ASKED)
+    decide(residual_drift, RESIDUAL_DRIFTS, NOT_REQUESTED)
     decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
     decide(any(building.beta > 0 for building in buildings), "stiffness-proportional damping", "beta is 0")
     kinds = sorted({kind for kind, _, _, _ in links})
-    for kind in (*link_laws(), *(kind for kind in kinds if kind not in link_laws() and kind != APART)):
+    for kind in (*link_laws(), *(kind for kind in kinds if kind not in link_laws() and kind != Apart.name)):
         decide(kind in kinds, f"{kind} links", "the case has none")
     if kinds:
         decide(any(damped for _, damped, _, _ in links), "link dashpots", "restitution is 1")

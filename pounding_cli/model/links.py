@@ -1,21 +1,18 @@
-"""What stands between two neighbouring floors, and its law (paper, eqs 5-10)."""
+"""Links between two neighbouring floors (paper, eqs 5-10), and their places in a scene."""
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
+from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import Pounding
-
-APART = "apart"
-"""What tables call the kind of a link that is nothing but a place where the closing of two floors is found."""
 
 BASE = "base"
-"""What stands in place of a floor where a link ends at the base of a building."""
+"""Word of labels for the floor of a link that ends at the bases of both buildings."""
 
 LinkEnd = tuple[int, int, float]
 """A building, its floor from 1, and where in the storey below that floor a link ends (`Link`)."""
@@ -53,10 +50,11 @@ class Link:
             raise ValueError(f"link: left is {self.left}; places in the group count from 0")
         if self.left_floor < 0 or self.right_floor < 0:
             raise ValueError(f"link: floors {self.left_floor} and {self.right_floor}; floors count from 1, 0 is a base")
-        for at in (self.left_at, self.right_at):
-            if not 0.0 < at <= 1.0:
-                raise ValueError(f"link: it ends at {at:g} of a storey height; give a part above 0, 1 at the floor")
-        if not 0.0 <= self.columns <= 1.0 or (self.columns > 0.0 and (self.left_at < 1.0) == (self.right_at < 1.0)):
+        for height in (self.left_at, self.right_at):
+            if not 0.0 < height <= 1.0:
+                raise ValueError(f"link: it ends at {height:g} of a storey height; give a part above 0, 1 at the floor")
+        has_one_end_on_columns = (self.left_at < 1.0) != (self.right_at < 1.0)
+        if not 0.0 <= self.columns <= 1.0 or (self.columns > 0.0 and not has_one_end_on_columns):
             raise ValueError(f"link: columns is {self.columns:g}; give a part of 1 where one end stands between floors")
         if self.columns > 0.0 and not self.law.subtracts_gap:
             raise ValueError(f"link: columns is given for {self.kind}, which strikes nothing; leave it out")
@@ -66,90 +64,140 @@ class Link:
 
     @cached_property
     def _hash(self) -> int:
-        """Kept: what scenes share is looked up by their links."""
-        return hash((self.left, self.left_floor, self.right_floor, self.law, self.left_at, self.right_at, self.columns))
+        """The hash, computed once: what scenes share is looked up by their links."""
+        ends = (self.left_floor, self.left_at, self.right_floor, self.right_at)
+        return hash((self.left, ends, self.law, self.columns))
 
     @classmethod
-    @lru_cache(maxsize=1024)  # asked for again at every gap of a sweep
+    @lru_cache(maxsize=1024)  # the same at every gap of a sweep
     def apart(cls, left: int, left_floor: int, right_floor: int, left_at: float = 1.0, right_at: float = 1.0) -> Link:
-        """Nothing between two floors: no force whatever they do; a run finds their largest closing all the same."""
-        return cls(left, left_floor, right_floor, Pounding(math.inf, 1.0, 0.0), left_at, right_at)
+        """Return the link of two floors with nothing between them; a run records their largest closing."""
+        return cls(left, left_floor, right_floor, Apart(), left_at, right_at)
 
     @property
     def ends(self) -> tuple[LinkEnd, LinkEnd]:
         """(building, floor, where below it) of both ends."""
-        return (self.left, self.left_floor, self.left_at), (self.left + 1, self.right_floor, self.right_at)
+        left = (self.left, self.left_floor, self.left_at)
+        right = (self.left + 1, self.right_floor, self.right_at)
+        return left, right
+
+    @property
+    def place(self) -> LinkPlace:
+        """Its place, without a name."""
+        on_columns = (self.left_at < 1.0, self.right_at < 1.0)
+        return LinkPlace(self.left, self.left_floor, self.right_floor, "", *on_columns)
 
     @property
     def kind(self) -> str:
-        """The name of its law; APART where nothing stands between the floors."""
-        return APART if self.law.gap == math.inf else self.law.name
+        """The name of its law."""
+        return self.law.name
 
     @property
     def gap(self) -> float:
-        """Initial distance of the floors [m]."""
+        """Initial distance of the floors [m]; NaN where nothing stands between them."""
         return self.law.gap
 
     @property
-    def words(self) -> str:
-        """Everything about the link, in a line: two links with one line act alike."""
-        between = "" if self.left_at == self.right_at == 1.0 else f" {self.left_at!r} {self.right_at!r}"
-        between += f" columns {self.columns!r}" if self.columns else ""
-        return f"{self.left} {self.left_floor} {self.right_floor} {self.law.words}{between}"
+    def identity(self) -> str:
+        """All that the link does, in a line: two links with one line act alike."""
+        parts = [str(self.left), str(self.left_floor), str(self.right_floor), self.law.identity]
+        if not self.left_at == self.right_at == 1.0:
+            parts += [repr(self.left_at), repr(self.right_at)]
+        if self.columns:
+            parts.append(f"columns {self.columns!r}")
+        return " ".join(parts)
 
 
-LinkPlace = tuple[int, int, int, str]
-"""Left building from 0, its floor, the right one's floor, and the name of `link_places`."""
+class LinkPlace(NamedTuple):
+    """Place of a link among the links of a scene.
+
+    left : left building of the pair, from 0
+    left_floor, right_floor : floors that it joins, from 1; 0 is a base
+    name : what tells it from other links between the same floors, "" where nothing has to
+    left_on_columns, right_on_columns : on which sides it ends below the floor, on the columns of the storey
+    """
+
+    left: int
+    left_floor: int
+    right_floor: int
+    name: str = ""
+    left_on_columns: bool = False
+    right_on_columns: bool = False
+
+    @property
+    def is_on_columns(self) -> bool:
+        """True where an end stands between floors, on columns."""
+        return self.left_on_columns or self.right_on_columns
+
+    @property
+    def struck_storey(self) -> tuple[int, int]:
+        """Building from 0 and storey from 1 of the columns that a link `is_on_columns` ends on.
+
+        Those of the left building where both ends stand on columns.
+        """
+        if self.left_on_columns:
+            return self.left, self.left_floor
+        return self.left + 1, self.right_floor
+
+    @property
+    def struck_sides(self) -> str:
+        """The sides on which it ends on columns: "left", "right", "left and right", or ""."""
+        sides = ["left"] * self.left_on_columns + ["right"] * self.right_on_columns
+        return " and ".join(sides)
 
 
 def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
-    """Where each link of a scene stands, and its name among those that join the same floors.
+    """Return the place of each link of a scene, with a name among those that join the same floors.
 
     The name is empty where it is the only one. Of several the first that strikes has no name (without one, the first),
     so that it stands in the same row of tables as the pounding of another case; the others are named for their law:
     `connector`, `connector 2`. A link that ends between floors is named for the columns it ends on, those of the
     storey below the floor of that side: `right columns`.
     """
-    joined: dict[tuple[LinkEnd, LinkEnd], list[int]] = {}
+    law_names = _names_by_law(links)
+    heights_by_place: dict[LinkPlace, list[tuple[float, float]]] = {}
+    places = []
+    for link, law_name in zip(links, law_names, strict=True):
+        place = link.place
+        parts = [law_name]
+        if place.is_on_columns:
+            heights = heights_by_place.setdefault(place, [])
+            if (link.left_at, link.right_at) not in heights:
+                heights.append((link.left_at, link.right_at))
+            number = 1 + heights.index((link.left_at, link.right_at))
+            columns = f"{place.struck_sides} columns"
+            parts.insert(0, columns if number == 1 else f"{columns} {number}")
+        places.append(place._replace(name=", ".join(filter(None, parts))))
+    return tuple(places)
+
+
+def _names_by_law(links: Sequence[Link]) -> list[str]:
+    """Return a name for each link that stands beside another between the same ends, "" for the rest."""
+    numbers_by_ends: dict[tuple[LinkEnd, LinkEnd], list[int]] = {}
     for number, link in enumerate(links):
-        joined.setdefault(link.ends, []).append(number)
+        numbers_by_ends.setdefault(link.ends, []).append(number)
     names = [""] * len(links)
-    for several in joined.values() if len(joined) < len(links) else ():
-        strike = (number for number in several if links[number].law.subtracts_gap)
-        plain = next(strike, several[0])
+    for numbers in numbers_by_ends.values():
+        striking = [number for number in numbers if links[number].law.subtracts_gap]
+        unnamed = striking[0] if striking else numbers[0]
         count: Counter[str] = Counter()
-        for number in several:
-            if number != plain:
-                kind = links[number].kind
-                count[kind] += 1
-                names[number] = kind if count[kind] == 1 else f"{kind} {count[kind]}"
-    heights: dict[tuple[int, int, int, str], list[tuple[float, float]]] = {}
-    for number, link in enumerate(links):
-        if (at := (link.left_at, link.right_at)) != (1.0, 1.0):
-            sides = [side for side, end in zip(("left", "right"), at, strict=True) if end != 1.0]
-            between = f"{' and '.join(sides)} columns"
-            known = heights.setdefault((link.left, link.left_floor, link.right_floor, between), [])
-            if at not in known:
-                known.append(at)
-            between += f" {known.index(at) + 1}" if known.index(at) else ""
-            names[number] = f"{between}, {names[number]}" if names[number] else between
-    return tuple((link.left, link.left_floor, link.right_floor, name) for link, name in zip(links, names, strict=True))
-
-
-def ends_on_columns(place: LinkPlace) -> bool:
-    """Whether a link stands between floors, on columns."""
-    return place[3].startswith(("left columns", "right columns", "left and right columns"))
-
-
-def columns_struck(place: LinkPlace) -> tuple[int, int]:
-    """Building from 0 and storey from 1 of the columns that a link `ends_on_columns`."""
-    left, left_floor, right_floor, name = place
-    return (left + 1, right_floor) if name.startswith("right") else (left, left_floor)
+        for number in numbers:
+            if number == unnamed:
+                continue
+            kind = links[number].kind
+            count[kind] += 1
+            names[number] = kind if count[kind] == 1 else f"{kind} {count[kind]}"
+    return names
 
 
 def link_label(buildings: Sequence[str], place: LinkPlace) -> str:
-    """A link as tables call it: `stiff|soft floor 3`, `stiff|soft floor 3, connector`."""
-    left, left_floor, right_floor, name = place
-    floors = f"floor {left_floor}" if left_floor == right_floor else f"floor {left_floor}|{right_floor}"
-    where = floors if left_floor or right_floor else BASE
-    return f"{buildings[left]}|{buildings[left + 1]} {where}" + (f", {name}" if name else "")
+    """Return the label of a link in tables: `stiff|soft floor 3`, `stiff|soft floor 3, connector`."""
+    pair = f"{buildings[place.left]}|{buildings[place.left + 1]}"
+    if place.left_floor == place.right_floor == 0:
+        floors = BASE
+    elif place.left_floor == place.right_floor:
+        floors = f"floor {place.left_floor}"
+    else:
+        floors = f"floor {place.left_floor}|{place.right_floor}"
+    name = f", {place.name}" if place.name else ""
+    return f"{pair} {floors}{name}"

@@ -1,4 +1,4 @@
-"""Where two neighbours can strike each other: slabs that meet, and slabs that strike columns between two floors."""
+"""Places where two neighbours can strike each other: slabs that meet, and slabs that strike columns."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Strike:
 
     @property
     def side(self) -> int:
-        """Of the columns: 0 where those of the left building are struck, 1 for the right one."""
+        """Side of the columns: 0 where those of the left building are struck, 1 for the right one."""
         return 0 if self.right_at == 1.0 else 1
 
     @property
@@ -49,7 +49,7 @@ class Strike:
         return (self.left_at, self.right_at)[self.side]
 
 
-def meetings(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
+def find_meetings(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
     """(floors of `left` and `right`, from 1, whose slabs meet; slabs that strike columns), from the ground up.
 
     A slab reaches half its thickness up and down from the elevation of its floor. Slabs above the neighbour's roof have

@@ -17,7 +17,7 @@ from pounding_cli.records.motion import Motion
 
 
 class Analysis(StrEnum):
-    """Whether storeys may yield; contact is the same in both."""
+    """Elastic or yielding storeys; contact is the same in both."""
 
     ELASTIC = "elastic"
     INELASTIC = "inelastic"
@@ -85,8 +85,8 @@ class Scene:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the scene: two scenes with one digest have the same response (names are left out)."""
-        ending = Digests.ending(self.motion, self.analysis, self.tail, self.residual_drift)
-        return Digests(self.buildings, self.links).ended(ending).hex()
+        suffix = Digests.suffix(self.motion, self.analysis, self.tail, self.residual_drift)
+        return Digests(self.buildings, self.links).finish(suffix).hex()
 
     def alone(self, place: int) -> Scene:
         """The baseline of the building at `place`: the same motion, no neighbours, no links."""
@@ -94,23 +94,30 @@ class Scene:
 
 
 class Digests:
-    """The digests of the scenes that share buildings and links, without the scenes.
+    """Digests of the scenes that share buildings and links, without building the scenes.
 
     buildings, links : as in `Scene`
     """
 
     def __init__(self, buildings: Sequence[Building], links: Sequence[Link]) -> None:
-        parts = [*(b.digest for b in buildings), *(link.words for link in links)]
-        self._begun = hashlib.sha256("\n".join(parts).encode())
+        parts = [building.digest for building in buildings]
+        parts += [link.identity for link in links]
+        self._prefix_hash = hashlib.sha256("\n".join(parts).encode())
 
     @staticmethod
-    def ending(motion: Motion, analysis: Analysis, tail: float, residual_drift: bool) -> bytes:
-        """Return what stands in a digest for motion, analysis, tail [s], and whether residual drifts are asked for."""
-        asked = "\nresidual drift" if residual_drift else ""
-        return f"\n{motion.digest}\n{analysis}\n{float(tail)!r}{asked}".encode()
+    def suffix(motion: Motion, analysis: Analysis, tail: float, follows_residual_drift: bool) -> bytes:
+        """Return the last part of the hashed text: everything beside buildings and links.
 
-    def ended(self, ending: bytes) -> bytes:
-        """The digest, 32 bytes, of the scene with this `ending`."""
-        sha = self._begun.copy()
-        sha.update(ending)
-        return sha.digest()
+        Parameters
+        ----------
+        tail : free vibration after the motion [s]
+        follows_residual_drift : whether the scene is followed until it is at rest
+        """
+        last_line = "\nresidual drift" if follows_residual_drift else ""
+        return f"\n{motion.digest}\n{analysis}\n{float(tail)!r}{last_line}".encode()
+
+    def finish(self, suffix: bytes) -> bytes:
+        """Return the digest of the scene with this `suffix`, 32 bytes."""
+        scene_hash = self._prefix_hash.copy()
+        scene_hash.update(suffix)
+        return scene_hash.digest()

@@ -9,10 +9,10 @@ import numpy as np
 
 from pounding_cli.model.building import Building
 
-LEAST_HEIGHT = 1e-3
+MIN_HEIGHT = 1e-3
 """Height of a wall that ends at the ground [m]."""
 
-ENDLESS = 1e6
+UNLIMITED_HEIGHT = 1e6
 """Height of a wall that has none of its own [m]."""
 
 
@@ -27,14 +27,19 @@ class Wall(Building):
     moves: bool = True
 
     @classmethod
-    def of(
-        cls, name: str, height: float = ENDLESS, mass: float = 0.0, stiffness: float = np.inf, damping: float = 0.0
+    def build(
+        cls,
+        name: str,
+        height: float = UNLIMITED_HEIGHT,
+        mass: float = 0.0,
+        stiffness: float = np.inf,
+        damping: float = 0.0,
     ) -> Wall:
         """A wall, and what stands behind it.
 
         Parameters
         ----------
-        height : above the ground [m]; ENDLESS: as high as its neighbours (`up_to`)
+        height : above the ground [m]; UNLIMITED_HEIGHT: as high as its neighbours (`raise_to`)
         mass : with the soil that moves along [kg], > 0 unless it moves as the ground does
         stiffness : of the soil [N/m], > 0; inf for a wall that moves as the ground does
         damping : dashpot of the soil [N s/m], >= 0
@@ -45,19 +50,19 @@ class Wall(Building):
         """
         moves, one = bool(np.isfinite(stiffness)), np.ones(1)
         k, m, beta = (stiffness, mass, damping / stiffness) if moves else (1.0, 1.0, 0.0)
-        high = max(height, LEAST_HEIGHT)
+        high = max(height, MIN_HEIGHT)
         return cls(name, m * one, high * one, k * one, np.inf * one, 0.0 * one, 0.0, beta, moves=moves)
 
-    def up_to(self, roof: float) -> Wall:
+    def raise_to(self, roof: float) -> Wall:
         """The wall up to the highest roof [m] of its row, where it has no height of its own."""
-        return replace(self, height=np.array([roof])) if self.height[0] == ENDLESS else self
+        return replace(self, height=np.array([roof])) if self.height[0] == UNLIMITED_HEIGHT else self
 
     @cached_property
     def periods(self) -> np.ndarray:
         """The period of the wall on the soil [s], shape (1,); NaN where it moves as the ground does."""
         return super().periods if self.moves else np.full(1, np.nan)
 
-    def known(self, name: str) -> np.ndarray:
+    def storey_property(self, name: str) -> np.ndarray:
         """A property of its one storey, shape (1,); NaN of a mass or stiffness that says nothing."""
         return getattr(self, name) if self.moves or name in ("height", "yield_shear") else np.full(1, np.nan)
 

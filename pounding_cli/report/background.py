@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from pounding_cli.laws import link_laws
+from pounding_cli.laws.apart import Apart
 from pounding_cli.model.effects import DroppedEffect, summarize_effects
-from pounding_cli.model.links import APART
 from pounding_cli.numbers import Unit, count_histories, counted, listed
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
@@ -216,7 +216,7 @@ def run_label(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:
 def _cases(shown: Evidence) -> Table:
     """Every case with its links in words."""
     unit, rows = shown.unit("gap"), []
-    links = shown.link[shown.link["kind"] != APART].drop_duplicates(["case", "link"])
+    links = shown.link[shown.link["kind"] != Apart.name].drop_duplicates(["case", "link"])
     for case in shown.cases:
         mine = links[links["case"] == case]
         kinds = Counter(zip(mine["kind"], mine["gap"], strict=True))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.laws import drawn
+from pounding_cli.laws import link_symbol
 from pounding_cli.numbers import count_histories, counted
 from pounding_cli.report.background import advice, report_of, trust
 from pounding_cli.report.claims import claim_sections
@@ -165,7 +165,7 @@ def _gaps(results: Results) -> dict[tuple[str, str], str]:
         beyond = f"{digits(unit.number(closing - row['gap']), 3)} {unit.name}"
         number = f"{digits(unit.number(closing), 3)} of {unit.text(row['gap'])}"
         below = "no contact"
-        if drawn(row["kind"]) != "gap":
+        if link_symbol(row["kind"]) != "gap":
             below = f"{row['kind']}, {beyond} beyond the gap" if closing > row["gap"] else row["kind"]
         elif closing > row["gap"]:
             number = f"penetration {beyond}"

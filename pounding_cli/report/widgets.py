@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from pounding_cli.laws import drawn
+from pounding_cli.laws import link_symbol
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
 from pounding_cli.report.style import for_page, key_words, looks
 from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
@@ -155,7 +155,7 @@ def _scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
             series.append(history.link_force[:, number])
             links.append({
                 "left": history.buildings.index(row["left"]), "right": history.buildings.index(row["right"]),
-                "floor": int(row["floor"]), "right_floor": int(row["right_floor"]), "drawn": drawn(row["kind"]),
+                "floor": int(row["floor"]), "right_floor": int(row["right_floor"]), "drawn": link_symbol(row["kind"]),
                 "gap": float(row["gap"]), "left_at": float(row.get("left_at", 1.0)),
                 "right_at": float(row.get("right_at", 1.0)),
             })  # fmt: skip

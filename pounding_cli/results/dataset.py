@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli import __version__, variables
-from pounding_cli.model.links import columns_struck, ends_on_columns, link_label
+from pounding_cli.model.links import link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import counted
@@ -73,7 +73,7 @@ def contents(plan: Plan, solved: Solved) -> Group:
 def _has(plan: Plan, v: Variable) -> bool:
     """Whether a variable says anything in a study: some have no links, few have links that strike columns."""
     if v.name in variables.OF_COLUMNS:
-        return any(map(ends_on_columns, plan.links.places))
+        return any(place.is_on_columns for place in plan.links.places)
     return "link" not in v.dims or bool(plan.links.places)
 
 
@@ -154,9 +154,9 @@ def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
     demand = np.where(found["impacts"] > 0, found["shear_demand"], np.nan)  # one that yields has 1 anyway
     for at in np.argwhere((demand > 1).any(axis=-1)):
         mine = demand[tuple(at)]
-        struck = {columns_struck(plan.links.places[link]) for link in np.flatnonzero(mine > 1).tolist()}
+        struck = {plan.links.places[link].struck_storey for link in np.flatnonzero(mine > 1).tolist()}
         worst = int(np.nanargmax(mine))
-        building, storey = columns_struck(plan.links.places[worst])
+        building, storey = plan.links.places[worst].struck_storey
         more = f", and {counted(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
         where = f"{plan.buildings[building]} storey {storey}"
         times = f"{mine[worst]:.3g} times their share of the yield shear"
@@ -183,7 +183,7 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
         "storey": storeys, "floor": storeys,
     }  # fmt: skip
     if places:
-        left, left_floor, right_floor, _ = zip(*places, strict=True)
+        left, left_floor, right_floor, *_ = zip(*places, strict=True)
         values |= {
             "link": [link_label(names, place) for place in places],
             "link_left": [names[place] for place in left],
@@ -232,7 +232,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
         for name in ("mass", "height", "stiffness", "yield_shear"):
             found[name] = np.full((len(row), storeys), np.nan)
             for values, building in zip(found[name], row, strict=True):
-                known = building.known(name) if isinstance(building, Wall) else getattr(building, name)
+                known = building.storey_property(name) if isinstance(building, Wall) else getattr(building, name)
                 values[: building.storeys] = known
         return found
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.laws import drawn
+from pounding_cli.laws import link_symbol
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, count_histories
 from pounding_cli.units import GRAVITY
@@ -102,7 +102,9 @@ def _describe_penetration(results: Results, data: xr.Dataset, hidden: Sequence[s
         for name in ("link_left", "link_right")
     )
     thinner: Any = np.fmin(left, right)
-    is_contact = data["kind"].copy(data=np.vectorize(lambda kind: drawn(kind) == "gap", otypes=[bool])(data["kind"]))
+    is_contact = data["kind"].copy(
+        data=np.vectorize(lambda kind: link_symbol(kind) == "gap", otypes=[bool])(data["kind"])
+    )
     beyond = (data["max_closing"] - data["gap"]).where(is_contact)
     too_far = beyond.where(beyond > thinner)
     if not bool(too_far.notnull().any()):

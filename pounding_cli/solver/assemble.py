@@ -134,7 +134,7 @@ def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
     yield."""
     if law is None:
         return _element(JOINED, (k, c), c=c)
-    return _element(law.behaviour, law.numbers(), c=c, yields=1, slides=int(isinstance(law, Slider)))
+    return _element(law.behaviour, law.element_parameters(), c=c, yields=1, slides=int(isinstance(law, Slider)))
 
 
 class _Building:
@@ -293,10 +293,7 @@ def _put_links(elements: np.ndarray, scenes: Sequence[Scene], masses: Sequence[t
         written = 0
         for place, (link, both) in enumerate(zip(scene.links, masses, strict=True)):
             law = link.law
-            if not law.can_close:  # its closing alone is asked for
-                elements["kind"][number, place], elements["eased"][number, place] = BEHAVIOURS.index(JOINED), 0
-                continue
-            numbers = law.numbers(*both)
+            numbers = law.element_parameters(*both)
             p[number, place, : len(numbers)], offset[number, place] = numbers, law.offset
             if isinstance(law, WrittenLaw):
                 formula = law.force(reduced_mass(*both))

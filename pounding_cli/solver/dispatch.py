@@ -11,7 +11,7 @@ from typing import Any
 from numba import njit
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, carried_out
+from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, evaluate_operations
 from pounding_cli.solver.options import CALLED, PART
 
 WRITTEN = BEHAVIOURS.index(WRITTEN_BEHAVIOUR)
@@ -43,7 +43,7 @@ def _by_kind(name: str, arguments: str, is_part: bool) -> Any:
 _next_branch = _by_kind("next_branch", "e, guard", is_part=False)
 _force = _by_kind("force", "e, v, r", is_part=True)
 history_rate = _by_kind("history_rate", "e, r, h", is_part=True)
-_written_force = njit(**PART)(carried_out)
+_written_force = njit(**PART)(evaluate_operations)
 
 
 @njit(**CALLED)

@@ -262,9 +262,8 @@ def central_difference_limit(layout: Layout, elements: np.ndarray, links: Sequen
     drags = slice(n, layout.of_links.start)
     c[drags] = elements["p"][drags, 1]
     for place, link in enumerate(links, layout.of_links.start):
-        if link.law.can_close:
-            k[place], c[place] = link.law.steepest
-            c[place] = max(c[place], elements["p"][place, 1] if link.law.joins else 0.0)
+        k[place], c[place] = link.law.max_slopes
+        c[place] = max(c[place], elements["p"][place, 1] if link.law.joins else 0.0)
     stiffness, damping = rows.T @ (k[:, None] * rows), rows.T @ (c[:, None] * rows)
     damping[np.diag_indices(n)] += layout.dofs["drag"] * mass
     inverse = np.sqrt(layout.dofs["inv_mass"])

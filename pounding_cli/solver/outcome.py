@@ -67,7 +67,7 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest:
     links = data.elements[:, layout.of_links]
     peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
     peaks["max_closing"] = links["peak_v"] + links["offset"]
-    closes = [[link.law.can_close for link in scene.links] for scene in scenes]
+    closes = [[link.law.can_act for link in scene.links] for scene in scenes]
     peaks["contact_time"] = np.where(closes, links["time"], 0.0)
     for k, struck in enumerate(layout.struck):
         below, above = data.columns["peak"][:, 2 * k], data.columns["peak"][:, 2 * k + 1]
@@ -113,7 +113,7 @@ def stored_in_storeys(
         if building.isolators is not None:
             laws[layout.bases[b]] = building.isolators
         for place, law in laws.items():
-            stored[..., place] = law.stored(deformation[..., place], force[..., place])
+            stored[..., place] = law.stored_energy(deformation[..., place], force[..., place])
     total = stored.sum(axis=-1)
     if elements["load"].any():
         below = np.concatenate((np.zeros((*u.shape[:-1], 1)), u[..., :-1]), axis=-1)
@@ -164,7 +164,7 @@ def _stored_in_links(scenes: Sequence[Scene], elements: np.ndarray) -> np.ndarra
         e = elements[number, place]
         force = e["h"][0] if e["relaxation"] > 0 else e["k"] * e["v1"] + e["f0"]
         law = scenes[number].links[place].law
-        total[number] += law.stored(float(e["v1"] + e["offset"]), float(force))
+        total[number] += law.stored_energy(float(e["v1"] + e["offset"]), float(force))
     return total
 
 
@@ -191,7 +191,7 @@ def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
     for place, link, closing in zip(places, scene.links, peaks["max_closing"].tolist(), strict=True):
         if not (closing > link.gap and link.law.beyond_gap):
             continue
-        if not (link.law.meaningless and place in striking):
+        if not (link.law.invalidates and place in striking):
             left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
             beyond = closing - link.gap
             detail = f"{left} | {right}, floor {link.left_floor}, by {1000 * beyond:.3g} mm"
@@ -231,4 +231,4 @@ def flags_of_passing_floors(scene: Scene, peaks: np.void) -> list[Flag]:
 def is_meaningless(flag: str) -> bool:
     """Whether a flag takes the meaning from all numbers of its scene."""
     laws: tuple[type[LinkLaw], ...] = (*link_laws().values(), WrittenJoint)
-    return flag.startswith(tuple(law.beyond_gap for law in laws if law.meaningless))
+    return flag.startswith(tuple(law.beyond_gap for law in laws if law.invalidates))

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pounding_cli.laws.formula import MOST_OPERATIONS
+from pounding_cli.laws.formula import MAX_OPERATIONS
 from pounding_cli.laws.law import HISTORY, PARAMETERS
 
 ORDERS = 32
@@ -107,7 +107,7 @@ STATE = _dtype(
     f8=f"y0 y k:{DERIVATIVES} c:8 scale"
 )
 
-FORMULA = _dtype(f8=f"operations:{MOST_OPERATIONS}x4 registers:{MOST_OPERATIONS + 2}", i8="count result")
+FORMULA = _dtype(f8=f"operations:{MAX_OPERATIONS}x4 registers:{MAX_OPERATIONS + 2}", i8="count result")
 """Operations of a formula of the study (`laws.formula`), the registers they fill, and which of them is the force."""
 
 DONE, COLLAPSED, STEP_BOUND, EVENT_BOUND, STALLED, NOT_FINITE, NO_ROOT, UNSTABLE = range(8)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.laws import BEHAVIOURS
-from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, WrittenLaw, carried_out
+from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, WrittenLaw, evaluate_operations
 from pounding_cli.laws.joints import Maxwell
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.slider import FRICTION
@@ -135,7 +135,7 @@ def find_rest(run: Prepared, is_done: np.ndarray) -> Rest:
 
 def _has_memory(layout: Layout, scene: Scene) -> bool:
     """Return whether anything may hold a scene away from where it was before the motion."""
-    remembers = any(link.law.remembers or isinstance(link.law, WrittenLaw) for link in scene.links)
+    remembers = any(link.law.path_dependent or isinstance(link.law, WrittenLaw) for link in scene.links)
     yields = layout.elements["yields"] > 0
     if not scene.links:  # isolators hold a base away from the middle, but no storey above it
         yields = np.concatenate([yields[floors] for floors in layout.floors])
@@ -306,7 +306,7 @@ class _State:
         if element.smooth and BEHAVIOURS[element.kind] is WRITTEN_BEHAVIOUR:
             assert self.data.room is not None  # of every scene with a formula
             formula = self.data.room.formulas.view(np.recarray)[row, element.formula]
-            return force + float(carried_out(formula, v, rate))
+            return force + float(evaluate_operations(formula, v, rate))
         own = BEHAVIOURS[element.kind].force
         return force + float(own(element, v, rate)) if element.smooth and own is not None else force
 
@@ -378,7 +378,7 @@ class _State:
             law = self.scenes[row].links[place - self.layout.of_links.start].law
             closing = rest + reach + float(element.offset)
             step = NUDGE * (rest + reach)
-            gained = law.stored(closing + step, 0.0) - law.stored(closing, 0.0)
+            gained = law.stored_energy(closing + step, 0.0) - law.stored_energy(closing, 0.0)
             return DASHPOTS_OF_BLOW * gained / step
         ends = [(rest + side * reach, way * rate) for side in (-1.0, 1.0) for way in (-1.0, 1.0)]
         at_rest = self._force(element, row, rest, 0.0)
@@ -402,10 +402,10 @@ class _State:
                 continue
             law, element = self.scenes[row].links[place - first].law, e[row, place]
             if isinstance(law, Maxwell):
-                stored[row] += law.stored(0.0, float(element["h"][0]))
+                stored[row] += law.stored_energy(0.0, float(element["h"][0]))
             elif not law.joins:
                 force = float(element["k"] * element["v1"] + element["f0"])
-                stored[row] += law.stored(float(element["v1"] + element["offset"]), force)
+                stored[row] += law.stored_energy(float(element["v1"] + element["offset"]), force)
         return stored
 
     def is_at_rest(self, largest: np.ndarray) -> np.ndarray:

@@ -228,9 +228,8 @@ def _held_at_start(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     moved = term_matrix(layout) @ u
     stored, _ = outcome.stored_in_storeys(layout, moved[:n], stiffness[:n] * moved[:n], u)
     in_links = sum(
-        link.law.stored(float(closing), float(k * closing))
+        link.law.stored_energy(float(closing), float(k * closing))
         for link, closing, k in zip(links, moved[layout.of_links], stiffness[layout.of_links], strict=True)
-        if link.law.can_close
     )
     return 0.5 * float(data.dofs["mass"][0] @ data.dofs["w"][0, :, 0] ** 2) + float(stored) + in_links
 
@@ -244,7 +243,7 @@ def refusal_of(method: Method, scene: Scene) -> str:
             "the slider of a friction pendulum sticks, which it does not follow "
             "(with yield_displacement, e.g. 0.01 mm, it is a spring up to there)"
         )
-    laws = {link.kind for link in scene.links if link.law.remembers}
+    laws = {link.kind for link in scene.links if link.law.path_dependent}
     if effects_of(scene).yielding:
         laws |= {b.storey_law.name for b in scene.buildings if b.storey_law.behaviour.history_rate is not None}
     if not laws:

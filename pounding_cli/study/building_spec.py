@@ -115,7 +115,7 @@ def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> 
 
 def _describe(law: Any, name: str) -> str:
     """What it means, with its unit."""
-    return str(law.parameters()[name].metadata["parameter"].words)
+    return str(law.parameters()[name].metadata["parameter"].description)
 
 
 class _IsolatorsSpec(Model):
@@ -376,7 +376,7 @@ class _BuildingSpec(Model):
                     yield (name,), what, f"remove it; it belongs to {owner.name}", True
         for name, declared in own_parameters(law).items():
             if getattr(self, name) is None and not isinstance(law.parameters()[name].default, str | float | int):
-                yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.words}"
+                yield (), f"'{name}' is missing", f"storey_law: {law.name} needs it: {declared.description}"
 
 
 if TYPE_CHECKING:

@@ -485,7 +485,7 @@ def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
             than = "times that of the stiffest storey"
             found["stiffness"] = Comparison(RANGES["link stiffness"], 1 / stiffest, "stiffness of the link", than)
     if "hertz_stiffness" in parameters:
-        share = law.steepest[0] / law.hertz_stiffness / stiffest  # type: ignore[attr-defined]
+        share = law.max_slopes[0] / law.hertz_stiffness / stiffest  # type: ignore[attr-defined]
         than = "times as stiff at 1 cm of penetration as the stiffest storey"
         fits = RANGES["stiffness of a Hertz contact"]
         found["hertz_stiffness"] = Comparison(fits, share, "hertz_stiffness", than)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from pounding_cli.model.links import LinkPlace, columns_struck, ends_on_columns, link_places
+from pounding_cli.model.links import LinkPlace, link_places
 from pounding_cli.numbers import Unit
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.build import places
@@ -284,7 +284,7 @@ class Fragility(Workflow):
             parts = peaks / (limit.value * building.height if limit.of_height else limit.value)
             return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
         if limit.quantity == CONTACT:
-            mine = [k for k, each in enumerate(links.places) if there[k] and each[0] == at.target.building]
+            mine = [k for k, each in enumerate(links.places) if there[k] and each.left == at.target.building]
             gap, closing = links.gap[(*at.point, at.case)][mine], values["link.max_closing"][scenes][..., mine]
             with np.errstate(divide="ignore", invalid="ignore"):  # floors in touch
                 parts = np.where(closing == 0, 0.0, closing / gap)
@@ -376,9 +376,9 @@ def _takes_blow(target: Target, place: LinkPlace, yield_shear: np.ndarray) -> bo
 
     yield_shear : of the building's storeys [N], shape (storeys,)
     """
-    if not ends_on_columns(place):
+    if not place.is_on_columns:
         return False
-    building, storey = columns_struck(place)
+    building, storey = place.struck_storey
     is_meant = building == target.building and target.limit.level in (0, storey)
     return bool(is_meant and yield_shear[storey - 1] < np.inf)
 

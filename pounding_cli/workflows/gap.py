@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.laws.apart import Apart
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import APART, Link
-from pounding_cli.model.meetings import FLOOR_TOLERANCE, meetings
+from pounding_cli.model.links import Link, LinkPlace
+from pounding_cli.model.meetings import FLOOR_TOLERANCE, find_meetings
 from pounding_cli.model.separation import (
     ASCE7,
     EN1998,
@@ -188,7 +189,8 @@ def _between_floors(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules
         for each in (moved, *codes.values()):
             each[..., [isinstance(building, Wall) for building in group], :] = 0.0
         worst = np.nanmax(closing, axis=-1, initial=0.0)
-        for place, (left, floor, right_floor, name) in enumerate(links.places):
+        for place, link_place in enumerate(links.places):
+            left, floor, right_floor = link_place[:3]
             if not links.kind[(*at, 0, place)]:
                 continue
             one, other = group[left : left + 2]
@@ -212,7 +214,7 @@ def _between_floors(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules
                 rules[EN1998] = en1998_separation(en[0], en[1], _same_floors(one, other)), 0.0
             is_left = left_at == 1.0 and not isinstance(one, Wall)
             numbers = {"point": point, "place": place, "number": left}
-            facing = *plan.buildings[left : left + 2], floor, right_floor, name.removesuffix(" columns")
+            facing = *plan.buildings[left : left + 2], floor, right_floor, link_place.struck_sides
             height = one.level(floor) if is_left else other.level(right_floor)
             yield numbers | dict(zip(_FACING, facing, strict=True)) | {"height": height}, rules
 
@@ -423,7 +425,9 @@ def _gaps(plan: Plan) -> pd.DataFrame:
     study = plan.study.written
     assert study is not None
     axes = [_kept(axis) for axis in study.axes]
-    number = {place: each for each, place in enumerate(plan.links.places)}
+    numbers: dict[LinkPlace, int] = {}
+    for number, link_place in enumerate(plan.links.places):
+        numbers.setdefault(link_place._replace(name=""), number)
     found: dict[tuple[int, int, tuple[tuple[int, float], ...]], str] = {}
     for whole in np.ndindex(*(len(axis) for axis in study.axes)):
         at = [each[1].index(each[2][place]) for each, place in zip(axes, whole, strict=True) if each[0]]
@@ -433,8 +437,7 @@ def _gaps(plan: Plan) -> pd.DataFrame:
             if links and all(link.law.subtracts_gap for link in links):
                 gaps: dict[int, float] = {}
                 for link in links:
-                    columns = "left columns" if link.left_at < 1.0 else "right columns" if link.right_at < 1.0 else ""
-                    here = number.get((link.left, link.left_floor, link.right_floor, columns), -1)
+                    here = numbers.get(link.place, -1)
                     gaps[here] = min(link.gap, gaps.get(here, link.gap))
                 found[point, place, tuple(gaps.items())] = case
     rows = [
@@ -459,7 +462,9 @@ def _with_nothing_between(study: Study) -> Study:
     """The study with one case, in which nothing stands between the buildings, and without the axes of links."""
     root, mark = study.root, study.root.mark
     tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, root.marks)
-    tree["cases"] = Map({APART: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {APART: (mark, mark)})
+    tree["cases"] = Map(
+        {Apart.name: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {Apart.name: (mark, mark)}
+    )
     axes = []
     for axis in study.axes:
         kept, different, values = _kept(axis)
@@ -479,7 +484,7 @@ def _all_facing(apart: Study, point: Point, case: str) -> tuple[Link, ...]:
     assert row is not None  # the study was validated at every point
     links: list[Link] = []
     for left, pair in enumerate(pairwise(row.buildings)):
-        floors, strikes = meetings(*pair)  # slabs beside columns too, whether or not their share is known
+        floors, strikes = find_meetings(*pair)  # slabs beside columns too, whether or not their share is known
         links += [Link.apart(left, *both) for both in floors]
         links += [Link.apart(left, s.left_floor, s.right_floor, s.left_at, s.right_at) for s in strikes]
     return tuple(links)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.model.links import columns_struck, ends_on_columns
 from pounding_cli.results.dataset import contents
 from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
@@ -289,7 +288,7 @@ def _demands(question: Optimise, plan: Plan, one: xr.Dataset) -> dict[str, tuple
             continue
         for name in ("V_ratio", "mu", "drift", "acceleration"):
             found[f"largest {name} in {building}"] = name, _by_point(plan, one[name].values)[..., place, :]
-        struck = [ends_on_columns(each) and columns_struck(each)[0] == place for each in places]
+        struck = [each.is_on_columns and each.struck_storey[0] == place for each in places]
         if any(struck):
             is_blow = _by_point(plan, one["impacts"].values) > 0  # of columns that no slab struck nothing is said
             demand = np.where(is_blow, _by_point(plan, one["shear_demand"].values), np.nan)

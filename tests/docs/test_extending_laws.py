@@ -43,7 +43,7 @@ def blow(v0):
     (_, (left,)), (_, (right,)) = run.final
     closing, force = float(run.links.max_closing[0]), float(run.links.peak_force[0])
     return [closing, force, float(right - left), int(run.links.impacts[0]), run.energy["residual"],
-            law.stored(closing, force)]
+            law.stored_energy(closing, force)]
 
 def storeys(number, **law):
     ones = np.ones(number)

@@ -148,7 +148,7 @@ def _contact(tag: int, law: Any, masses: tuple[float, float]) -> None:
     """Contacts that are not Kelvin and Voigt's; `ImpactMaterial` is the bilinear one of Muthukumar and DesRoches."""
     if law.name == "bilinear":
         k1, k2 = law.stiffnesses
-        ops.uniaxialMaterial("ImpactMaterial", tag, k1, k2, -law.numbers(1.0, 1.0)[2], -law.gap)
+        ops.uniaxialMaterial("ImpactMaterial", tag, k1, k2, -law.element_parameters(1.0, 1.0)[2], -law.gap)
     elif law.name == "jankowski":
         mass = masses[0] * masses[1] / sum(masses)
         ops.uniaxialMaterial("JankowskiImpact", tag, law.hertz_stiffness, law.damping_ratio, mass, -law.gap)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import math
+import pickle
 import subprocess
 import sys
 from collections import Counter
@@ -18,7 +20,7 @@ from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.pool import pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.model.effects import DroppedEffect, effects_of, summarize_effects
-from pounding_cli.model.links import Link
+from pounding_cli.model.links import Link, link_places
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.assemble import layout_of
 from pounding_cli.study import expand, study_of
@@ -173,3 +175,15 @@ def test_a_run_without_a_report_imports_neither_xarray_nor_pandas(tmp_path):
     done = subprocess.run([sys.executable, "-c", told], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
     assert pound.open_results(tmp_path / "results" / "a.h5").history(analysis="elastic").drift.any()
+
+
+def test_floors_with_nothing_between_have_a_law_of_their_own():
+    """Fails if a gap without end stands for it, or a place takes its sides from its name."""
+    with pytest.raises(ValueError, match="gap is inf m"):
+        pound.Pounding(math.inf, 1e9, 0.0)
+    link = pound.Link.apart(0, 2, 3, 0.4)
+    assert pickle.loads(pickle.dumps(link)) == link
+    assert (link.kind, link.law.can_act, link.law.free_below) == ("apart", False, math.inf)
+    (place,) = link_places([link])
+    assert (place.name, place.struck_sides, place.struck_storey) == ("left columns", "left", (0, 2))
+    assert not place._replace(left_on_columns=False).is_on_columns

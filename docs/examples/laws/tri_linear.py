@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from pounding_cli.laws.guards import HIGH, START
-from pounding_cli.laws.law import Behaviour, LinkLaw, line, opened, parameter
+from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
 
 K1, K2, K3, V2, V3 = range(5)  # parameters: stiffnesses [N/m], closings where it stiffens [m]
 OPEN, FIRST, SECOND, THIRD = range(4)
@@ -15,13 +15,13 @@ def next_branch(e, guard):
     k1, k2, k3, v2, v3 = e.p[K1], e.p[K2], e.p[K3], e.p[V2], e.p[V3]
     e.branch += 1 if guard == HIGH else -1
     if guard == START or e.branch == OPEN:
-        opened(e)
+        set_open(e)
     elif e.branch == FIRST:
-        line(e, k1, 0.0, 0.0, 0.0, v2)
+        set_line(e, k1, 0.0, 0.0, 0.0, v2)
     elif e.branch == SECOND:
-        line(e, k2, 0.0, (k1 - k2) * v2, v2, v3)
+        set_line(e, k2, 0.0, (k1 - k2) * v2, v2, v3)
     else:
-        line(e, k3, 0.0, (k1 - k2) * v2 + (k2 - k3) * v3, v3, math.inf)
+        set_line(e, k3, 0.0, (k1 - k2) * v2 + (k2 - k3) * v3, v3, math.inf)
 
 
 @dataclass(frozen=True)
@@ -43,17 +43,17 @@ class TriLinear(LinkLaw):
         if self.second_closing >= self.third_closing:
             raise ValueError("link: third_closing must be above second_closing")
 
-    def numbers(self, left_mass, right_mass):
+    def element_parameters(self, left_mass, right_mass):
         """k1, k2, k3 [N/m], v2, v3 [m]."""
         return self.stiffness, self.second_stiffness, self.third_stiffness, self.second_closing, self.third_closing
 
     @property
-    def steepest(self):
+    def max_slopes(self):
         """The stiffest of the three, without a dashpot."""
-        return max(self.numbers(1.0, 1.0)[:3]), 0.0
+        return max(self.element_parameters(1.0, 1.0)[:3]), 0.0
 
-    def stored(self, closing, force):
+    def stored_energy(self, closing, force):
         """The area under the three lines [J]."""
-        k1, k2, k3, v2, v3 = self.numbers(1.0, 1.0)
+        k1, k2, k3, v2, v3 = self.element_parameters(1.0, 1.0)
         v, more, most = (max(closing - self.offset - each, 0.0) for each in (0.0, v2, v3))
         return 0.5 * (k1 * v**2 + (k2 - k1) * more**2 + (k3 - k2) * most**2)
