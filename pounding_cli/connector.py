@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
-from pounding_cli.points import Point, value
+from pounding_cli.points import SweepPoint, to_variable
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.links import RESTITUTION
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.report.document import Picture
 
-FINEST = 4001
+MIN_GRID_POINTS = 4001
 """Grid on which peaks and bands are searched at least."""
 
 SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
@@ -173,7 +173,7 @@ def solve(study: Study) -> xr.Dataset:
     both, low, high = pair(study), study.frequencies.low, study.frequencies.high
     alone, other = np.sqrt(both.k / both.m)
     ratio = np.linspace(low, high, study.frequencies.points)
-    grid = np.linspace(low, high, max(ratio.size, FINEST))
+    grid = np.linspace(low, high, max(ratio.size, MIN_GRID_POINTS))
 
     def sizes(x: Any) -> np.ndarray:
         return np.abs(response_ratios(both, np.atleast_1d(x) * alone))
@@ -184,12 +184,12 @@ def solve(study: Study) -> xr.Dataset:
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
         top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
         peak, at = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
-        found[f"peak{number}"] = value("1", f"largest ratio of system {number}", peak)
-        found[f"at{number}"] = value("1", f"Omega / omega10 at the peak of system {number}", at)
+        found[f"peak{number}"] = to_variable("1", f"largest ratio of system {number}", peak)
+        found[f"at{number}"] = to_variable("1", f"Omega / omega10 at the peak of system {number}", at)
         what = f"displacement of system {number}, connected over alone"
-        found[f"R{number}"] = value("1", what, np.abs(each), "frequency")
-        found[f"R{number}_real"] = value("1", f"{what}, real part", each.real, "frequency")
-        found[f"R{number}_imag"] = value("1", f"{what}, imaginary part", each.imag, "frequency")
+        found[f"R{number}"] = to_variable("1", what, np.abs(each), "frequency")
+        found[f"R{number}_real"] = to_variable("1", f"{what}, real part", each.real, "frequency")
+        found[f"R{number}_imag"] = to_variable("1", f"{what}, imaginary part", each.imag, "frequency")
     smaller = sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
@@ -201,11 +201,13 @@ def solve(study: Study) -> xr.Dataset:
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
     lower, upper = coupled_frequencies(both)
     found |= {
-        "frequency_low": value("1", "lower coupled frequency over omega10", lower / alone),
-        "frequency_high": value("1", "higher coupled frequency over omega10", upper / alone),
-        "p": value("1", "omega20 / omega10", other / alone),
-        "frequency": value("1", "Omega / omega10", ratio, "frequency"),
-        "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
+        "frequency_low": to_variable("1", "lower coupled frequency over omega10", lower / alone),
+        "frequency_high": to_variable("1", "higher coupled frequency over omega10", upper / alone),
+        "p": to_variable("1", "omega20 / omega10", other / alone),
+        "frequency": to_variable("1", "Omega / omega10", ratio, "frequency"),
+        "both_above": to_variable(
+            "1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"
+        ),
     }
     if not all(np.isfinite(found[name][1]) for name in SHOWN):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
@@ -221,7 +223,7 @@ def cites(study: Study) -> dict[str, str]:
     return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if has_ratio else {})
 
 
-def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
+def pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     from pounding_cli.report.document import Picture
 
@@ -230,7 +232,7 @@ def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
 
 
 @styled
-def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
+def draw_ratios(title: str, points: Sequence[SweepPoint]) -> Figure:
     """One panel a point of the sweep, of the first four, |R1| solid and |R2| dashed."""
     drawn = points[:4]
     figure, axes = panels(1, len(drawn), sharex=True, sharey=True)

@@ -3,7 +3,7 @@
 A question is a module (`connector`, `wall`) with the name of its command. It offers
 
 Study : pydantic model of its file
-solve(study) : a Dataset of values with unit and meaning (`value`); `notes` among its attributes is a list of sentences
+solve(study) : a Dataset of values with unit and meaning (`to_variable`), and sentences in its attribute `notes`
 SHOWN : names of the numbers that a terminal prints
 cites(study) : {reference: what for}
 pictures(title, points) : the figures, the most important first
@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
 from pounding_cli.study.plausible import Doubts, warn_values
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.report.document import Report
 
-QUESTIONS = ("connector", "wall")
+POINT_COMMANDS = ("connector", "wall")
 """The modules."""
 
 DONE = "done"
@@ -50,7 +50,7 @@ _UNITS = {
 
 
 @dataclass(frozen=True)
-class Point:
+class SweepPoint:
     """One point of the sweep: in words, the study there, what each swept key is.
 
     data : what came of it
@@ -74,16 +74,16 @@ class Sweep:
     title: str
     text: str
     axes: tuple[Axis, ...]
-    points: tuple[Point, ...]
+    points: tuple[SweepPoint, ...]
     warnings: tuple[Problem, ...] = ()
 
 
-def value(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
+def to_variable(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
     """A variable of the Dataset of a point: in SI, with its meaning; `dims` of an array."""
     return dims, number, {"units": unit, "long_name": text}
 
 
-def load(path: Path, name: str) -> Sweep:
+def load_sweep(path: Path, name: str) -> Sweep:
     """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
     asked: Any = importlib.import_module(f"pounding_cli.{name}")
     text, root = read_study(path)
@@ -102,7 +102,7 @@ def load(path: Path, name: str) -> Sweep:
         label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
         try:
             study = asked.Study.model_validate(tree)
-            points.append(Point(label, study, swept))
+            points.append(SweepPoint(label, study, swept))
             warn_values(study, tree, (), doubts)
         except ValidationError as error:
             problems.validation(tree, error, (), asked.Study)
@@ -111,7 +111,7 @@ def load(path: Path, name: str) -> Sweep:
     return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(warnings))
 
 
-def solved(sweep: Sweep, point: Point) -> Point:
+def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
     """A point with its values; whatever goes wrong in it becomes its status, and the others go on."""
     import xarray as xr
 
@@ -130,12 +130,12 @@ def solved(sweep: Sweep, point: Point) -> Point:
     except Exception as error:  # one point must not take the others with it
         status = f"error: {type(error).__name__}: {error}"
         advice = "this is an internal error: please report it with the study file"
-    data["status"] = value("", "done, or what went wrong", status)
-    data["seconds"] = value("s", "processor time", time.thread_time() - begin)
+    data["status"] = to_variable("", "done, or what went wrong", status)
+    data["seconds"] = to_variable("s", "processor time", time.thread_time() - begin)
     return replace(point, data=data, status=status, advice=advice)
 
 
-def dataset(sweep: Sweep) -> xr.Dataset:
+def build_dataset(sweep: Sweep) -> xr.Dataset:
     """Every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
     import xarray as xr
 
@@ -165,7 +165,7 @@ def is_written_by(name: str, file: Path) -> bool:
         return False
 
 
-def report(sweep: Sweep) -> Report:
+def build_report(sweep: Sweep) -> Report:
     """The numbers of every point, figures and references."""
     import pandas as pd
 
@@ -191,7 +191,7 @@ def report(sweep: Sweep) -> Report:
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(sweep.points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
     failed = len(sweep.points) - len(done)
-    said = [f"{counted(failed, 'point')} failed."] if failed else []
+    said = [f"{pluralize(failed, 'point')} failed."] if failed else []
     return Report(
         sweep.title,
         Section("", said, [Table("", shown, columns)], pictures[:1], notes),

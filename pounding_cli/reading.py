@@ -9,17 +9,17 @@ from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
 
-LONGEST_PATH = 4096
+MAX_PATH_LENGTH = 4096
 """Characters of a path."""
 
 
-def shortened(path: object) -> str:
+def shorten_path(path: object) -> str:
     """A path for messages: whole where it is short, its ends where it is not; bytes that are no text as \\x."""
     text = str(path).encode("utf-8", "backslashreplace").decode("utf-8")
     return text if len(text) <= 300 else f"{text[:100]} ... {text[-100:]}"
 
 
-def begins_with(path: Path, sign: bytes) -> bool:
+def has_signature(path: Path, sign: bytes) -> bool:
     """Whether a regular file of any size can be read and begins with these bytes."""
     try:
         if not path.is_file():
@@ -53,7 +53,7 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
         beside = [each.name for each in islice(path.parent.glob("*"), 1000)]
         named = [name for name in beside if name in (f"{path.name}.yaml", f"{path.name}.yml")]
         if near := named or difflib.get_close_matches(path.name, beside, 1, cutoff=0.8):
-            hint = f"did you mean {shortened(path.parent / near[0])}?"
+            hint = f"did you mean {shorten_path(path.parent / near[0])}?"
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
         wrong = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    raise InputError(Problem(wrong, hint, shortened(path).replace("\0", "\\0")))
+    raise InputError(Problem(wrong, hint, shorten_path(path).replace("\0", "\\0")))

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from pounding_cli.api.standing import content_key, find_current
+from pounding_cli.api.standing import compute_content_key, find_current
 from pounding_cli.batch.cache import Cache, cache_of
 from pounding_cli.batch.pool import pool
 from pounding_cli.batch.progress import Progress
@@ -40,7 +40,7 @@ class Failure(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RunOutcome:
     """Counts of scenes, each scene once: done now, failed, reused from a former run.
 
     path : the results file
@@ -63,7 +63,7 @@ class Outcome:
     wall_seconds: float
 
 
-def question(name: str) -> Callable[[Study], Workflow]:
+def get_workflow(name: str) -> Callable[[Study], Workflow]:
     """What asks a study a question of that name, with all that it needs.  Raises InputError: there is none."""
     if name == "sensitivity":
         from pounding_cli.report.claims import at_samples
@@ -82,7 +82,7 @@ def run_study(
     engine: str = "threads",
     scheduler: str | None = None,
     replace: bool = False,
-) -> Outcome:
+) -> RunOutcome:
     """Solve what the cache beside `output` lacks and write the results file; further parameters as those of `api.run`.
 
     A scene that fails is reported in the outcome and in the file, and the others go on. Stopped by Ctrl-C, what is
@@ -97,10 +97,10 @@ def run_study(
     workers_of = pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
-        content = content_key(workflow)
+        content = compute_content_key(workflow)
         _check_output(output, study, workflow.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
-            return Outcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
+            return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
         if cache.was_damaged:
             told.say(f"{cache.path} was damaged: what it held is solved again")
@@ -130,13 +130,13 @@ def run_study(
         write(output, contents, found.tables, histories)
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
-    return Outcome(
+    return RunOutcome(
         output, content, solver.solved - len(solver.failed), len(solver.failed), solver.reused,
         tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
     )  # fmt: skip
 
 
-def summarize(outcome: Outcome) -> Summary:
+def summarize(outcome: RunOutcome) -> Summary:
     """Return what a terminal prints of results: as it was kept beside them, otherwise from the file.
 
     Reading the file takes longer than all else that a run of a study does whose results are current.

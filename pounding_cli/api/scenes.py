@@ -73,12 +73,12 @@ def motion(
     found = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
     found = found if not name else replace(found, name=name)
     if duration != "whole":
-        found = found.windowed(quantity(TIME, duration, "duration"))
+        found = found.cut_to(quantity(TIME, duration, "duration"))
     if pga is None:
-        return found.scaled(quantity(_SCALE, scale, "scale")) if scale != 1.0 else found
+        return found.scale_by(quantity(_SCALE, scale, "scale")) if scale != 1.0 else found
     if scale != 1.0:
         raise InputError(Problem("both 'scale' and 'pga' are given", "leave one of them out"))
-    return found.scaled(records.scale_factor(found, found.pga, quantity(ACCELERATION, pga, "pga")))
+    return found.scale_by(records.scale_factor(found, found.pga, quantity(ACCELERATION, pga, "pga")))
 
 
 def scene(
@@ -146,9 +146,11 @@ def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -
 
 
 def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion:
-    factor = records.acceleration_unit(unit or "m/s2")
+    factor = records.find_acceleration_unit(unit or "m/s2")
     if factor is None:
-        raise InputError(Problem(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.UNITS)}"))
+        raise InputError(
+            Problem(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.ACCELERATION_UNITS)}")
+        )
     if dt is None:
         raise InputError(Problem("an array does not say its time step", "give it: dt=0.01, or dt='10 ms'"))
     step = quantity(TIME, dt, "dt")
@@ -160,11 +162,11 @@ def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion
 
 def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None) -> Motion:
     word = str(source)
-    if isinstance(source, str) and word in records.names():
+    if isinstance(source, str) and word in records.list_names():
         if dt is not None or unit is not None:
             raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
-        return records.find(word)
+        return records.load_motion(word)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
-        records.entry(word)  # refuses it, with the nearest name
+        records.get_entry(word)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
     return records.read_file(Path(word).expanduser(), dt=step, unit=unit).motion

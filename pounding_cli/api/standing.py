@@ -16,7 +16,7 @@ import numpy as np
 from pounding_cli.batch.cache import Cache, cache_of
 from pounding_cli.batch.forecast import Duration, expected_duration, measure_rates
 from pounding_cli.errors import InputError
-from pounding_cli.numbers import listed
+from pounding_cli.numbers import join_limited
 from pounding_cli.results.changes import changed_keys, read_resolved
 from pounding_cli.results.file import facts
 from pounding_cli.results.solved import Solved, solution_key
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from pounding_cli.study import Plan
     from pounding_cli.workflows.workflow import Workflow
 
-MOST_KEYS = 4
+MAX_NAMED_KEYS = 4
 """Changed keys that are named."""
 
 
-def content_key(workflow: Workflow) -> str:
+def compute_content_key(workflow: Workflow) -> str:
     """Return the SHA-256 of all that results follow from: the study, its scenes, the solver."""
     plan = workflow.plan
     study, kept = plan.study, (plan.kept, plan.every)
@@ -80,7 +80,7 @@ def find_standing(workflow: Workflow, output: Path) -> Standing:
     Raises InputError: another run is at work on these results.
     """
     plan = workflow.plan
-    count = find_current(output, content_key(workflow))
+    count = find_current(output, compute_content_key(workflow))
     if count is not None:
         return Standing(True, count, count, (), Duration(0.0, ()))
     every = np.arange(len(plan))
@@ -132,7 +132,9 @@ def _iter_reasons(
         yield f"{rest} not reached: the run before was stopped, or the study was changed since"
     else:
         keys = [key for key, *_ in changed_keys(before, json.loads(json.dumps(plan.study.resolved(), default=str)))]
-        said = listed(keys[:MOST_KEYS]) + (f" and {len(keys) - MOST_KEYS} more" if len(keys) > MOST_KEYS else "")
+        said = join_limited(keys[:MAX_NAMED_KEYS]) + (
+            f" and {len(keys) - MAX_NAMED_KEYS} more" if len(keys) > MAX_NAMED_KEYS else ""
+        )
         since = f"since {output} was written"
         yield f"{rest} new or changed {since}: {said}" if keys else f"{rest} changed {since}: motions, not the study"
 

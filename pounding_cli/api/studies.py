@@ -57,9 +57,9 @@ def run(
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
     which a storey collapses ("collapsed"), which are no failures.
     """
-    from pounding_cli.api.running import question, run_study
+    from pounding_cli.api.running import get_workflow, run_study
 
-    asked = question(workflow)
+    asked = get_workflow(workflow)
     loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
     run_study(

@@ -45,9 +45,9 @@ class Entry:
     sources: Sequence[str]
     files: Sequence[Mapping[str, Any]]
 
-    def compared(self, motion: Motion) -> Iterator[str]:
+    def compare(self, motion: Motion) -> Iterator[str]:
         """Length, time step, peak and Arias intensity of a motion in its window, beside those known, in words."""
-        facts, window = self.facts, motion.windowed(self.duration)
+        facts, window = self.facts, motion.cut_to(self.duration)
         length = f"{window.duration:g} s"
         known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
         yield f"length: {motion.duration:g} s; Table 1 uses {self.duration:g} s"
@@ -86,7 +86,7 @@ def real_folders() -> Iterator[Path]:
 
 
 @cache
-def catalogue() -> Mapping[str, Entry]:
+def load_catalogue() -> Mapping[str, Entry]:
     """Every entry by name, in the order of Table 1."""
     import yaml
 
@@ -98,14 +98,14 @@ def catalogue() -> Mapping[str, Entry]:
     return found
 
 
-def names() -> tuple[str, ...]:
+def list_names() -> tuple[str, ...]:
     """Names of the catalogue, in the order of Table 1."""
-    return tuple(catalogue())
+    return tuple(load_catalogue())
 
 
-def entry(name: str) -> Entry:
+def get_entry(name: str) -> Entry:
     """What the catalogue knows of `name`; raises `InputError` with the nearest name for an unknown one."""
-    known = catalogue()
+    known = load_catalogue()
     if name in known:
         return known[name]
     near = difflib.get_close_matches(name.lower().replace(" ", ""), known, n=1, cutoff=0.5)
@@ -114,12 +114,12 @@ def entry(name: str) -> Entry:
     raise InputError(Problem(f"no motion '{name}' in the catalogue", hint))
 
 
-def locate(name: str) -> tuple[Path, str, Mapping[str, Any]]:
+def locate_motion(name: str) -> tuple[Path, str, Mapping[str, Any]]:
     """Where the samples of catalogue motion `name` come from: the file, its label, and how it is read.
 
     Raises `InputError` for an unknown name, and where two files of one folder both look like the motion.
     """
-    patterns = entry(name).files
+    patterns = get_entry(name).files
     for folder in real_folders():
         for hint in patterns:
             found = [path for path in sorted(folder.iterdir()) if fnmatch(path.name.lower(), hint["pattern"])]
@@ -135,19 +135,19 @@ def locate(name: str) -> tuple[Path, str, Mapping[str, Any]]:
     return shipped_folder() / f"{name}.txt", "stand-in", {}
 
 
-def find(name: str) -> Motion:
+def load_motion(name: str) -> Motion:
     """The catalogue motion `name`, whole, with its label in `Motion.source`: "real" or "stand-in".
 
     Raises `InputError` for an unknown name (with the nearest) or a file that cannot be read.
     """
-    path, source, options = locate(name)
+    path, source, options = locate_motion(name)
     return read_file(path, name=name, source=source, **options).motion
 
 
-def keep(name: str, motion: Motion, origin: Path) -> Path:
+def save_motion(name: str, motion: Motion, origin: Path) -> Path:
     """Write a real motion into the user's folder as catalogue motion `name`, in m/s2 and in full: reading the file
     gives the very motion back.  The file."""
-    known, path = entry(name), user_folder() / f"{name}.txt"
+    known, path = get_entry(name), user_folder() / f"{name}.txt"
     head = (
         f"# motion: {known.title}\n# event: {known.event}, {known.date.isoformat()}\n"
         f"# station: {known.station}, {known.component}\n# imported from: {origin.name}\n# name: {name}\n"

@@ -67,11 +67,11 @@ class Motion:
         """SHA-256 over time step and samples: two motions with one digest are the same motion."""
         return hashlib.sha256(np.float64(self.dt).tobytes() + self.acceleration.tobytes()).hexdigest()
 
-    def scaled(self, factor: float) -> Motion:
+    def scale_by(self, factor: float) -> Motion:
         """The same motion times `factor` [-]."""
         return Motion(self.name, self.dt, self.acceleration * factor, self.source)
 
-    def windowed(self, duration: float) -> Motion:
+    def cut_to(self, duration: float) -> Motion:
         """The first `duration` [s], cut after a sample; a shorter motion is returned whole.
 
         The cut keeps the time step: the last sample kept is the last one not after `duration`.

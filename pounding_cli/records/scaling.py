@@ -12,13 +12,13 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.motion import SPECTRUM_DAMPING, Motion, arias, spectrum
 
-POINTS = 50
+FIT_POINTS = 50
 """Periods of the fit to a target spectrum: so many, evenly in ln T over the range."""
 
-OF_MOTION = 8
+POINTS_PER_FIT_POINT = 8
 """Points of the spectrum of a motion that is a target, for each one of the fit."""
 
-LEAST_DAMPING = 0.01
+MIN_SLOPE_DAMPING = 0.01
 """Damping ratio below which the slope of a spectrum is bounded as at it [-]."""
 
 RATIO_TOLERANCE = 1e-4
@@ -43,7 +43,7 @@ class TargetSpectrum:
     def of(cls, motion: Motion, low: float, high: float, damping: float = SPECTRUM_DAMPING) -> TargetSpectrum:
         """The spectrum of a motion itself, exact at every period of `grid`, and straight between points that are close.
         Raises InputError for one at rest."""
-        grid = np.geomspace(low, high, OF_MOTION * (POINTS - 1) + 1)
+        grid = np.geomspace(low, high, POINTS_PER_FIT_POINT * (FIT_POINTS - 1) + 1)
         values = spectrum(motion, grid, damping)
         scale_factor(motion, float(values.min()), 1.0)
         return cls(tuple(map(float, grid)), tuple(map(float, values)), low, high, damping)
@@ -51,7 +51,7 @@ class TargetSpectrum:
     @cached_property
     def grid(self) -> np.ndarray:
         """The periods at which it is met [s], shape (POINTS,)."""
-        return np.geomspace(self.low, self.high, POINTS)
+        return np.geomspace(self.low, self.high, FIT_POINTS)
 
     @property
     def ordinates(self) -> np.ndarray:
@@ -99,7 +99,7 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
         spectra = [spectrum(motion, periods, target.damping) for motion in motions.values()]
         return np.log(np.mean(spectra, axis=0) / target.at(periods))
 
-    steepest = 0.5 / max(target.damping, LEAST_DAMPING) + 2.0
+    steepest = 0.5 / max(target.damping, MIN_SLOPE_DAMPING) + 2.0
     corners = [period for period in target.periods if target.low < period < target.high]
     periods = np.unique(np.concatenate([target.grid, corners]))
     values = log_ratio(periods)
@@ -147,7 +147,7 @@ def spectrum_factors(
     fitted = spectra if each else np.broadcast_to(spectra.mean(axis=0), spectra.shape)
     factors = np.exp(np.log(target.ordinates / fitted).mean(axis=1))
     if at_least is not None:
-        scaled = {name: each.scaled(factor) for (name, each), factor in zip(motions.items(), factors, strict=True)}
+        scaled = {name: each.scale_by(factor) for (name, each), factor in zip(motions.items(), factors, strict=True)}
         ratio, _ = lowest_ratio(scaled, target)
         factors = factors * max(1.0, at_least / ratio)
     return dict(zip(motions, map(float, factors), strict=True))

@@ -18,7 +18,7 @@ from pounding_cli import __version__, variables
 from pounding_cli.model.links import columns_struck, ends_on_columns, link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
 from pounding_cli.results.group import Array, Group
 from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
@@ -157,7 +157,7 @@ def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
         struck = {columns_struck(plan.links.places[link]) for link in np.flatnonzero(mine > 1).tolist()}
         worst = int(np.nanargmax(mine))
         building, storey = columns_struck(plan.links.places[worst])
-        more = f", and {counted(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
+        more = f", and {pluralize(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
         where = f"{plan.buildings[building]} storey {storey}"
         times = f"{mine[worst]:.3g} times their share of the yield shear"
         flag = Flag("columns overloaded by a blow", f"{where}, {times}{more}", float(mine[worst]))

@@ -17,7 +17,7 @@ from pounding_cli.model.meetings import Strike, meetings
 from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import ENDLESS, Wall
-from pounding_cli.numbers import counted, listed
+from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.file import Problems, Steps, nearest
 from pounding_cli.study.laws import own
 from pounding_cli.study.models import BaseShear, StiffnessAt
@@ -36,9 +36,9 @@ def tell_left_out(group: Sequence[Building], root: Any, path: Steps, notes: Prob
         floors, strikes = meetings(*pair)
         unknown = [strike for strike in strikes if pair[strike.side].columns is None]
         if unknown:
-            told = listed(f"floor {strike.slab} of {pair[1 - strike.side].name}" for strike in unknown)
+            told = join_limited(f"floor {strike.slab} of {pair[1 - strike.side].name}" for strike in unknown)
             struck = " and ".join(sorted({pair[strike.side].name for strike in unknown}))
-            where = f"meet at {counted(len(floors), 'floor')} only" if floors else "meet at no floor"
+            where = f"meet at {pluralize(len(floors), 'floor')} only" if floors else "meet at no floor"
             message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {told}"
             hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {struck}"
             notes.at(root, (*path, place + 1), message, hint)
@@ -216,7 +216,7 @@ def check_group(names: Sequence[str], defined: Sequence[str], root: Any, problem
     if not 2 <= count <= MOST_IN_GROUP:
         example = ", ".join((*defined, *defined)[:2])
         hint = f"name 2 to {MOST_IN_GROUP}, e.g. `group: [{example}]`; each alone is computed anyway"
-        problems.at(root, ("group",), f"the group has {counted(count, 'building')}: pounding takes two", hint)
+        problems.at(root, ("group",), f"the group has {pluralize(count, 'building')}: pounding takes two", hint)
         return False
     for place, (name, label) in enumerate(zip(names, labels, strict=True)):
         if name not in defined:
@@ -233,7 +233,7 @@ def check_meetings(group: Group, root: Any, problems: Problems) -> bool:
     for place, (floors, strikes) in enumerate(zip(group.common, group.strikes, strict=True)):
         if not floors and not strikes:
             one, other = group.buildings[place : place + 2]
-            levels = (listed(f"{each:g}" for each in b.elevation) for b in (one, other))
+            levels = (join_limited(f"{each:g}" for each in b.elevation) for b in (one, other))
             message = f"{one.name} and {other.name} have no floor at one elevation: {' against '.join(levels)} m"
             hint = f"let the storey heights agree somewhere; {COLUMNS}"
             problems.at(root, ("group", place + 1), message, hint)

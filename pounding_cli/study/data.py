@@ -24,7 +24,7 @@ from pounding_cli.study.models import Case
 from pounding_cli.study.quantity import Quantity
 from pounding_cli.study.spell import inherited, links_of, refuse_old
 from pounding_cli.study.study import Study
-from pounding_cli.texts import file_name
+from pounding_cli.texts import to_file_name
 
 
 def study_of(data: Mapping[str, Any]) -> Study:
@@ -39,7 +39,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     """
     root = tree_of(data)
     title = str(root.get("title") or "study")
-    path = Path(file_name(title).replace(" ", "-").lower() + ".yaml")
+    path = Path(to_file_name(title).replace(" ", "-").lower() + ".yaml")
     return Study(path, dumped(root, flow=False) + "\n", root)
 
 

@@ -15,8 +15,8 @@ import yaml
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.reading import begins_with, read_bytes, shortened
-from pounding_cli.texts import CONTROL, plain
+from pounding_cli.reading import has_signature, read_bytes, shorten_path
+from pounding_cli.texts import CONTROL, escape_controls
 
 Mark = tuple[Any, int]
 """Line and column; of Python data the dotted key and 0."""
@@ -145,8 +145,8 @@ def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
 
 def read_study(path: Path) -> tuple[str, Map]:
     """The text of a file and its tree.  Raises `InputError` at its place for what is no YAML mapping."""
-    shown = shortened(path)
-    if begins_with(path, b"\x89HDF"):
+    shown = shorten_path(path)
+    if has_signature(path, b"\x89HDF"):
         hint = "name the study that it was made from; `pound show` prints results"
         raise InputError(Problem("this is a results file, not a study", hint, shown))
     raw = read_bytes(path, MOST_BYTES, "study file")
@@ -292,7 +292,9 @@ class _Reader:
     def scalar(self, event: Any, mark: Mark) -> Any:
         word = event.value
         if CONTROL.search(word):
-            self.refuse(mark, f"'{plain(word)[:60]}' holds a control character", "write letters, digits and signs")
+            self.refuse(
+                mark, f"'{escape_controls(word)[:60]}' holds a control character", "write letters, digits and signs"
+            )
         if not _is_plain(event):
             return Quoted(word) if event.style in ("'", '"') else word
         if word.lower() in _WORDS:

@@ -16,7 +16,7 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_of
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, column_flexibility
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.study.build import Group
 from pounding_cli.study.file import Items, Map, Problems, Quoted, Steps, get, locate, nearest
 from pounding_cli.study.laws import FORMULA, LOSSES, keys_of, link_models, own, tag_of, typed
@@ -93,7 +93,7 @@ def refuse_law(word: str, laws: Iterable[str]) -> tuple[str, str]:
 
 def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
     """Return what is wrong with the number of a pair of neighbours that a group lacks, and what to write."""
-    message = f"pair: {pair}, but the group has {counted(pairs, 'pair')} of neighbours"
+    message = f"pair: {pair}, but the group has {pluralize(pairs, 'pair')} of neighbours"
     return message, f"write a number from 1 to {pairs}, or leave it out"
 
 

@@ -10,7 +10,7 @@ from pydantic import Field, create_model
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.study.base import Model, Name, Wrong, key, list_or, one_or_many, tagged, word_or
 from pounding_cli.study.laws import RATIO, AnyLink, law_keys, own
 from pounding_cli.study.quantity import (
@@ -347,8 +347,8 @@ class _Building(Model):
             yield (), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`"
         for name, length in self.lengths.items():
             if self.count is not None and length != self.count:
-                what = f"{name} has {counted(length, 'value')} for {counted(self.count, 'storey')}"
-                hint = f"write {counted(self.count, 'value')} from the ground up"
+                what = f"{name} has {pluralize(length, 'value')} for {pluralize(self.count, 'storey')}"
+                hint = f"write {pluralize(self.count, 'value')} from the ground up"
                 yield tuple(name.split(".")), what, hint
         if self.period is None and self.stiffness is None:
             yield (), "this building has neither 'period' nor 'stiffness'", "write e.g. `period: 0.36 s`"

@@ -17,10 +17,10 @@ from pydantic import AfterValidator, Field, WrapValidator
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import listed
-from pounding_cli.reading import LONGEST_PATH, shortened
+from pounding_cli.numbers import join_limited
+from pounding_cli.reading import MAX_PATH_LENGTH, shorten_path
 from pounding_cli.records import Motion
-from pounding_cli.records.units import UNITS, acceleration_unit
+from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
 from pounding_cli.study.base import Model, Name, Wrong, key, tagged, word_or
 from pounding_cli.study.file import Problems, Steps, nearest
 from pounding_cli.study.laws import RATIO
@@ -30,8 +30,8 @@ from pounding_cli.study.quantity import ACCELERATION, RANGES, TIME, Quantity, Wh
 
 
 def _unit(text: str) -> str:
-    if acceleration_unit(text) is None:
-        hint = f"write one of {', '.join(UNITS)}, or a multiple: 0.01 g"
+    if find_acceleration_unit(text) is None:
+        hint = f"write one of {', '.join(ACCELERATION_UNITS)}, or a multiple: 0.01 g"
         raise refuse(f"'{text}' is not a unit of acceleration", hint)
     return text
 
@@ -201,7 +201,7 @@ class MotionReader:
     def _reading(self, item: Item) -> records.Reading | Motion:
         """The whole motion, with how it was read where it is a file.  Raises `InputError`: it cannot be read."""
         if item.file is None or item.how is None:
-            return records.find(item.name)
+            return records.load_motion(item.name)
         more: dict[str, Any] = item.how.model_dump(exclude={"file", "name"})
         return records.read_file(item.file, name=item.name, **more)
 
@@ -213,18 +213,18 @@ class MotionReader:
     def _items(self, record: str | RecordFile) -> tuple[Item, ...]:
         """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
         if isinstance(record, str):
-            if record in records.names():
+            if record in records.list_names():
                 return (Item(record),)
             is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
             if not is_path:
-                records.entry(record)  # refuses the name, with the nearest one
+                records.get_entry(record)  # refuses the name, with the nearest one
             record = RecordFile(file=record)
-        if len(record.file) > LONGEST_PATH:
+        if len(record.file) > MAX_PATH_LENGTH:
             raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
         written = os.path.expanduser(record.file)
         files = self._files(written)
         if not files:
-            message = f"there exists no motion {shortened(self.folder / written)}"
+            message = f"there exists no motion {shorten_path(self.folder / written)}"
             raise InputError(Problem(message, "paths are relative to the study file"))
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"
@@ -246,7 +246,7 @@ class MotionReader:
         found = list(islice(visited, MOST_FILES + 1))
         if len(found) > MOST_FILES:
             hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-            raise InputError(Problem(f"{shortened(path)}: more than {MOST_FILES} files and folders", hint))
+            raise InputError(Problem(f"{shorten_path(path)}: more than {MOST_FILES} files and folders", hint))
         fits = (self.folder / name for name in found if not deep or PurePath(name).match(tail))
         return sorted(each for each in fits if os.path.isfile(each))
 
@@ -349,15 +349,15 @@ class _Motions:
             seconds = self._seconds(asked, name, motion, "duration")
             if isinstance(asked, float) and seconds > motion.duration + motion.dt:
                 short.append(f"{name} ({motion.duration:g} s)")
-            cut[name] = motion.windowed(seconds)
+            cut[name] = motion.cut_to(seconds)
         if short:
-            message = f"shorter than the {asked:g} s asked for: {listed(short)}"
+            message = f"shorter than the {asked:g} s asked for: {join_limited(short)}"
             hint = "the whole length is used; `tail:` adds free vibration"
             self.warnings.at(self.root, ("records", "duration"), message, hint)
         target = self._target(cut) if isinstance(self.spec.scale, Spectrum) else None
         found = {}
         for name, factor in self._factors(cut, target).items():
-            motion = cut[name].scaled(factor) if factor != 1.0 else cut[name]
+            motion = cut[name].scale_by(factor) if factor != 1.0 else cut[name]
             arias = float(records.arias(motion))
             use = MotionUse(name, motion.source, motion.digest, factor, motion.duration, motion.pga, arias)
             found[name] = Used(motion, use, target)
@@ -365,13 +365,13 @@ class _Motions:
 
     def _seconds(self, wanted: float | str, name: str, motion: Motion, key: str) -> float:
         """The part of a motion that is used [s]; a name of Table 1 that the study does not use has its duration too."""
-        has_one = name in self.known or (name not in self.whole and name in records.names())
+        has_one = name in self.known or (name not in self.whole and name in records.list_names())
         if wanted == "whole" or (wanted == "auto" and not has_one):
             return float(motion.duration)
         if wanted not in ("auto", "table1"):
             return float(wanted)
         if has_one:
-            return float(records.entry(name).duration)
+            return float(records.get_entry(name).duration)
         path = ("records", key) if key == "duration" else ("records", "scale", key)
         raise _Wrong(path, f"table1 has no duration for '{name}'", "write `whole` or a time, e.g. `duration: 10 s`")
 
@@ -379,9 +379,9 @@ class _Motions:
         """A motion that others are scaled to, whole: of the study or of the catalogue."""
         if name in self.whole:
             return self.whole[name]
-        if name in records.names():
+        if name in records.list_names():
             return self.reader.motion(Item(name))
-        known = dict.fromkeys((*self.whole, *records.names()))
+        known = dict.fromkeys((*self.whole, *records.list_names()))
         raise _Wrong(("records", "scale", key), f"no record '{name}'", nearest(name, known))
 
     def _target(self, cut: dict[str, Motion]) -> records.TargetSpectrum:
@@ -394,7 +394,7 @@ class _Motions:
         motion = cut.get(name)
         if motion is None:
             whole = self._other(name, "target")
-            motion = whole.windowed(self._seconds(self.spec.duration, name, whole, "duration"))
+            motion = whole.cut_to(self._seconds(self.spec.duration, name, whole, "duration"))
         return records.TargetSpectrum.of(motion, *ends)
 
     def _factors(self, cut: dict[str, Motion], target: records.TargetSpectrum | None) -> dict[str, float]:
@@ -404,7 +404,7 @@ class _Motions:
                 for name in cut.keys() - self.known:
                     hint = "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}"
                     raise _Wrong(("records", "scale"), f"table1 has no scale for '{name}'", hint)
-                return {name: float(records.entry(name).scale) for name in cut}
+                return {name: float(records.get_entry(name).scale) for name in cut}
             case Pga():
                 return {name: records.scale_factor(each, each.pga, scale.pga) for name, each in cut.items()}
             case Pgv():
@@ -418,7 +418,7 @@ class _Motions:
                 reference = self._other(scale.arias, "arias")
                 window = self.spec.duration if scale.window == "duration" else scale.window
                 part = {
-                    name: motion.windowed(self._seconds(window, name, motion, "window"))
+                    name: motion.cut_to(self._seconds(window, name, motion, "window"))
                     for name, motion in {scale.arias: reference, **self.whole}.items()
                 }
                 one = part[scale.arias]
@@ -433,8 +433,8 @@ def _doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Ite
     other than the study's that the files state."""
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
-        yield f"named like vertical components, will shake the buildings sideways: {listed(vertical)}", hint
-    doubts: dict[records.Doubt, list[str]] = {}
+        yield f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}", hint
+    doubts: dict[records.MotionWarning, list[str]] = {}
     against: dict[tuple[str, str], list[str]] = {}
     for each in readings:
         for doubt in each.doubts:
@@ -442,7 +442,7 @@ def _doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Ite
         if each.stated:
             against.setdefault((each.unit, each.stated), []).append(each.motion.name)
     for doubt, names in doubts.items():
-        yield f"{listed(names)}: {doubt.message}", doubt.hint
+        yield f"{join_limited(names)}: {doubt.message}", doubt.hint
     for (unit, stated), names in against.items():
-        message = f"{listed(names)}: read in {unit}, as the study says, although the file says {stated}"
+        message = f"{join_limited(names)}: read in {unit}, as the study says, although the file says {stated}"
         yield message, "remove `unit:` if the file is right"

@@ -17,7 +17,7 @@ from pounding_cli.laws.joints import STABLE_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
-from pounding_cli.numbers import counted, listed
+from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.axes import Axis, sweep_maps
 from pounding_cli.study.build import Group, tell_left_out
 from pounding_cli.study.file import Map, Mark, Problems, Steps, get, locate
@@ -324,7 +324,7 @@ def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: Steps,
     for fits, share in compared:
         if fits.holds(period * share):
             continue
-        message = f"a period of {_rounded(period)} s for {counted(storeys, 'storey')}: {fits.reason}"
+        message = f"a period of {_rounded(period)} s for {pluralize(storeys, 'storey')}: {fits.reason}"
         hint = _hint(_text_at(root, at), period, fits, share) if at[-1] == "period" else "check its unit"
         key = at if at[-1] == "period" else at[:-1]
         doubts.add(root, at, key, message, hint, excess=fits.excess(period * share))
@@ -495,7 +495,7 @@ def _warn_peaks(used: Mapping[str, Used], root: Any, doubts: Doubts) -> None:
     unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
         hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {AS_MEANT}"
-        peaks = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
+        peaks = join_limited(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
         at: Steps = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
         excess = max(fits.excess(use.pga) for use in unlikely)
         doubts.add(root, at, at, f"unlikely peaks: {peaks}: {fits.reason}", hint, excess=excess)
@@ -518,7 +518,7 @@ def warn_held_period(study: Study, notes: Problems) -> None:
         if not names:
             continue
         has_code_strength = "inelastic" in model.analyses and model.buildings[names[0]].yield_shear is None
-        held = f"the period of {names[0]} is" if len(names) == 1 else f"the periods of {listed(names)} are"
+        held = f"the period of {names[0]} is" if len(names) == 1 else f"the periods of {join_limited(names)} are"
         message = f"where the mass varies, {held} held: the stiffness follows the mass"
         if has_code_strength:
             message += ", and the yield shears follow the weight"

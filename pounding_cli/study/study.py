@@ -20,7 +20,7 @@ from pounding_cli.model.building import Building, UnstableError
 from pounding_cli.model.links import Link
 from pounding_cli.model.separation import UBC
 from pounding_cli.numbers import Unit
-from pounding_cli.reading import shortened
+from pounding_cli.reading import shorten_path
 from pounding_cli.study import build, plausible, schema
 from pounding_cli.study.axes import UNWRITTEN, Axis, read_axes, unit_of, with_middles
 from pounding_cli.study.file import MOST_TOLD, Map, Problems, get, locate, nearest, put, read_study, refuse_other_kinds
@@ -128,7 +128,7 @@ class Study:
         written: Study | None = None,
     ) -> None:
         """axes : in place of those that the file has."""
-        self.path, self.text, self.file, self.written = path, text, shortened(path), written
+        self.path, self.text, self.file, self.written = path, text, shorten_path(path), written
         self.from_data: bool = isinstance(root.mark[0], str) if written is None else written.from_data
         refuse_other_kinds(root, self.file)
         self.problems, self.notes = Problems(self.file), Problems(self.file)
@@ -143,7 +143,7 @@ class Study:
         self._kept: dict[Any, tuple[Any, dict[Problem, Point]]] = {}
         self._alike: dict[Any, tuple[Link, ...]] = {}  # links by what they follow from
         self.model: Any = self._checked()
-        self.title = self.model.title or shortened(path.stem)
+        self.title = self.model.title or shorten_path(path.stem)
         self.warnings: tuple[Problem, ...] = ()
         self.warnings = written.warnings if written is not None else plausible.find_warnings(self)
 

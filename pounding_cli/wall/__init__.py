@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from pounding_cli.points import Point
+    from pounding_cli.points import SweepPoint
     from pounding_cli.report.document import Picture
 
 SHOWN = ("peak_force", "separation", "wall_stress", "averaged_stress")
@@ -43,7 +43,7 @@ def cites(study: Study) -> dict[str, str]:
     }
 
 
-def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
+def pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
     """The stresses at the last point, and histories."""
     from pounding_cli.report.document import Picture
 
@@ -56,7 +56,7 @@ def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
 
 
 @styled
-def draw_stress(title: str, point: Point) -> Figure:
+def draw_stress(title: str, point: SweepPoint) -> Figure:
     """Von Mises stress on the mesh: its envelope, and at its peak around the contact."""
     from matplotlib.collections import PolyCollection
 
@@ -86,7 +86,7 @@ def draw_stress(title: str, point: Point) -> Figure:
 
 
 @styled
-def draw_histories(title: str, points: Sequence[Point]) -> Figure:
+def draw_histories(title: str, points: Sequence[SweepPoint]) -> Figure:
     """Contact force, speed of the striker, energies of the last point, and averaged stress against distance."""
     figure = new_figure(9.2, 6.4)
     (force, speed), (energy, face) = figure.subplots(2, 2)

@@ -18,7 +18,7 @@ from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVecto
 from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.points import value
+from pounding_cli.points import to_variable
 from pounding_cli.wall.study import Section, Study
 
 MOST_ELEMENTS, MOST_STEPS = 250_000, 200_000
@@ -72,35 +72,40 @@ def solve(study: Study) -> xr.Dataset:
     averaged, (shear, moment) = largest["cells"], largest["rows"].reshape(-1, 2).max(axis=0)
     distance = np.abs(system.cell_height - 0.5 * (low + high))
     found = {
-        "peak_force": value("N", "largest contact force", force.max()),
-        "peak_time": value("s", "time of the largest contact force", time[np.argmax(force)]),
-        "separation": value("s", "first time the striker leaves the wall", separation(time, force)),
-        "last_contact": value("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
-        "impulse": value("N s", "impulse of the contact force", float(np.trapezoid(force, time))),
-        "energy_residual": value("1", "largest open part of the energy balance, over the first energy", off),
-        "wall_stress": value("N/m2", "largest von Mises stress of an element", largest["elements"].max()),
-        "averaged_stress": value("N/m2", "largest von Mises stress, averaged over the length stated", averaged.max()),
+        "peak_force": to_variable("N", "largest contact force", force.max()),
+        "peak_time": to_variable("s", "time of the largest contact force", time[np.argmax(force)]),
+        "separation": to_variable("s", "first time the striker leaves the wall", separation(time, force)),
+        "last_contact": to_variable("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
+        "impulse": to_variable("N s", "impulse of the contact force", float(np.trapezoid(force, time))),
+        "energy_residual": to_variable("1", "largest open part of the energy balance, over the first energy", off),
+        "wall_stress": to_variable("N/m2", "largest von Mises stress of an element", largest["elements"].max()),
+        "averaged_stress": to_variable(
+            "N/m2", "largest von Mises stress, averaged over the length stated", averaged.max()
+        ),
     }
     for name, members in (("beam", slice(system.beams)), ("column", slice(system.beams, None))):
         text = f"largest edge stress of the {name}s"
-        found[f"{name}_stress"] = value("N/m2", text, largest["members"][members].max())
+        found[f"{name}_stress"] = to_variable("N/m2", text, largest["members"][members].max())
         text = f"{text} at the instant of the wall's peak"
-        found[f"{name}_stress_then"] = value("N/m2", text, np.abs(then["members"][members]).max())
+        found[f"{name}_stress_then"] = to_variable("N/m2", text, np.abs(then["members"][members]).max())
     found |= {
-        "wall_shear": value("N", "largest shear force in a cross-section of the wall", shear),
-        "wall_moment": value("N m", "largest bending moment in a cross-section of the wall", moment),
-        "reach": value("m", "farthest from the contact that the averaged stress exceeds half its largest",
+        "wall_shear": to_variable("N", "largest shear force in a cross-section of the wall", shear),
+        "wall_moment": to_variable("N m", "largest bending moment in a cross-section of the wall", moment),
+        "reach": to_variable("m", "farthest from the contact that the averaged stress exceeds half its largest",
                        reach(distance, averaged)),
-        "step": value("s", "time step", end / steps),
-        "freedoms": value("1", "degrees of freedom", float(system.M.size)),
-        "time_of_peak": value("s", "instant of the largest stress of an element", at_peak),
-        "cell_height": value("m", "height of a cell at the struck face", system.cell_height, "cell"),
-        "cell_stress": value("N/m2", "largest von Mises stress of the mean stress in a cell", averaged, "cell"),
-        "outline": value("m", "corners of every element", system.mesh.p.T[system.mesh.t.T], "element", "side", "axis"),
-        "stress_peak": value("N/m2", "von Mises stress of every element at the peak", then["elements"], "element"),
-        "stress_envelope": value("N/m2", "largest von Mises stress of every element", largest["elements"], "element"),
+        "step": to_variable("s", "time step", end / steps),
+        "freedoms": to_variable("1", "degrees of freedom", float(system.M.size)),
+        "time_of_peak": to_variable("s", "instant of the largest stress of an element", at_peak),
+        "cell_height": to_variable("m", "height of a cell at the struck face", system.cell_height, "cell"),
+        "cell_stress": to_variable("N/m2", "largest von Mises stress of the mean stress in a cell", averaged, "cell"),
+        "outline": to_variable("m", "corners of every element",
+                               system.mesh.p.T[system.mesh.t.T], "element", "side", "axis"),
+        "stress_peak": to_variable("N/m2", "von Mises stress of every element at the peak",
+                               then["elements"], "element"),
+        "stress_envelope": to_variable("N/m2", "largest von Mises stress of every element",
+                               largest["elements"], "element"),
     }  # fmt: skip
-    found |= {name: value(*HISTORIES[name], values, "instant") for name, values in run.items()}
+    found |= {name: to_variable(*HISTORIES[name], values, "instant") for name, values in run.items()}
     return xr.Dataset(found, attrs={"notes": notes})
 
 
