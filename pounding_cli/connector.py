@@ -61,7 +61,7 @@ class System(Model):
 
 
 class Connector(Model):
-    """What joins the two."""
+    """The connector between the two systems."""
 
     stiffness: Joint = key("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
     damping_ratio: Damping | None = key(
@@ -74,7 +74,7 @@ class Connector(Model):
 
 
 class Frequencies(Model):
-    """Where the ratios are computed, in Omega / omega10."""
+    """Frequencies at which the ratios are computed, in Omega / omega10."""
 
     low: Ratio = key(0.2, "lowest Omega / omega10", 0.2)
     high: Ratio = key(1.6, "highest Omega / omega10", 1.6)

@@ -12,7 +12,7 @@ from pounding_cli.errors import InputError, Problem
 
 @dataclass(frozen=True)
 class Setting:
-    """What a method is told besides the scene.
+    """The setting of a method: an accuracy or a time step.
 
     Parameters
     ----------
@@ -63,15 +63,15 @@ class Method:
 
     @property
     def takes_step(self) -> bool:
-        """Whether its setting is a time step."""
+        """True where its setting is a time step."""
         return self.setting is TIME_STEP
 
     def check_setting(self, accuracy: float, time_step: float | None = None) -> float:
         """Its setting, which of both it is.  Raises InputError: a setting that it does not take, or not above zero."""
         setting, value = self.setting, time_step if self.takes_step else accuracy
         if self.takes_step != (time_step is not None):
-            wrong = f"method {self.name} takes {'a time step' if self.takes_step else 'an accuracy and no time step'}"
-            raise InputError(Problem(wrong, f"give it e.g. `{setting.key}: {setting.example}` and no other setting"))
+            message = f"method {self.name} takes {'a time step' if self.takes_step else 'an accuracy and no time step'}"
+            raise InputError(Problem(message, f"give it e.g. `{setting.key}: {setting.example}` and no other setting"))
         if value is None or not (isfinite(value) and value > 0):
             hint = f"write e.g. `{setting.key}: {setting.example}`"
             raise InputError(Problem(f"{setting.title} is {value:g}; it must be above zero", hint))

@@ -1,4 +1,4 @@
-"""Where a command may write: one check for all of them, made before anything is computed."""
+"""Check the places where commands write, before anything is computed."""
 
 from __future__ import annotations
 

@@ -85,34 +85,34 @@ def to_variable(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...
 
 def load_sweep(path: Path, name: str) -> Sweep:
     """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
-    asked: Any = importlib.import_module(f"pounding_cli.{name}")
+    module: Any = importlib.import_module(f"pounding_cli.{name}")
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
     problems = Problems(str(path))
-    axes = read_axes(root, problems, asked.Study)
+    axes = read_axes(root, problems, module.Study)
     problems.check()
     points = []
     doubts = Doubts(str(path))
     for places in product(*(range(len(axis)) for axis in axes)):
         tree, swept = root, dict[str, float | str]()
-        for axis, at in zip(axes, places, strict=True):
-            for key, given, mark in zip(axis.paths, axis.given[at], axis.marks[at], strict=True):
-                tree = put(tree, key, given, mark)
-            swept |= dict(zip(axis.names, axis.values[at], strict=True))
-        label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
+        for axis, index in zip(axes, places, strict=True):
+            for key, value, mark in zip(axis.paths, axis.given[index], axis.marks[index], strict=True):
+                tree = put(tree, key, value, mark)
+            swept |= dict(zip(axis.names, axis.values[index], strict=True))
+        label = ", ".join(axis.told(index) for axis, index in zip(axes, places, strict=True))
         try:
-            study = asked.Study.model_validate(tree)
+            study = module.Study.model_validate(tree)
             points.append(SweepPoint(label, study, swept))
             warn_values(study, tree, (), doubts)
         except ValidationError as error:
-            problems.validation(tree, error, (), asked.Study)
+            problems.validation(tree, error, (), module.Study)
     problems.check()
     warnings = sorted(doubts.merged(), key=lambda warning: (warning.line, warning.column))
-    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(warnings))
+    return Sweep(name, module, points[0].study.title, text, axes, tuple(points), tuple(warnings))
 
 
 def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
-    """A point with its values; whatever goes wrong in it becomes its status, and the others go on."""
+    """Return a point with its values; whatever goes wrong in it becomes its status, and the others go on."""
     import xarray as xr
 
     begin, data, status, advice = time.thread_time(), xr.Dataset(), DONE, ""
@@ -140,27 +140,27 @@ def build_dataset(sweep: Sweep) -> xr.Dataset:
     import xarray as xr
 
     every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in sweep.points]
-    numbered = {dim for each in every for dim in each.sizes if dim not in each.coords}
-    most = {dim: max(each.sizes.get(dim, 0) for each in every) for dim in numbered}
-    every = [each.pad({dim: (0, most[dim] - each.sizes[dim]) for dim in numbered & {*each.sizes}}) for each in every]
+    index_dims = {dim for each in every for dim in each.sizes if dim not in each.coords}
+    most = {dim: max(each.sizes.get(dim, 0) for each in every) for dim in index_dims}
+    every = [each.pad({dim: (0, most[dim] - each.sizes[dim]) for dim in index_dims & {*each.sizes}}) for each in every]
     for axis in reversed(sweep.axes):
         rows = [every[first : first + len(axis)] for first in range(0, len(every), len(axis))]
-        joined: Any = {"join": "outer", "data_vars": "all", "coords": "minimal", "compat": "equals"}
-        every = [xr.concat(row, axis.names[0], combine_attrs="override", **joined) for row in rows]
-    (whole,) = every
+        join_options: Any = {"join": "outer", "data_vars": "all", "coords": "minimal", "compat": "equals"}
+        every = [xr.concat(row, axis.names[0], combine_attrs="override", **join_options) for row in rows]
+    (merged,) = every
     for axis in sweep.axes:
         columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
-        whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
-    return whole.assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
+        merged = merged.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
+    return merged.assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
 
 
 def is_written_by(name: str, file: Path) -> bool:
-    """Whether a file is what the command `name` wrote, damaged since or not."""
+    """Return whether the command `name` wrote a file, damaged since or not."""
     import h5py
 
     try:
-        with h5py.File(file) as found:
-            return bool(found.attrs.get("kind") == name)
+        with h5py.File(file) as results:
+            return bool(results.attrs.get("kind") == name)
     except Exception:  # whatever HDF5 says of a file that is none
         return False
 
@@ -186,15 +186,15 @@ def build_report(sweep: Sweep) -> Report:
             si = each.attrs["units"]
             columns[name] = Column(each.attrs["long_name"], _UNITS.get(si, Unit(si, 1.0, si)), name.replace("_", " "))
     frame = frame[[*columns]]
-    shown = frame[[*swept, *(asked.SHOWN if done else ["status"])]]
+    terminal_frame = frame[[*swept, *(asked.SHOWN if done else ["status"])]]
     pictures = asked.pictures(sweep.title, done) if done else []
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(sweep.points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
-    failed = len(sweep.points) - len(done)
-    said = [f"{pluralize(failed, 'point')} failed."] if failed else []
+    failed_count = len(sweep.points) - len(done)
+    sentences = [f"{pluralize(failed_count, 'point')} failed."] if failed_count else []
     return Report(
         sweep.title,
-        Section("", said, [Table("", shown, columns)], pictures[:1], notes),
+        Section("", sentences, [Table("", terminal_frame, columns)], pictures[:1], notes),
         lambda: [
             Section("Further figures", pictures=pictures[1:]),
             Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),

@@ -28,8 +28,8 @@ def to_file_name(text: str) -> str:
 
 
 def escape_controls(text: str) -> str:
-    """The text with control characters written out, as `\\x1b`."""
-    return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    """Return a text with control characters written out, as `\\x1b`."""
+    return CONTROL.sub(lambda match: match[0].encode("unicode_escape").decode(), text)
 
 
 def escape_controls_in_tree(value: Any) -> Any:

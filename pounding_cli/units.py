@@ -110,16 +110,16 @@ def _read_factor(text: str, place: int) -> tuple[_Size, int]:
         root, powers, place = 1.0, (mass, length, time), name.end()
     else:
         raise ValueError(text)
-    found = _POWER.match(text, place)
-    if found is None:
+    power_match = _POWER.match(text, place)
+    if power_match is None:
         return (exact, root, powers), place
-    power = Fraction(found[1]) if found[1] else Fraction({"²": 2, "³": 3}[found[2]])
+    power = Fraction(power_match[1]) if power_match[1] else Fraction({"²": 2, "³": 3}[power_match[2]])
     if power == 0:
         raise ValueError(text)
     mass, length, time = (power * each for each in powers)
     if power.denominator == 1:
-        return (exact ** int(power), root ** int(power), (mass, length, time)), found.end()
-    return (Fraction(1), float(exact) ** float(power) * root ** float(power), (mass, length, time)), found.end()
+        return (exact ** int(power), root ** int(power), (mass, length, time)), power_match.end()
+    return (Fraction(1), float(exact) ** float(power) * root ** float(power), (mass, length, time)), power_match.end()
 
 
 @cache

@@ -70,15 +70,15 @@ def motion(
     ------
     InputError : no such motion, a file that cannot be read, a missing time step, an unknown unit
     """
-    found = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
-    found = found if not name else replace(found, name=name)
+    record = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
+    record = record if not name else replace(record, name=name)
     if duration != "whole":
-        found = found.cut_to(quantity(TIME, duration, "duration"))
+        record = record.cut_to(quantity(TIME, duration, "duration"))
     if pga is None:
-        return found.scale_by(quantity(_SCALE, scale, "scale")) if scale != 1.0 else found
+        return record.scale_by(quantity(_SCALE, scale, "scale")) if scale != 1.0 else record
     if scale != 1.0:
         raise InputError(Problem("both 'scale' and 'pga' are given", "leave one of them out"))
-    return found.scale_by(records.scale_factor(found, found.pga, quantity(ACCELERATION, pga, "pga")))
+    return record.scale_by(records.scale_factor(record, record.pga, quantity(ACCELERATION, pga, "pga")))
 
 
 def scene(
@@ -118,8 +118,8 @@ def scene(
         if case:
             raise InputError(Problem(f"'links' leaves no place for {', '.join(case)}", "give one or the other"))
     elif len(row) > 1:
-        what = {"link": link} if links is None else {"links": links}
-        between = list(links_between(row, {**what, **case}, impact or {}))
+        link_keys = {"link": link} if links is None else {"links": links}
+        between = list(links_between(row, {**link_keys, **case}, impact or {}))
     try:
         return Scene(row, tuple(between), motion, Analysis(analysis), time)
     except ValueError as error:

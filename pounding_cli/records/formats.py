@@ -71,8 +71,8 @@ def read_knet(text: TextFile) -> Samples | None:
     counts, start = text.values(header.stop)
     duration, line = text.find(r"^Duration Time\S* (\d[\d.]*)", header, "Duration Time(s), e.g. 60")
     text.check_count(f"{float(duration[1]) * float(rate[1]):.0f}", len(counts), line, "duration x frequency")
-    mean, one = sum(counts) / len(counts), float(gal[1]) / float(gal[2])
-    values = [(each - mean) * one for each in counts]
+    mean, count_size = sum(counts) / len(counts), float(gal[1]) / float(gal[2])
+    values = [(each - mean) * count_size for each in counts]
     _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))? (\S+)", header, "gal")
     return Samples(step, values, start, "gal", scale_line)
 
@@ -88,8 +88,10 @@ def read_esm(text: TextFile) -> Samples | None:
     while re.match(r"[A-Z][A-Z0-9_/^]*\s*:", text.line(end)):
         end += 1
     keys = ("SAMPLING_INTERVAL_S", "DATA_TYPE", "UNITS", "NDATA")
-    said = [text.find(rf"^{key}: ?(\S.*)", range(first, end), key) for key in keys]
-    (interval, line), (kind, kind_line), (unit, unit_line), (count, count_line) = ((each[1], at) for each, at in said)
+    matches = [text.find(rf"^{key}: ?(\S.*)", range(first, end), key) for key in keys]
+    (interval, line), (kind, kind_line), (unit, unit_line), (count, count_line) = (
+        (each[1], at) for each, at in matches
+    )
     step = text.step(interval, line)
     if "ACC" not in kind.upper():
         raise text.refuse_quantity(kind.lower(), kind_line)
@@ -133,23 +135,23 @@ def read_cosmos(text: TextFile) -> Samples | None:
 
     Consortium of Organizations for Strong-Motion Observation Systems (2001), COSMOS Strong Motion Data Format, 1.20.
     """
-    index, found, others = text.first, dict[int, tuple[str, float, re.Match[str]]](), list[tuple[str, int]]()
+    index, channels, others = text.first, dict[int, tuple[str, float, re.Match[str]]](), list[tuple[str, int]]()
     if not _COSMOS.search(text.words(index)):
         return None
     while index < len(text.lines):
         if begins := _COSMOS.search(text.words(index)):
             words = range(index, index + int(begins[1] or 13))
-            named, _ = text.search(_COSMOS_LABEL, words)
+            label, _ = text.search(_COSMOS_LABEL, words)
             index, step, data = _cosmos_header(text, words.stop)
             if identify_unit(data[2])[0] == "acceleration":
-                found[index] = (named[1] if named else "") or "unnamed", step, data
+                channels[index] = (label[1] if label else "") or "unnamed", step, data
             else:
                 others.append((data[2].lower(), index))
         index += 1
-    if not found:
+    if not channels:
         raise text.refuse_quantity(*others[0])
-    start = _select_channel(text, {at: name for at, (name, *_) in found.items()}, min(found))
-    _, step, data = found[start]
+    start = _select_channel(text, {at: name for at, (name, *_) in channels.items()}, min(channels))
+    _, step, data = channels[start]
     values, _ = text.read_fixed_width(start, int(data[1]), data[4], last=True)
     return Samples(text.step(step, start), values, start + 1, data[3], start)
 
@@ -160,8 +162,8 @@ def _cosmos_header(text: TextFile, index: int) -> tuple[int, float, re.Match[str
     values: list[float] = []
     for kind in ("integer", "real"):
         example = f"how many {kind} header values follow, e.g. 100 {kind.capitalize()}-header values (10I8)"
-        found, _ = text.find(rf"^(\d{{1,6}}) {kind}[- ]*header.*?(\(.*)", range(index, index + 1), example)
-        values, index = text.read_fixed_width(index + 1, int(found[1]), found[2])
+        match, _ = text.find(rf"^(\d{{1,6}}) {kind}[- ]*header.*?(\(.*)", range(index, index + 1), example)
+        values, index = text.read_fixed_width(index + 1, int(match[1]), match[2])
     if comments := re.match(r"(?i)(\d{1,6}) comment", text.words(index)):
         index += 1 + int(comments[1])
     data = _COSMOS_DATA.match(text.words(index))
@@ -191,39 +193,39 @@ def read_csmip(text: TextFile) -> Samples | None:
     for index in range(len(text.lines)):
         if label := _CSMIP_LABEL.search(text.words(index)):
             named = label[1]
-        if said := _CSMIP_DATA.match(text.words(index)):
-            series[index] = named, said
+        if data_line := _CSMIP_DATA.match(text.words(index)):
+            series[index] = named, data_line
     if not series:
         return None  # another network's accelerogram, or that of Caltech
-    kinds = {index: identify_unit(said[2])[0] for index, (_, said) in series.items()}
-    found = {index: series[index][0] for index, kind in kinds.items() if kind == "acceleration"}
-    if len(found) < max(1, list(kinds.values()).count("velocity")):
+    kinds = {index: identify_unit(data_line[2])[0] for index, (_, data_line) in series.items()}
+    channels = {index: series[index][0] for index, kind in kinds.items() if kind == "acceleration"}
+    if len(channels) < max(1, list(kinds.values()).count("velocity")):
         raise text.refuse_damaged("a channel holds no acceleration", min(series) + 1)
-    at = _select_channel(text, found, min(found) + 1)
-    data = series[at][1]
-    step = text.step(data[3], at + 1)
-    values, _ = text.read_fixed_width(at + 1, int(data[1]), data[4], last=True)
-    return Samples(step, values, at + 2, next(iter(find_units(data[4])), "cm/s2"), at + 1)
+    start = _select_channel(text, channels, min(channels) + 1)
+    data = series[start][1]
+    step = text.step(data[3], start + 1)
+    values, _ = text.read_fixed_width(start + 1, int(data[1]), data[4], last=True)
+    return Samples(step, values, start + 2, next(iter(find_units(data[4])), "cm/s2"), start + 1)
 
 
 def _select_channel(text: TextFile, channels: dict[int, str], line: int) -> int:
     """Index, in the file, of the channel asked for, of those with acceleration by name; refused where there are several
     and none was named."""
-    listed = "; ".join(f"{place}: {name}" for place, name in enumerate(channels.values(), 1))
+    names = "; ".join(f"{place}: {name}" for place, name in enumerate(channels.values(), 1))
     if text.channel is None and len(channels) > 1:
-        message = f"the file holds {len(channels)} channels of acceleration: {listed}"
+        message = f"the file holds {len(channels)} channels of acceleration: {names}"
         hint = "select one: channel: 1 beside the file in a study, or --channel 1"
         raise text.refuse(message, hint, line)
     channel = 1 if text.channel is None else text.channel
     if not 1 <= channel <= len(channels):
-        raise text.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", line)
+        raise text.refuse(f"there is no channel {channel} in the file", f"write one of {names}", line)
     return list(channels)[channel - 1]
 
 
 def _check_peak(text: TextFile, values: list[float], pattern: str, header: range, unit: str) -> None:
     """Refuse samples whose peak is not the one that the header states, to 2 % and the last digit of what is printed."""
-    said, line = text.search(pattern, header)
-    stated, peak = abs(parse_number(said[1]) or 0.0) if said else 0.0, max(map(abs, values))
+    match, line = text.search(pattern, header)
+    stated, peak = abs(parse_number(match[1]) or 0.0) if match else 0.0, max(map(abs, values))
     if stated and abs(peak - stated) > 0.02 * stated + 0.01:
         raise text.refuse_damaged(
             f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line
@@ -244,13 +246,13 @@ def read_geonet(text: TextFile) -> Samples | None:
     begins = [index for index in range(len(text.lines)) if _GEONET.match(text.lines[index])]
     channels = {}
     for begin in begins:
-        named, _ = text.search(r"^Component (\S+)", range(begin, begin + 16))
-        channels[begin] = named[1] if named else "unnamed"
+        label, _ = text.search(r"^Component (\S+)", range(begin, begin + 16))
+        channels[begin] = label[1] if label else "unnamed"
     begin = _select_channel(text, channels, begins[0] + 1)
     words = range(begin, begin + 16)
     numbers = begin + 16
     if not is_numeric(text.line(numbers)):
-        numbers = next((at for at in range(begin + 1, begin + 26) if is_numeric(text.line(at))), numbers)
+        numbers = next((index for index in range(begin + 1, begin + 26) if is_numeric(text.line(index))), numbers)
     header, start = text.read_fixed_width(numbers, 100, "(10I8)")
     places = (30,) if "uncorrected" in text.lines[begin].lower() else (33, 30)
     coded = next((header[place] for place in places if header[place] > 0), 0.0)

@@ -48,8 +48,8 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
             raise text.refuse(f"the file has the curves of {len(others)} sites", hint, max(rows))
         values = zip_longest(levels, map(parse_number, others[0]))
         points = np.array([(level, value) for level, value in values if level is not None], float)
-        said, is_poe = _YEARS.search(comment), any(cell.startswith("poe-") for cell in head)
-        years = parse_number(said[1]) if said else None
+        years_match, is_poe = _YEARS.search(comment), any(cell.startswith("poe-") for cell in head)
+        years = parse_number(years_match[1]) if years_match else None
         unit = unit or ("g" if si == "m/s2" and is_poe else None)
         if is_poe and not years:
             hint = "write `# investigation_time=50.0` above the heading"
@@ -62,8 +62,8 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
             if len(pair) != 2 or None in pair:
                 raise text.refuse(f"'{', '.join(rows[n])[:60]}' is no intensity and rate", "write e.g. 0.1, 0.005", n)
         points = np.array([*pairs.values()], float).reshape(-1, 2)
-    found = _IN_BRACKETS.search(" ".join(head))
-    one = intensity_factor(unit or (found[1] if found else None), si, str(path))
+    unit_match = _IN_BRACKETS.search(" ".join(head))
+    one = intensity_factor(unit or (unit_match[1] if unit_match else None), si, str(path))
     points = points[points[:, 1] != 0]  # a service writes 0 for what is too rare to say
     intensity, rate = points[np.argsort(points[:, 0])].T
     rises, falls = (np.diff(intensity, prepend=0) > 0).all(), (np.diff(rate, append=0) < 0).all()

@@ -164,7 +164,7 @@ class Heading:
 
     @property
     def is_component(self) -> bool:
-        """Whether it is the name of a component, NS or x, with or without a unit in brackets."""
+        """True for the name of a component, NS or x, with or without a unit in brackets."""
         return bool(_COMPONENT.fullmatch(BRACKETS.sub("", self.text).strip(" \"'")))
 
     @property
@@ -196,7 +196,7 @@ class Heading:
 
 @dataclass
 class Header:
-    """What the lines over the numbers say.
+    """Statements of the lines over the numbers.
 
     steps : time steps [s];  counts : numbers of samples, with their lines
     headings : one a column; empty where no line is one of headings
@@ -261,23 +261,23 @@ def find_steps(line: str) -> list[float]:
     Read are `dt = 0.02`, `Time step: 20 ms`, `#SampleRate(Hz): 50`, `equally spaced at .02 sec`, `200 sps` and others.
     """
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", normalize(line)).lower().replace("µ", "u")
-    found = []
+    steps = []
     for match in _KEYED.finditer(plain):
         is_bare = re.fullmatch(
             r"step|intervall?[oe]?|fs|muestreo|sps|pas|β[ήη]μα|(?:шаг|интервал|paso|passo).*", match["key"].strip()
         )
         if match["value"] is None:
             if match["sign"] and match["step"] and plain[match.end("sign") :].strip(" /"):
-                found.append(0.0)
+                steps.append(0.0)
             continue
         unit = match["behind"] or match["inside"] or ""
         if is_bare and not match["sign"] and unit not in _SECONDS and unit not in _HERTZ:
             continue
-        found.append(_seconds(match["value"], unit, is_rate=match["rate"] is not None))
-    if found:
-        return found
-    if spaced := _PLAIN_STEP.search(plain):
-        return [_seconds(spaced["value"] or spaced["before"], spaced["behind"] or spaced["unit"], False)]
+        steps.append(_seconds(match["value"], unit, is_rate=match["rate"] is not None))
+    if steps:
+        return steps
+    if spacing := _PLAIN_STEP.search(plain):
+        return [_seconds(spacing["value"] or spacing["before"], spacing["behind"] or spacing["unit"], False)]
     if alone := re.fullmatch(rf"{_NUMBER}\s*(?P<behind>{'|'.join(_SECONDS)})\.?", plain.strip()):
         return [_seconds(alone["value"], alone["behind"], False)]
     if not _FILTER.search(plain) and (rate := _PLAIN_RATE.search(plain)):
@@ -292,9 +292,9 @@ def says_step_or_count(line: str) -> bool:
 
 def _find_count(line: str) -> int | None:
     """Return the number of samples that a line of a header says; None where it says none."""
-    found = _COUNT.search(normalize(line)) or _COUNT_FIRST.search(line)
-    is_count = found is not None and not _FILTER.search(line[: found.start()])
-    return int(found["count"]) if found is not None and is_count else None
+    match = _COUNT.search(normalize(line)) or _COUNT_FIRST.search(line)
+    is_count = match is not None and not _FILTER.search(line[: match.start()])
+    return int(match["count"]) if match is not None and is_count else None
 
 
 def _is_unit_or_step_unit(rest: str) -> bool:

@@ -56,9 +56,9 @@ class TargetSpectrum:
     @property
     def ordinates(self) -> np.ndarray:
         """Its values at `grid` [m/s2]."""
-        return self.at(self.grid)
+        return self.interpolate(self.grid)
 
-    def at(self, periods: np.ndarray) -> np.ndarray:
+    def interpolate(self, periods: np.ndarray) -> np.ndarray:
         """Return its values at `periods` [m/s2]."""
         return np.exp(np.interp(np.log(periods), np.log(self.periods), np.log(self.values)))
 
@@ -97,7 +97,7 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
 
     def log_ratio(periods: np.ndarray) -> np.ndarray:
         spectra = [spectrum(motion, periods, target.damping) for motion in motions.values()]
-        return np.log(np.mean(spectra, axis=0) / target.at(periods))
+        return np.log(np.mean(spectra, axis=0) / target.interpolate(periods))
 
     steepest = 0.5 / max(target.damping, MIN_SLOPE_DAMPING) + 2.0
     corners = [period for period in target.periods if target.low < period < target.high]
@@ -105,7 +105,7 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
     values = log_ratio(periods)
     while True:
         width = np.diff(np.log(periods))
-        slope = np.diff(np.log(target.at(periods))) / width  # of the target, straight in every interval
+        slope = np.diff(np.log(target.interpolate(periods))) / width  # of the target, straight in every interval
         falls = steepest + slope  # how steeply the ratio may fall from the left end, and from the right one
         falls_back = steepest - slope
         bounds = (falls_back * values[:-1] + falls * values[1:] - falls * falls_back * width) / (2.0 * steepest)
@@ -120,11 +120,11 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
     place = int(values.argmin())
     lowest, period = float(values[place]), float(periods[place])
     ends = np.log(periods[[max(place - 1, 0), min(place + 1, len(periods) - 1)]])
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         lambda x: float(log_ratio(np.exp([x]))[0]), bounds=ends, method="bounded", options={"xatol": 1e-8}
     )
-    if found.fun < lowest:
-        lowest, period = float(found.fun), float(np.exp(found.x))
+    if minimum.fun < lowest:
+        lowest, period = float(minimum.fun), float(np.exp(minimum.x))
     return float(np.exp(lowest)), period
 
 

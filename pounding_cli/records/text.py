@@ -131,8 +131,8 @@ class TextFile:
 
     def search(self, pattern: str, lines: range) -> tuple[re.Match[str] | None, int]:
         """The first match of a pattern in the words of lines of these indices, and its line (from 1); None, 0."""
-        found = ((re.search(pattern, self.words(index), re.IGNORECASE), index + 1) for index in lines)
-        return next(((match, line) for match, line in found if match), (None, 0))
+        matches = ((re.search(pattern, self.words(index), re.IGNORECASE), index + 1) for index in lines)
+        return next(((match, line) for match, line in matches if match), (None, 0))
 
     def find(self, pattern: str, lines: range, what: str) -> tuple[re.Match[str], int]:
         """As `search`; what : the match, in words.  Raises `InputError` where there is none."""
@@ -167,11 +167,11 @@ class TextFile:
         """Return index, words and numbers of every line, as `rows`; words that end the file are passed over too."""
         if rows := self.read_plain_rows(start, end):
             return rows
-        found = list[NumberRow]()
+        rows_read = list[NumberRow]()
         for index, line in enumerate(self.lines[start:end], start):
             if not line.strip() or line.lstrip()[0] in "#%!\x1a":
                 continue
-            if found and end is None and self._is_end(index):
+            if rows_read and end is None and self._is_end(index):
                 break
             words, values = split_numbers(line), list[float]()
             for word in words:
@@ -179,10 +179,10 @@ class TextFile:
                 if value is None:
                     raise self._refuse_word(word, words, index)
                 values.append(value)
-            found.append(NumberRow(index, words, values))
-        if not found:
+            rows_read.append(NumberRow(index, words, values))
+        if not rows_read:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
-        return found
+        return rows_read
 
     def _refuse_word(self, word: str, words: list[str], index: int) -> InputError:
         """Return the refusal of a word among the numbers; words : all of its line, of this index."""
@@ -232,18 +232,18 @@ class TextFile:
 
         Refused where the lines end before, or, with `last`, more numbers follow.
         """
-        found = re.search(r"(?i)\(\s*(\d{0,2})\s*[IFEDG]\s*([1-9]\d?)", form)
-        per_line, width = (int(found[1] or 1) or 1, int(found[2])) if found else (8, 10)
+        field_format = re.search(r"(?i)\(\s*(\d{0,2})\s*[IFEDG]\s*([1-9]\d?)", form)
+        per_line, width = (int(field_format[1] or 1) or 1, int(field_format[2])) if field_format else (8, 10)
         values, index = list[float](), start
         while len(values) < count:
-            wanted = min(per_line, count - len(values))
+            expected_count = min(per_line, count - len(values))
             line = self.line(index).rstrip()
             cells = line.split()
-            if len(cells) != wanted or None in map(parse_number, cells):
-                cells = [line[at : at + width].strip() for at in range(0, wanted * width, width)]
+            if len(cells) != expected_count or None in map(parse_number, cells):
+                cells = [line[offset : offset + width].strip() for offset in range(0, expected_count * width, width)]
             row = [value for value in map(parse_number, cells) if value is not None]
-            if len(row) < wanted:
-                message = f"{pluralize(len(row), 'number')} on this line, where {wanted} should stand"
+            if len(row) < expected_count:
+                message = f"{pluralize(len(row), 'number')} on this line, where {expected_count} should stand"
                 raise self.refuse_damaged(f"{message}: the header says {pluralize(count, 'value')}", index + 1)
             values += row
             index += 1
@@ -282,8 +282,8 @@ def load_text(path: Path, what: str = "motion file") -> TextFile:
         hint = "export the acceleration as text, in one of the formats of docs/records.md" if kind else ""
         hint = hint or "unpack an archive; give a text file in one of the formats of docs/records.md"
         raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shorten_path(path)))
-    written = _decode(raw).replace("\u2212", "-")
-    lines = re.split(r"\r\n|\r|\n", _QUOTED_COMMA.sub(r'"\1.\2"', written) if '"' in written else written)
+    decoded = _decode(raw).replace("\u2212", "-")
+    lines = re.split(r"\r\n|\r|\n", _QUOTED_COMMA.sub(r'"\1.\2"', decoded) if '"' in decoded else decoded)
     text = TextFile(path, lines)
     text.encoding = "UTF-16" if encoding else ""
     if not any(line.strip() for line in lines):
@@ -293,8 +293,8 @@ def load_text(path: Path, what: str = "motion file") -> TextFile:
         if len(line) > MAX_LINE_LENGTH and not _NUMERIC.match(line):
             raise text.refuse(f"a line of {len(line)} characters", "no header is that long", place)
         top = top and not is_numeric(line)
-        if top and (found := _HEADER.match(line)):
-            text.header[found[1].strip().lower()] = found[2].strip(), place
+        if top and (key_match := _HEADER.match(line)):
+            text.header[key_match[1].strip().lower()] = key_match[2].strip(), place
     return text
 
 

@@ -249,9 +249,9 @@ def _units_of_segment(part: str, segment: str) -> list[str]:
         if not _RATIO_BEFORE.search(before) and not _RATIO_BEHIND.match(behind):
             if not _A_NUMBER_BEFORE.search(before):
                 if not _A_NUMBER_BEHIND.match(behind):
-                    found.append(_balanced(match[0]))
+                    found.append(_strip_closing_bracket(match[0]))
             elif multiple := _stated_multiple(before):
-                found.append(f"{multiple} {_balanced(match[0])}")
+                found.append(f"{multiple} {_strip_closing_bracket(match[0])}")
     for pattern in _WEAK_UNITS:
         for match in pattern.finditer(part):
             groups = match.groupdict()
@@ -276,7 +276,7 @@ def _stated_multiple(before: str) -> str | None:
     return stated and (stated[1] or stated[2])
 
 
-def _balanced(unit: str) -> str:
+def _strip_closing_bracket(unit: str) -> str:
     """Return a unit without the bracket that closes behind it."""
     unit = unit.strip()
     return unit.rstrip(") ") if unit.count(")") > unit.count("(") else unit

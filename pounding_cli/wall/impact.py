@@ -71,7 +71,7 @@ def solve(study: Study) -> xr.Dataset:
         notes.append("the energy balance is open by more than 0.5 %: give a smaller `time.step`")
     averaged, (shear, moment) = largest["cells"], largest["rows"].reshape(-1, 2).max(axis=0)
     distance = np.abs(system.cell_height - 0.5 * (low + high))
-    found = {
+    values_by_name = {
         "peak_force": to_variable("N", "largest contact force", force.max()),
         "peak_time": to_variable("s", "time of the largest contact force", time[np.argmax(force)]),
         "separation": to_variable("s", "first time the striker leaves the wall", separation(time, force)),
@@ -85,10 +85,10 @@ def solve(study: Study) -> xr.Dataset:
     }
     for name, members in (("beam", slice(system.beams)), ("column", slice(system.beams, None))):
         text = f"largest edge stress of the {name}s"
-        found[f"{name}_stress"] = to_variable("N/m2", text, largest["members"][members].max())
+        values_by_name[f"{name}_stress"] = to_variable("N/m2", text, largest["members"][members].max())
         text = f"{text} at the instant of the wall's peak"
-        found[f"{name}_stress_then"] = to_variable("N/m2", text, np.abs(then["members"][members]).max())
-    found |= {
+        values_by_name[f"{name}_stress_then"] = to_variable("N/m2", text, np.abs(then["members"][members]).max())
+    values_by_name |= {
         "wall_shear": to_variable("N", "largest shear force in a cross-section of the wall", shear),
         "wall_moment": to_variable("N m", "largest bending moment in a cross-section of the wall", moment),
         "reach": to_variable("m", "farthest from the contact that the averaged stress exceeds half its largest",
@@ -105,8 +105,8 @@ def solve(study: Study) -> xr.Dataset:
         "stress_envelope": to_variable("N/m2", "largest von Mises stress of every element",
                                largest["elements"], "element"),
     }  # fmt: skip
-    found |= {name: to_variable(*HISTORIES[name], values, "instant") for name, values in run.items()}
-    return xr.Dataset(found, attrs={"notes": notes})
+    values_by_name |= {name: to_variable(*HISTORIES[name], values, "instant") for name, values in run.items()}
+    return xr.Dataset(values_by_name, attrs={"notes": notes})
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
@@ -356,7 +356,7 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
 
 
 def _member(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of an Euler-Bernoulli member that reaches `along` [m]: its elongation and the rotations of its ends against the
+    """Return, of an Euler-Bernoulli member that spans `along` [m], elongation and rotations of its ends against the
     chord, from their displacements (u, v, theta), shape (3, 6); axial force and end moments from those, (3, 3)."""
     length = float(np.hypot(*along))
     area, inertia = section.width * section.depth, section.width * section.depth**3 / 12
@@ -386,17 +386,17 @@ def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_m
     bending = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]) * (study.wall.length / 2 - x[0]))
     area = LinearForm(lambda v, _: v).assemble(each)
 
-    def grouped(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
+    def group_rows(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
         rows = np.arange(len(parts) * parts[0].shape[0]).reshape(len(parts), -1).T.ravel()
         return sp.vstack(parts, format="csr")[rows]
 
-    elements = sp.kron(sp.diags_array(1 / area), sp.eye_array(3)) @ grouped([sx, sy, txy])
+    elements = sp.kron(sp.diags_array(1 / area), sp.eye_array(3)) @ group_rows([sx, sy, txy])
     middle = basis.mesh.p[1, basis.mesh.t].mean(axis=0)
     row, count = np.searchsorted(y_lines, middle) - 1, middle.size
     depth = study.wall.thickness / np.diff(y_lines)[row]
     gather = sp.csr_matrix((depth, (row, np.arange(count))), shape=(y_lines.size - 1, count))
     # Shear that pushes the part above away from the striker, moment that compresses the inner edge.
-    return elements, grouped([gather @ txy, gather @ bending])
+    return elements, group_rows([gather @ txy, gather @ bending])
 
 
 def _cells(study: Study, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
