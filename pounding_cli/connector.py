@@ -120,7 +120,9 @@ class Pair(NamedTuple):
 
 def pair(study: Study) -> Pair:
     """The numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
-    first, second, joint = study.first, study.second, study.connector.stiffness
+    first = study.first
+    second = study.second
+    joint = study.connector.stiffness
     k1 = first.stiffness or first.mass * (2 * math.pi / (first.period or 0.5)) ** 2
     k2 = second.stiffness or second.mass * (2 * math.pi / (second.period or math.nan)) ** 2
     if second.frequency_ratio is not None:
@@ -140,8 +142,11 @@ def coupled_frequencies(pair: Pair) -> tuple[float, float]:
     They are the roots of (a - w^2) (b - w^2) = K^2 / (m1 m2) with a = (k1 + K) / m1, b = (k2 + K) / m2. The lower one
     comes from their product, a sum of positive terms: nothing cancels for a stiff connector.
     """
-    (m1, m2), (k1, k2), k = pair.m, pair.k, pair.joint
-    a, b = (k1 + k) / m1, (k2 + k) / m2
+    m1, m2 = pair.m
+    k1, k2 = pair.k
+    k = pair.joint
+    a = (k1 + k) / m1
+    b = (k2 + k) / m2
     high = 0.5 * (a + b) + math.hypot(0.5 * (a - b), k / math.sqrt(m1 * m2))
     return math.sqrt(((k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)) / high), math.sqrt(high)
 
@@ -156,7 +161,10 @@ def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     and R2 by exchanging the indices, so that m1 R1 + m2 R2 = m1 + m2 whatever K, c, p and Omega are. Their absolute
     values are the paper's Fig. 5. omega : circular frequencies of the ground motion [rad/s], shape (n,), > 0
     """
-    m, k, zeta, z = pair.m[:, None], pair.k[:, None], pair.zeta[:, None], pair.joint + 1j * omega * pair.dashpot
+    m = pair.m[:, None]
+    k = pair.k[:, None]
+    zeta = pair.zeta[:, None]
+    z = pair.joint + 1j * omega * pair.dashpot
     d = k - m * omega**2 + 2j * zeta * np.sqrt(k * m) * omega
     return d * (d[::-1] + z * m.sum() / m) / (d[0] * d[1] + z * d.sum(axis=0))
 
@@ -170,7 +178,9 @@ def solve(study: Study) -> xr.Dataset:
     import xarray as xr  # here, as all that `pound check` does not need
     from scipy.optimize import brentq, minimize_scalar
 
-    both, low, high = pair(study), study.frequencies.low, study.frequencies.high
+    both = pair(study)
+    low = study.frequencies.low
+    high = study.frequencies.high
     alone, other = np.sqrt(both.k / both.m)
     ratio = np.linspace(low, high, study.frequencies.points)
     grid = np.linspace(low, high, max(ratio.size, MIN_GRID_POINTS))
@@ -180,7 +190,8 @@ def solve(study: Study) -> xr.Dataset:
 
     found = {}
     for which, each in enumerate(response_ratios(both, ratio * alone)):
-        best, number = int(np.argmax(sizes(grid)[which])), which + 1
+        best = int(np.argmax(sizes(grid)[which]))
+        number = which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
         top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
         peak, at = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
@@ -237,7 +248,8 @@ def draw_ratios(title: str, points: Sequence[SweepPoint]) -> Figure:
     drawn = points[:4]
     figure, axes = panels(1, len(drawn), sharex=True, sharey=True)
     for ax, point in zip(axes[0], drawn, strict=True):
-        data, x = point.data, point.data["frequency"].to_numpy()
+        data = point.data
+        x = point.data["frequency"].to_numpy()
         ax.plot(x, data["R1"], color="#000000", lw=1.6, label="system 1")
         ax.plot(x, data["R2"], color="#0072B2", linestyle=(0, (5, 2)), lw=1.6, label="system 2")
         for low, high in data["both_above"].to_numpy():

@@ -68,7 +68,8 @@ class Method:
 
     def check_setting(self, accuracy: float, time_step: float | None = None) -> float:
         """Its setting, which of both it is.  Raises InputError: a setting that it does not take, or not above zero."""
-        setting, value = self.setting, time_step if self.takes_step else accuracy
+        setting = self.setting
+        value = time_step if self.takes_step else accuracy
         if self.takes_step != (time_step is not None):
             message = f"method {self.name} takes {'a time step' if self.takes_step else 'an accuracy and no time step'}"
             raise InputError(Problem(message, f"give it e.g. `{setting.key}: {setting.example}` and no other setting"))

@@ -94,7 +94,8 @@ def load_sweep(path: Path, name: str) -> Sweep:
     points = []
     doubts = Doubts(str(path))
     for places in product(*(range(len(axis)) for axis in axes)):
-        tree, swept = root, dict[str, float | str]()
+        tree = root
+        swept = dict[str, float | str]()
         for axis, index in zip(axes, places, strict=True):
             for key, value, mark in zip(axis.paths, axis.given[index], axis.marks[index], strict=True):
                 tree = put(tree, key, value, mark)
@@ -115,18 +116,23 @@ def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
     """Return a point with its values; whatever goes wrong in it becomes its status, and the others go on."""
     import xarray as xr
 
-    begin, data, status, advice = time.thread_time(), xr.Dataset(), DONE, ""
+    begin = time.thread_time()
+    data = xr.Dataset()
+    status = DONE
+    advice = ""
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
             data = sweep.asked.solve(point.study)
     except InputError as refused:
         (problem, *_) = refused.problems
-        status, advice = f"refused: {problem.message}", problem.hint
+        status = f"refused: {problem.message}"
+        advice = problem.hint
     except ArithmeticError:
         status = "refused: numbers too large or too small to compute with"
         advice = "give values that differ by fewer powers of ten"
     except MemoryError:
-        status, advice = "refused: not enough memory", "give a coarser mesh, larger steps or fewer frequencies"
+        status = "refused: not enough memory"
+        advice = "give a coarser mesh, larger steps or fewer frequencies"
     except Exception as error:  # one point must not take the others with it
         status = f"error: {type(error).__name__}: {error}"
         advice = "this is an internal error: please report it with the study file"
@@ -174,7 +180,8 @@ def build_report(sweep: Sweep) -> Report:
     from pounding_cli.report.table import from_rows
     from pounding_cli.results.tables import Column, Table
 
-    asked, done = sweep.asked, [point for point in sweep.points if point.status == DONE]
+    asked = sweep.asked
+    done = [point for point in sweep.points if point.status == DONE]
     frame = pd.DataFrame([
         {**point.swept, **{name: each.item() for name, each in point.data.items() if not each.dims}}
         for point in sweep.points

@@ -74,8 +74,11 @@ def _read_product(text: str, begin: int, divides: bool = False) -> tuple[_Size, 
 
     divides : whether its first unit is a divisor
     """
-    exact, root, powers = Fraction(1), 1.0, (Fraction(0), Fraction(0), Fraction(0))
-    place, is_first = begin, True
+    exact = Fraction(1)
+    root = 1.0
+    powers = (Fraction(0), Fraction(0), Fraction(0))
+    place = begin
+    is_first = True
     while place < len(text) and text[place] != ")":
         separator = _SEPARATOR.match(text, place)
         sign = 1
@@ -107,7 +110,9 @@ def _read_factor(text: str, place: int) -> tuple[_Size, int]:
     elif name is not None and name[0] in _ONE:
         exact, dimension = _ONE[name[0]]
         mass, length, time = map(Fraction, dimension)
-        root, powers, place = 1.0, (mass, length, time), name.end()
+        root = 1.0
+        powers = (mass, length, time)
+        place = name.end()
     else:
         raise ValueError(text)
     power_match = _POWER.match(text, place)

@@ -93,7 +93,9 @@ def run_study(
     InputError : the study or the output is refused; another run is at work on it; no such engine; the disk is full
     KeyboardInterrupt : stopped
     """
-    begin, reporter, study = time.perf_counter(), progress or Progress(), workflow.study
+    begin = time.perf_counter()
+    reporter = progress or Progress()
+    study = workflow.study
     workers_of = pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)

@@ -112,7 +112,8 @@ def scene(
     """
     if analysis not in list(Analysis):
         raise InputError(Problem(f"the analysis '{analysis}' is not known", "write elastic or inelastic", "analysis"))
-    row, time = by_place(buildings), quantity(_TAIL, tail, "tail")
+    row = by_place(buildings)
+    time = quantity(_TAIL, tail, "tail")
     between = [link for link in links or () if isinstance(link, Link)]
     if links is not None and len(between) == len(links):
         if case:

@@ -32,7 +32,8 @@ MAX_NAMED_KEYS = 4
 def compute_content_key(workflow: Workflow) -> str:
     """Return the SHA-256 of all that results follow from: the study, its scenes, the solver."""
     plan = workflow.plan
-    study, kept = plan.study, (plan.kept, plan.every)
+    study = plan.study
+    kept = (plan.kept, plan.every)
     resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
     text = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
     return hashlib.sha256(text.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()

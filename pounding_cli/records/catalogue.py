@@ -47,7 +47,8 @@ class Entry:
 
     def compare(self, motion: Motion) -> Iterator[str]:
         """Length, time step, peak and Arias intensity of a motion in its window, beside those known, in words."""
-        facts, window = self.facts, motion.cut_to(self.duration)
+        facts = self.facts
+        window = motion.cut_to(self.duration)
         length = f"{window.duration:g} s"
         known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
         yield f"length: {motion.duration:g} s; Table 1 uses {self.duration:g} s"
@@ -93,7 +94,8 @@ def load_catalogue() -> Mapping[str, Entry]:
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     entries = {}
     for name, facts in yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"].items():
-        table_row, _ = facts.pop("table1"), facts.pop("stand_in")
+        table_row = facts.pop("table1")
+        _ = facts.pop("stand_in")
         entries[name] = Entry(name, duration=float(table_row["duration_s"]), scale=table_row["scale"], **facts)
     return entries
 
@@ -147,7 +149,8 @@ def load_motion(name: str) -> Motion:
 def save_motion(name: str, motion: Motion, origin: Path) -> Path:
     """Write a real motion into the user's folder as catalogue motion `name`, in m/s2 and in full: reading the file
     gives the very motion back.  The file."""
-    details, path = get_entry(name), user_folder() / f"{name}.txt"
+    details = get_entry(name)
+    path = user_folder() / f"{name}.txt"
     head = (
         f"# motion: {details.title}\n# event: {details.event}, {details.date.isoformat()}\n"
         f"# station: {details.station}, {details.component}\n# imported from: {origin.name}\n# name: {name}\n"

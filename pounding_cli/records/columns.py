@@ -79,7 +79,10 @@ class _Columns:
     def __init__(
         self, text: TextFile, rows: list[NumberRow], header: Header, numbers: NumberHeader, format: str | None
     ) -> None:
-        self.text, self.rows, self.header, self.format = text, rows, header, format
+        self.text = text
+        self.rows = rows
+        self.header = header
+        self.format = format
         self.width = len(rows[0].values)
         self.start = rows[0].line_index
         self.counts = list(header.counts)
@@ -146,7 +149,8 @@ class _Columns:
         flat = self._pairs_of_lines()
         if flat is None:
             return None
-        times, values = flat[::2], flat[1::2]
+        times = flat[::2]
+        values = flat[1::2]
         if self.text.column is not None:
             pairs = self.width // 2
             part = f"column {self.text.column} is a part of the samples"
@@ -447,6 +451,7 @@ def _find_heading_of_unit(headings: list[Heading], place: int) -> Heading:
 
     `t, NS, EW, UD (gal)` states one unit for three components.
     """
-    heading, last = headings[place], headings[-1]
+    heading = headings[place]
+    last = headings[-1]
     is_shared = heading.is_component and last.is_component and not BRACKETS.search(heading.text)
     return last if is_shared and BRACKETS.search(last.text) else heading

@@ -71,7 +71,8 @@ def read_knet(text: TextFile) -> Samples | None:
     counts, start = text.values(header.stop)
     duration, line = text.find(r"^Duration Time\S* (\d[\d.]*)", header, "Duration Time(s), e.g. 60")
     text.check_count(f"{float(duration[1]) * float(rate[1]):.0f}", len(counts), line, "duration x frequency")
-    mean, count_size = sum(counts) / len(counts), float(gal[1]) / float(gal[2])
+    mean = sum(counts) / len(counts)
+    count_size = float(gal[1]) / float(gal[2])
     values = [(each - mean) * count_size for each in counts]
     _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))? (\S+)", header, "gal")
     return Samples(step, values, start, "gal", scale_line)
@@ -135,7 +136,9 @@ def read_cosmos(text: TextFile) -> Samples | None:
 
     Consortium of Organizations for Strong-Motion Observation Systems (2001), COSMOS Strong Motion Data Format, 1.20.
     """
-    index, channels, others = text.first, dict[int, tuple[str, float, re.Match[str]]](), list[tuple[str, int]]()
+    index = text.first
+    channels = dict[int, tuple[str, float, re.Match[str]]]()
+    others = list[tuple[str, int]]()
     if not _COSMOS.search(text.words(index)):
         return None
     while index < len(text.lines):
@@ -189,7 +192,8 @@ def read_csmip(text: TextFile) -> Samples | None:
             "download the corrected record (V2); of another network, export the acceleration and give format, unit, dt"
         )
         raise text.refuse(f"a CSMIP file of {what}", hint, text.first + 1)
-    named, series = "unnamed", dict[int, tuple[str, re.Match[str]]]()
+    named = "unnamed"
+    series = dict[int, tuple[str, re.Match[str]]]()
     for index in range(len(text.lines)):
         if label := _CSMIP_LABEL.search(text.words(index)):
             named = label[1]
@@ -225,7 +229,8 @@ def _select_channel(text: TextFile, channels: dict[int, str], line: int) -> int:
 def _check_peak(text: TextFile, values: list[float], pattern: str, header: range, unit: str) -> None:
     """Refuse samples whose peak is not the one that the header states, to 2 % and the last digit of what is printed."""
     match, line = text.search(pattern, header)
-    stated, peak = abs(parse_number(match[1]) or 0.0) if match else 0.0, max(map(abs, values))
+    stated = abs(parse_number(match[1]) or 0.0) if match else 0.0
+    peak = max(map(abs, values))
     if stated and abs(peak - stated) > 0.02 * stated + 0.01:
         raise text.refuse_damaged(
             f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line
@@ -304,7 +309,8 @@ def read_asa(text: TextFile) -> Samples | None:
     names = _values_of_channels(oriented[1]) if oriented else []
     channels = {place: names[place] if place < len(names) else f"canal {place + 1}" for place in range(width)}
     if text.channel is None and text.column is not None:
-        text.channel, text.column = text.column, None
+        text.channel = text.column
+        text.column = None
     place = _select_channel(text, channels, start + 1)
     steps = _values_of_channels(intervals[1])
     written = steps[min(place, len(steps) - 1)] if steps else ""

@@ -48,7 +48,8 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
             raise text.refuse(f"the file has the curves of {len(others)} sites", hint, max(rows))
         values = zip_longest(levels, map(parse_number, others[0]))
         points = np.array([(level, value) for level, value in values if level is not None], float)
-        years_match, is_poe = _YEARS.search(comment), any(cell.startswith("poe-") for cell in head)
+        years_match = _YEARS.search(comment)
+        is_poe = any(cell.startswith("poe-") for cell in head)
         years = parse_number(years_match[1]) if years_match else None
         unit = unit or ("g" if si == "m/s2" and is_poe else None)
         if is_poe and not years:
@@ -66,7 +67,8 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
     one = intensity_factor(unit or (unit_match[1] if unit_match else None), si, str(path))
     points = points[points[:, 1] != 0]  # a service writes 0 for what is too rare to say
     intensity, rate = points[np.argsort(points[:, 0])].T
-    rises, falls = (np.diff(intensity, prepend=0) > 0).all(), (np.diff(rate, append=0) < 0).all()
+    rises = (np.diff(intensity, prepend=0) > 0).all()
+    falls = (np.diff(rate, append=0) < 0).all()
     if intensity.size < 2 or not (rises and falls):
         hint = "give at least two intensities above 0, each once, with rates that fall as they rise"
         raise text.refuse("this is not a hazard curve", hint)

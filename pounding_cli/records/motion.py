@@ -119,17 +119,21 @@ def velocity(motion: Motion) -> np.ndarray:
 
 def displacement(motion: Motion) -> np.ndarray:
     """Ground displacement at the samples [m], shape (n,), from rest; exact, no baseline correction."""
-    a, v, h = motion.acceleration, velocity(motion), motion.dt
+    a = motion.acceleration
+    v = velocity(motion)
+    h = motion.dt
     return np.concatenate(([0.0], np.cumsum(h * v[:-1] + h**2 / 6.0 * (2.0 * a[:-1] + a[1:]))))
 
 
 def pgv(motion: Motion) -> float:
     """Peak ground velocity [m/s], exact: also between samples, where the straight line crosses zero."""
-    a, v = motion.acceleration, velocity(motion)
+    a = motion.acceleration
+    v = velocity(motion)
     peak = float(np.abs(v).max())
     crossing = np.flatnonzero(a[:-1] * a[1:] < 0)
     if crossing.size:
-        first, last = a[crossing], a[crossing + 1]
+        first = a[crossing]
+        last = a[crossing + 1]
         inside = v[crossing] + 0.5 * motion.dt * first**2 / (first - last)
         peak = max(peak, float(np.abs(inside).max()))
     return peak

@@ -74,7 +74,10 @@ def read_file(
         (a wrong unit)
     """
     text = load_text(Path(path))
-    text.dt, text.channel, text.column, text.unit = dt, channel, column, unit
+    text.dt = dt
+    text.channel = channel
+    text.column = column
+    text.unit = unit
     if unit is not None and find_acceleration_unit(unit) is None:
         raise text.refuse(
             f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(ACCELERATION_UNITS)}, or 0.01 g"
@@ -126,13 +129,15 @@ def _unit(text: TextFile, kind: str, samples: Samples, given: str | None) -> tup
 
     Raises `InputError` for other quantities, and where a format that defines its unit contradicts the one given.
     """
-    stated, line = samples.unit, samples.unit_line
+    stated = samples.unit
+    line = samples.unit_line
     if stated is None:
         if given is None:
             message = samples.unclear or "no line says in which unit the values are"
             raise text.refuse(message, GIVE_UNIT, samples.unclear_line or samples.line)
         return given, "as given", ""
-    quantity, factor = identify_unit(stated)[0], find_acceleration_unit(stated)
+    quantity = identify_unit(stated)[0]
+    factor = find_acceleration_unit(stated)
     if quantity in ("velocity", "displacement"):
         raise text.refuse_quantity(quantity, line)
     if quantity == "counts":

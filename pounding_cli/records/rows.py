@@ -201,7 +201,9 @@ def _find_header_of_one_row(text: TextFile, rows: list[NumberRow]) -> NumberHead
 
 def _find_header_in_a_column(text: TextFile, rows: list[NumberRow], third: int) -> NumberHeader:
     """Return the header of numbers in the first one or two lines of one number each."""
-    line, one, two = rows[0].line_index + 1, rows[0], rows[1]
+    line = rows[0].line_index + 1
+    one = rows[0]
+    two = rows[1]
     for count, step in ((one, two), (two, one)):
         if _WHOLE.match(count.words[0]) and _is_step(step) and int(count.values[0]) in _sizes(rows[2:]):
             return NumberHeader(2, int(count.values[0]), step.values[0], line)

@@ -118,13 +118,15 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
         values = np.concatenate([values, log_ratio(middles)])[order]
         periods = np.concatenate([periods, middles])[order]
     place = int(values.argmin())
-    lowest, period = float(values[place]), float(periods[place])
+    lowest = float(values[place])
+    period = float(periods[place])
     ends = np.log(periods[[max(place - 1, 0), min(place + 1, len(periods) - 1)]])
     minimum = minimize_scalar(
         lambda x: float(log_ratio(np.exp([x]))[0]), bounds=ends, method="bounded", options={"xatol": 1e-8}
     )
     if minimum.fun < lowest:
-        lowest, period = float(minimum.fun), float(np.exp(minimum.x))
+        lowest = float(minimum.fun)
+        period = float(np.exp(minimum.x))
     return float(np.exp(lowest)), period
 
 

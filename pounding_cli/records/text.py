@@ -173,7 +173,8 @@ class TextFile:
                 continue
             if rows_read and end is None and self._is_end(index):
                 break
-            words, values = split_numbers(line), list[float]()
+            words = split_numbers(line)
+            values = list[float]()
             for word in words:
                 value = parse_number(word)
                 if value is None:
@@ -208,7 +209,8 @@ class TextFile:
             return None
         if not np.isfinite(values).all():
             return None
-        numbers, ends = values.tolist(), list(itertools.accumulate(map(len, split)))
+        numbers = values.tolist()
+        ends = list(itertools.accumulate(map(len, split)))
         return [
             NumberRow(start + place, words, numbers[last - len(words) : last])
             for place, (words, last) in enumerate(zip(split, ends, strict=True))
@@ -234,7 +236,8 @@ class TextFile:
         """
         field_format = re.search(r"(?i)\(\s*(\d{0,2})\s*[IFEDG]\s*([1-9]\d?)", form)
         per_line, width = (int(field_format[1] or 1) or 1, int(field_format[2])) if field_format else (8, 10)
-        values, index = list[float](), start
+        values = list[float]()
+        index = start
         while len(values) < count:
             expected_count = min(per_line, count - len(values))
             line = self.line(index).rstrip()

@@ -170,9 +170,11 @@ def identify_unit(text: str) -> tuple[str, float]:
     found = re.match(rf"{_SCALAR}(?P<rest>[^\d.].*)\Z", plain, re.IGNORECASE)
     if found is None or len(plain) > 100:
         return "", 0.0
-    unit, part = found["rest"].strip(), None
+    unit = found["rest"].strip()
+    part = None
     if tenth := re.fullmatch(rf"([^/]*g)\s*/\s*({_NUMBER})", unit, re.IGNORECASE):
-        unit, part = tenth[1], tenth[2]
+        unit = tenth[1]
+        part = tenth[2]
     factor = _ratio(found["multiple"]) / (float(part or 1) or math.inf)
     one = _one_of(unit)
     if one:
@@ -245,7 +247,8 @@ def is_about_one_number(line: str) -> bool:
 def _units_of_segment(part: str, segment: str) -> list[str]:
     found = []
     for match in _COMPOUND.finditer(part):
-        before, behind = part[: match.start()], segment[match.end() :]
+        before = part[: match.start()]
+        behind = segment[match.end() :]
         if not _RATIO_BEFORE.search(before) and not _RATIO_BEHIND.match(behind):
             if not _A_NUMBER_BEFORE.search(before):
                 if not _A_NUMBER_BEHIND.match(behind):

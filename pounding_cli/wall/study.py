@@ -139,7 +139,8 @@ class Study(Model):
 
     def wrong(self) -> Iterator[Wrong]:
         """Yield what cannot be in a study: its place, a message and what to write."""
-        top, height = self.frame.height, self.height
+        top = self.frame.height
+        height = self.height
         if not 0 <= height <= top:
             where = f"{height:g} m" if isinstance(self.striker.height, float) else self.striker.height
             message = f"the striker hits at {where}, beside the wall (0 to {top:g} m)"
