@@ -118,7 +118,7 @@ class Pair(NamedTuple):
     dashpot: float
 
 
-def pair(study: Study) -> Pair:
+def build_pair(study: Study) -> Pair:
     """The numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
     first = study.first
     second = study.second
@@ -178,7 +178,7 @@ def solve(study: Study) -> xr.Dataset:
     import xarray as xr  # here, as all that `pound check` does not need
     from scipy.optimize import brentq, minimize_scalar
 
-    both = pair(study)
+    both = build_pair(study)
     low = study.frequencies.low
     high = study.frequencies.high
     alone, other = np.sqrt(both.k / both.m)

@@ -191,7 +191,7 @@ STATISTICS = tuple(
     for ratio in RESPONSES if ratio.ratio for name, words in _STATISTICS.items()
 )  # fmt: skip
 
-WRITTEN = {
+DISPLAY_QUANTITIES = {
     "gap": "gap", "max_closing": "gap",
     "acceleration": "acceleration", "acceleration0": "acceleration", "record_pga": "acceleration",
 }  # fmt: skip
@@ -204,7 +204,7 @@ RATIOS = tuple(v.name for v in RESPONSES if v.ratio)
 ALONE = {v.name: w.name for v in RESPONSES for w in RESPONSES if v.of and v.of == w.of and w.alone and not v.alone}
 """Variable -> the same of the building alone."""
 
-COORDINATES = {
+COORDINATE_VARIABLES = {
     "case": ("", "case of the study"),
     "analysis": ("", "elastic or inelastic storeys"),
     "record": ("", "ground motion"),

@@ -13,7 +13,7 @@ import xarray as xr
 
 from pounding_cli.results.changes import changed_keys
 from pounding_cli.results.results import Results
-from pounding_cli.variables import COORDINATES, EXACT, ITSELF, PLACE, RESPONSES
+from pounding_cli.variables import COORDINATE_VARIABLES, EXACT, ITSELF, PLACE, RESPONSES
 
 ROUNDING = 1e-12
 """Relative difference [-] that two machines may show in the same computation."""
@@ -136,4 +136,4 @@ def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
 def _words(dims: Iterable[Any], place: Iterable[Any]) -> str:
     """A place of the tables: "cases.gap.gap = 0.05, gap, elastic, elcentro"."""
     named = zip(dims, place, strict=True)
-    return ", ".join(str(value) if dim in COORDINATES else f"{dim} = {value}" for dim, value in named)
+    return ", ".join(str(value) if dim in COORDINATE_VARIABLES else f"{dim} = {value}" for dim, value in named)

@@ -63,8 +63,8 @@ def contents(plan: Plan, solved: Solved) -> Group:
     for name, each in found.items():
         attrs: dict[str, Any] = {"units": VARIABLES[name].unit} if VARIABLES[name].unit else {}
         attrs["long_name"] = VARIABLES[name].text
-        if name in variables.WRITTEN:
-            attrs |= unit_attributes(plan.study.unit(variables.WRITTEN[name]))
+        if name in variables.DISPLAY_QUANTITIES:
+            attrs |= unit_attributes(plan.study.unit(variables.DISPLAY_QUANTITIES[name]))
         found[name] = each._replace(attrs=attrs)
     beside = {v.name: found.pop(v.name) for v in variables.RECORDS}
     return Group(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
@@ -192,7 +192,7 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
             "link_right_floor": np.array(right_floor),
         }
     for name, each in values.items():
-        unit, text = variables.COORDINATES[name]
+        unit, text = variables.COORDINATE_VARIABLES[name]
         array = each if isinstance(each, np.ndarray) else np.array(each, object)
         found[name] = Array((name.split("_")[0],), array, ({"units": unit} if unit else {}) | {"long_name": text})
     return found

@@ -24,7 +24,18 @@ from pounding_cli.results.histories import History
 from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
 from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.texts import escape_controls, escape_controls_in_tree
-from pounding_cli.variables import FLOOR, LINK, OF_COLUMNS, PLACE, RATIOS, RESPONSES, SCENES, STOREY, VARIABLES, WRITTEN
+from pounding_cli.variables import (
+    DISPLAY_QUANTITIES,
+    FLOOR,
+    LINK,
+    OF_COLUMNS,
+    PLACE,
+    RATIOS,
+    RESPONSES,
+    SCENES,
+    STOREY,
+    VARIABLES,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -96,7 +107,9 @@ class Results:
         keys = [name for names in self.swept for name in names]
         self.axes: dict[str, list[Any]] = {name: list(map(plain_value, data[name].values.tolist())) for name in keys}
         self.units: dict[str, Unit] = {name: written(data[name].attrs) for name in keys}
-        self.units |= {name.removeprefix("record_"): written(data[name].attrs) for name in WRITTEN if name in data}
+        self.units |= {
+            name.removeprefix("record_"): written(data[name].attrs) for name in DISPLAY_QUANTITIES if name in data
+        }
 
     @cached_property
     def resolved(self) -> dict[str, Any]:

@@ -41,7 +41,7 @@ def solve(study: Study) -> xr.Dataset:
 
     Raises InputError where it would take too many steps or gave a number that is not finite, with what to change.
     """
-    system = build(study)
+    system = build_system(study)
     end = study.time.end
     wished = natural_step(system, study) if isinstance(study.time.step, str) else study.time.step
     if end / wished > MOST_STEPS:
@@ -52,7 +52,7 @@ def solve(study: Study) -> xr.Dataset:
     largest = dict[str, Any]()
     then = dict[str, Any]()
     at_peak = 0.0
-    for instant, u in integrate(system, study, steps):
+    for instant, u in integrate_impact(system, study, steps):
         now = {name: each @ u for name, each in system.read.items()}
         now |= {name: von_mises(now[name]) for name in ("elements", "cells")}
         if not history or now["elements"].max() > then["elements"].max():
@@ -82,7 +82,7 @@ def solve(study: Study) -> xr.Dataset:
     values_by_name = {
         "peak_force": to_variable("N", "largest contact force", force.max()),
         "peak_time": to_variable("s", "time of the largest contact force", time[np.argmax(force)]),
-        "separation": to_variable("s", "first time the striker leaves the wall", separation(time, force)),
+        "separation": to_variable("s", "first time the striker leaves the wall", find_separation_time(time, force)),
         "last_contact": to_variable("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
         "impulse": to_variable("N s", "impulse of the contact force", float(np.trapezoid(force, time))),
         "energy_residual": to_variable("1", "largest open part of the energy balance, over the first energy", off),
@@ -133,7 +133,7 @@ def reach(distance: np.ndarray, stress: np.ndarray) -> float:
     return max(ends)
 
 
-def separation(time: np.ndarray, force: np.ndarray) -> float:
+def find_separation_time(time: np.ndarray, force: np.ndarray) -> float:
     """First time the force is positive no more [s], on a straight line between steps; NaN if it stays so."""
     pushed = np.flatnonzero(force > 0)
     free = np.flatnonzero(force[pushed[0] :] <= 0) if pushed.size else pushed
@@ -177,7 +177,7 @@ def natural_step(system: System, study: Study) -> float:
     return step
 
 
-def integrate(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
+def integrate_impact(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
     """Values of HISTORIES and displacements at the beginning and after every step.
 
     Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step:
@@ -245,7 +245,7 @@ class System:
     read: dict[str, sp.csr_matrix]
 
 
-def build(study: Study) -> System:
+def build_system(study: Study) -> System:
     """Couple the plane-stress wall and the frame at the floors; the base is fixed.  InputError: too many elements."""
     low, high = study.patch
     floors = study.frame.floors
