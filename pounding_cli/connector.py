@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
-from pounding_cli.points import Point, value
+from pounding_cli.points import SweepPoint, to_variable
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, Wrong, key
 from pounding_cli.study.links import RESTITUTION
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.report.document import Picture
 
-FINEST = 4001
+MIN_GRID_POINTS = 4001
 """Grid on which peaks and bands are searched at least."""
 
 SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
@@ -61,7 +61,7 @@ class System(Model):
 
 
 class Connector(Model):
-    """What joins the two."""
+    """The connector between the two systems."""
 
     stiffness: Joint = key("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
     damping_ratio: Damping | None = key(
@@ -74,7 +74,7 @@ class Connector(Model):
 
 
 class Frequencies(Model):
-    """Where the ratios are computed, in Omega / omega10."""
+    """Frequencies at which the ratios are computed, in Omega / omega10."""
 
     low: Ratio = key(0.2, "lowest Omega / omega10", 0.2)
     high: Ratio = key(1.6, "highest Omega / omega10", 1.6)
@@ -118,9 +118,11 @@ class Pair(NamedTuple):
     dashpot: float
 
 
-def pair(study: Study) -> Pair:
+def build_pair(study: Study) -> Pair:
     """The numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
-    first, second, joint = study.first, study.second, study.connector.stiffness
+    first = study.first
+    second = study.second
+    joint = study.connector.stiffness
     k1 = first.stiffness or first.mass * (2 * math.pi / (first.period or 0.5)) ** 2
     k2 = second.stiffness or second.mass * (2 * math.pi / (second.period or math.nan)) ** 2
     if second.frequency_ratio is not None:
@@ -140,8 +142,11 @@ def coupled_frequencies(pair: Pair) -> tuple[float, float]:
     They are the roots of (a - w^2) (b - w^2) = K^2 / (m1 m2) with a = (k1 + K) / m1, b = (k2 + K) / m2. The lower one
     comes from their product, a sum of positive terms: nothing cancels for a stiff connector.
     """
-    (m1, m2), (k1, k2), k = pair.m, pair.k, pair.joint
-    a, b = (k1 + k) / m1, (k2 + k) / m2
+    m1, m2 = pair.m
+    k1, k2 = pair.k
+    k = pair.joint
+    a = (k1 + k) / m1
+    b = (k2 + k) / m2
     high = 0.5 * (a + b) + math.hypot(0.5 * (a - b), k / math.sqrt(m1 * m2))
     return math.sqrt(((k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)) / high), math.sqrt(high)
 
@@ -156,7 +161,10 @@ def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     and R2 by exchanging the indices, so that m1 R1 + m2 R2 = m1 + m2 whatever K, c, p and Omega are. Their absolute
     values are the paper's Fig. 5. omega : circular frequencies of the ground motion [rad/s], shape (n,), > 0
     """
-    m, k, zeta, z = pair.m[:, None], pair.k[:, None], pair.zeta[:, None], pair.joint + 1j * omega * pair.dashpot
+    m = pair.m[:, None]
+    k = pair.k[:, None]
+    zeta = pair.zeta[:, None]
+    z = pair.joint + 1j * omega * pair.dashpot
     d = k - m * omega**2 + 2j * zeta * np.sqrt(k * m) * omega
     return d * (d[::-1] + z * m.sum() / m) / (d[0] * d[1] + z * d.sum(axis=0))
 
@@ -170,26 +178,29 @@ def solve(study: Study) -> xr.Dataset:
     import xarray as xr  # here, as all that `pound check` does not need
     from scipy.optimize import brentq, minimize_scalar
 
-    both, low, high = pair(study), study.frequencies.low, study.frequencies.high
+    both = build_pair(study)
+    low = study.frequencies.low
+    high = study.frequencies.high
     alone, other = np.sqrt(both.k / both.m)
     ratio = np.linspace(low, high, study.frequencies.points)
-    grid = np.linspace(low, high, max(ratio.size, FINEST))
+    grid = np.linspace(low, high, max(ratio.size, MIN_GRID_POINTS))
 
     def sizes(x: Any) -> np.ndarray:
         return np.abs(response_ratios(both, np.atleast_1d(x) * alone))
 
     found = {}
     for which, each in enumerate(response_ratios(both, ratio * alone)):
-        best, number = int(np.argmax(sizes(grid)[which])), which + 1
+        best = int(np.argmax(sizes(grid)[which]))
+        number = which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
         top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
         peak, at = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
-        found[f"peak{number}"] = value("1", f"largest ratio of system {number}", peak)
-        found[f"at{number}"] = value("1", f"Omega / omega10 at the peak of system {number}", at)
+        found[f"peak{number}"] = to_variable("1", f"largest ratio of system {number}", peak)
+        found[f"at{number}"] = to_variable("1", f"Omega / omega10 at the peak of system {number}", at)
         what = f"displacement of system {number}, connected over alone"
-        found[f"R{number}"] = value("1", what, np.abs(each), "frequency")
-        found[f"R{number}_real"] = value("1", f"{what}, real part", each.real, "frequency")
-        found[f"R{number}_imag"] = value("1", f"{what}, imaginary part", each.imag, "frequency")
+        found[f"R{number}"] = to_variable("1", what, np.abs(each), "frequency")
+        found[f"R{number}_real"] = to_variable("1", f"{what}, real part", each.real, "frequency")
+        found[f"R{number}_imag"] = to_variable("1", f"{what}, imaginary part", each.imag, "frequency")
     smaller = sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
@@ -201,11 +212,13 @@ def solve(study: Study) -> xr.Dataset:
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
     lower, upper = coupled_frequencies(both)
     found |= {
-        "frequency_low": value("1", "lower coupled frequency over omega10", lower / alone),
-        "frequency_high": value("1", "higher coupled frequency over omega10", upper / alone),
-        "p": value("1", "omega20 / omega10", other / alone),
-        "frequency": value("1", "Omega / omega10", ratio, "frequency"),
-        "both_above": value("1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"),
+        "frequency_low": to_variable("1", "lower coupled frequency over omega10", lower / alone),
+        "frequency_high": to_variable("1", "higher coupled frequency over omega10", upper / alone),
+        "p": to_variable("1", "omega20 / omega10", other / alone),
+        "frequency": to_variable("1", "Omega / omega10", ratio, "frequency"),
+        "both_above": to_variable(
+            "1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"
+        ),
     }
     if not all(np.isfinite(found[name][1]) for name in SHOWN):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
@@ -221,7 +234,7 @@ def cites(study: Study) -> dict[str, str]:
     return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if has_ratio else {})
 
 
-def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
+def pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     from pounding_cli.report.document import Picture
 
@@ -230,12 +243,13 @@ def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
 
 
 @styled
-def draw_ratios(title: str, points: Sequence[Point]) -> Figure:
+def draw_ratios(title: str, points: Sequence[SweepPoint]) -> Figure:
     """One panel a point of the sweep, of the first four, |R1| solid and |R2| dashed."""
     drawn = points[:4]
     figure, axes = panels(1, len(drawn), sharex=True, sharey=True)
     for ax, point in zip(axes[0], drawn, strict=True):
-        data, x = point.data, point.data["frequency"].to_numpy()
+        data = point.data
+        x = point.data["frequency"].to_numpy()
         ax.plot(x, data["R1"], color="#000000", lw=1.6, label="system 1")
         ax.plot(x, data["R2"], color="#0072B2", linestyle=(0, (5, 2)), lw=1.6, label="system 2")
         for low, high in data["both_above"].to_numpy():

@@ -12,21 +12,21 @@ from pounding_cli.errors import InputError, Problem
 
 @dataclass(frozen=True)
 class Setting:
-    """What a method is told besides the scene.
+    """The setting of a method: an accuracy or a time step.
 
     Parameters
     ----------
     key : its name in study files, in `solve` and in the columns of results
     title, unit : its name in sentences; the unit of its values, "" where they are relative [-]
     example : as people write it
-    tried : values that `pound accuracy` tries, coarse to fine
+    trial_values : values that `pound accuracy` tries, coarse to fine
     """
 
     key: str
     title: str
     unit: str
     example: str
-    tried: tuple[float, ...]
+    trial_values: tuple[float, ...]
 
     def text(self, value: float) -> str:
         """A value with its unit: "0.001 s"."""
@@ -63,15 +63,16 @@ class Method:
 
     @property
     def takes_step(self) -> bool:
-        """Whether its setting is a time step."""
+        """True where its setting is a time step."""
         return self.setting is TIME_STEP
 
-    def checked(self, accuracy: float, time_step: float | None = None) -> float:
+    def check_setting(self, accuracy: float, time_step: float | None = None) -> float:
         """Its setting, which of both it is.  Raises InputError: a setting that it does not take, or not above zero."""
-        setting, value = self.setting, time_step if self.takes_step else accuracy
+        setting = self.setting
+        value = time_step if self.takes_step else accuracy
         if self.takes_step != (time_step is not None):
-            wrong = f"method {self.name} takes {'a time step' if self.takes_step else 'an accuracy and no time step'}"
-            raise InputError(Problem(wrong, f"give it e.g. `{setting.key}: {setting.example}` and no other setting"))
+            message = f"method {self.name} takes {'a time step' if self.takes_step else 'an accuracy and no time step'}"
+            raise InputError(Problem(message, f"give it e.g. `{setting.key}: {setting.example}` and no other setting"))
         if value is None or not (isfinite(value) and value > 0):
             hint = f"write e.g. `{setting.key}: {setting.example}`"
             raise InputError(Problem(f"{setting.title} is {value:g}; it must be above zero", hint))
@@ -90,7 +91,7 @@ METHODS: dict[str, Method] = {method.name: method for method in _LIST}
 """The methods by name, as tables list them. Whoever has one of his own adds it here (docs/extending.md)."""
 
 
-def method_named(name: str) -> Method:
+def get_method(name: str) -> Method:
     """The method of that name.  Raises `InputError` where there is none."""
     if name not in METHODS:
         raise InputError(Problem(f"there is no method {name}", f"write one of {', '.join(METHODS)}"))

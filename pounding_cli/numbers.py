@@ -8,14 +8,14 @@ from itertools import accumulate
 from typing import Any
 
 
-def counted(number: int, one: str, many: str = "") -> str:
-    """A number with what is counted: `1 scene`, `2 scenes`; `many` where an s does not make the plural."""
+def pluralize(number: int, one: str, many: str = "") -> str:
+    """Return a number with its noun: `1 scene`, `2 scenes`; `many` where an s does not make the plural."""
     return f"{number} {one if number == 1 else many or one + 's'}"
 
 
 def count_histories(number: int) -> str:
     """Return a number of time histories: `1 time history`, `2 time histories`."""
-    return counted(number, "time history", "time histories")
+    return pluralize(number, "time history", "time histories")
 
 
 def round_roughly(number: int) -> int:
@@ -23,16 +23,16 @@ def round_roughly(number: int) -> int:
     return int(float(f"{number:.2g}"))
 
 
-def listed(words: Iterable[str], room: int = 1600) -> str:
-    """All words in a row, `a, b, c`; of more than fill a screen (`room` characters), how many are left."""
+def join_limited(words: Iterable[str], max_characters: int = 1600) -> str:
+    """Return words joined by commas, `a, b, c`; of more than fill a screen (`max_characters`), how many are left."""
     words = list(words)
-    shown = sum(end <= room for end in accumulate(len(word) + 2 for word in words))
+    shown = sum(end <= max_characters for end in accumulate(len(word) + 2 for word in words))
     left = len(words) - shown
     return ", ".join(words[:shown]) + (f" and {left} more" if left else "")
 
 
-def time_text(seconds: float) -> str:
-    """A time [s] for people: "12 ms", "3.4 s", "5.0 min"."""
+def format_duration(seconds: float) -> str:
+    """Return a time [s] for people: "12 ms", "3.4 s", "5.0 min"."""
     if seconds < 1:
         return f"{1000 * seconds:.0f} ms"
     return f"{seconds:.1f} s" if seconds < 120 else f"{seconds / 60:.1f} min"

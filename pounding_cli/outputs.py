@@ -1,4 +1,4 @@
-"""Where a command may write: one check for all of them, made before anything is computed."""
+"""Check the places where commands write, before anything is computed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ def check_output(path: Path, inputs: Iterable[Path] = (), mine: Mine | None = No
     InputError : the path is a folder, a device, one of `inputs`, or a file of another kind; its folder cannot be made
         or written
     """
-    name, elsewhere = str(path), f"name another file with {option}"
+    name = str(path)
+    elsewhere = f"name another file with {option}"
     try:
         if path.is_dir():
             raise InputError(Problem("the output is a folder", f"name a file in it, e.g. {path / 'results.h5'}", name))

@@ -3,7 +3,7 @@
 A question is a module (`connector`, `wall`) with the name of its command. It offers
 
 Study : pydantic model of its file
-solve(study) : a Dataset of values with unit and meaning (`value`); `notes` among its attributes is a list of sentences
+solve(study) : a Dataset of values with unit and meaning (`to_variable`), and sentences in its attribute `notes`
 SHOWN : names of the numbers that a terminal prints
 cites(study) : {reference: what for}
 pictures(title, points) : the figures, the most important first
@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
 from pounding_cli.study.plausible import Doubts, warn_values
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.report.document import Report
 
-QUESTIONS = ("connector", "wall")
+POINT_COMMANDS = ("connector", "wall")
 """The modules."""
 
 DONE = "done"
@@ -50,7 +50,7 @@ _UNITS = {
 
 
 @dataclass(frozen=True)
-class Point:
+class SweepPoint:
     """One point of the sweep: in words, the study there, what each swept key is.
 
     data : what came of it
@@ -74,98 +74,104 @@ class Sweep:
     title: str
     text: str
     axes: tuple[Axis, ...]
-    points: tuple[Point, ...]
+    points: tuple[SweepPoint, ...]
     warnings: tuple[Problem, ...] = ()
 
 
-def value(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
+def to_variable(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
     """A variable of the Dataset of a point: in SI, with its meaning; `dims` of an array."""
     return dims, number, {"units": unit, "long_name": text}
 
 
-def load(path: Path, name: str) -> Sweep:
+def load_sweep(path: Path, name: str) -> Sweep:
     """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
-    asked: Any = importlib.import_module(f"pounding_cli.{name}")
+    module: Any = importlib.import_module(f"pounding_cli.{name}")
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
     problems = Problems(str(path))
-    axes = read_axes(root, problems, asked.Study)
+    axes = read_axes(root, problems, module.Study)
     problems.check()
     points = []
     doubts = Doubts(str(path))
     for places in product(*(range(len(axis)) for axis in axes)):
-        tree, swept = root, dict[str, float | str]()
-        for axis, at in zip(axes, places, strict=True):
-            for key, given, mark in zip(axis.paths, axis.given[at], axis.marks[at], strict=True):
-                tree = put(tree, key, given, mark)
-            swept |= dict(zip(axis.names, axis.values[at], strict=True))
-        label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
+        tree = root
+        swept = dict[str, float | str]()
+        for axis, index in zip(axes, places, strict=True):
+            for key, value, mark in zip(axis.paths, axis.given[index], axis.marks[index], strict=True):
+                tree = put(tree, key, value, mark)
+            swept |= dict(zip(axis.names, axis.values[index], strict=True))
+        label = ", ".join(axis.told(index) for axis, index in zip(axes, places, strict=True))
         try:
-            study = asked.Study.model_validate(tree)
-            points.append(Point(label, study, swept))
+            study = module.Study.model_validate(tree)
+            points.append(SweepPoint(label, study, swept))
             warn_values(study, tree, (), doubts)
         except ValidationError as error:
-            problems.validation(tree, error, (), asked.Study)
+            problems.validation(tree, error, (), module.Study)
     problems.check()
     warnings = sorted(doubts.merged(), key=lambda warning: (warning.line, warning.column))
-    return Sweep(name, asked, points[0].study.title, text, axes, tuple(points), tuple(warnings))
+    return Sweep(name, module, points[0].study.title, text, axes, tuple(points), tuple(warnings))
 
 
-def solved(sweep: Sweep, point: Point) -> Point:
-    """A point with its values; whatever goes wrong in it becomes its status, and the others go on."""
+def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
+    """Return a point with its values; whatever goes wrong in it becomes its status, and the others go on."""
     import xarray as xr
 
-    begin, data, status, advice = time.thread_time(), xr.Dataset(), DONE, ""
+    begin = time.thread_time()
+    data = xr.Dataset()
+    status = DONE
+    advice = ""
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
             data = sweep.asked.solve(point.study)
     except InputError as refused:
         (problem, *_) = refused.problems
-        status, advice = f"refused: {problem.message}", problem.hint
+        status = f"refused: {problem.message}"
+        advice = problem.hint
     except ArithmeticError:
         status = "refused: numbers too large or too small to compute with"
         advice = "give values that differ by fewer powers of ten"
     except MemoryError:
-        status, advice = "refused: not enough memory", "give a coarser mesh, larger steps or fewer frequencies"
+        status = "refused: not enough memory"
+        advice = "give a coarser mesh, larger steps or fewer frequencies"
     except Exception as error:  # one point must not take the others with it
         status = f"error: {type(error).__name__}: {error}"
         advice = "this is an internal error: please report it with the study file"
-    data["status"] = value("", "done, or what went wrong", status)
-    data["seconds"] = value("s", "processor time", time.thread_time() - begin)
+    data["status"] = to_variable("", "done, or what went wrong", status)
+    data["seconds"] = to_variable("s", "processor time", time.thread_time() - begin)
     return replace(point, data=data, status=status, advice=advice)
 
 
-def dataset(sweep: Sweep) -> xr.Dataset:
+def build_dataset(sweep: Sweep) -> xr.Dataset:
     """Every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
     import xarray as xr
 
     every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in sweep.points]
-    numbered = {dim for each in every for dim in each.sizes if dim not in each.coords}
-    most = {dim: max(each.sizes.get(dim, 0) for each in every) for dim in numbered}
-    every = [each.pad({dim: (0, most[dim] - each.sizes[dim]) for dim in numbered & {*each.sizes}}) for each in every]
+    index_dims = {dim for each in every for dim in each.sizes if dim not in each.coords}
+    most = {dim: max(each.sizes.get(dim, 0) for each in every) for dim in index_dims}
+    every = [each.pad({dim: (0, most[dim] - each.sizes[dim]) for dim in index_dims & {*each.sizes}}) for each in every]
     for axis in reversed(sweep.axes):
         rows = [every[first : first + len(axis)] for first in range(0, len(every), len(axis))]
-        joined: Any = {"join": "outer", "data_vars": "all", "coords": "minimal", "compat": "equals"}
-        every = [xr.concat(row, axis.names[0], combine_attrs="override", **joined) for row in rows]
-    (whole,) = every
+        join_options: Any = {"join": "outer", "data_vars": "all", "coords": "minimal", "compat": "equals"}
+        every = [xr.concat(row, axis.names[0], combine_attrs="override", **join_options) for row in rows]
+    (merged,) = every
     for axis in sweep.axes:
         columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
-        whole = whole.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
-    return whole.assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
+        merged = merged.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
+    return merged.assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
 
 
 def is_written_by(name: str, file: Path) -> bool:
-    """Whether a file is what the command `name` wrote, damaged since or not."""
+    """Return whether the command `name` wrote a file, damaged since or not."""
     import h5py
 
     try:
-        with h5py.File(file) as found:
-            return bool(found.attrs.get("kind") == name)
+        with h5py.File(file) as results:
+            return bool(results.attrs.get("kind") == name)
     except Exception:  # whatever HDF5 says of a file that is none
         return False
 
 
-def report(sweep: Sweep) -> Report:
+def build_report(sweep: Sweep) -> Report:
     """The numbers of every point, figures and references."""
     import pandas as pd
 
@@ -174,7 +180,8 @@ def report(sweep: Sweep) -> Report:
     from pounding_cli.report.table import from_rows
     from pounding_cli.results.tables import Column, Table
 
-    asked, done = sweep.asked, [point for point in sweep.points if point.status == DONE]
+    asked = sweep.asked
+    done = [point for point in sweep.points if point.status == DONE]
     frame = pd.DataFrame([
         {**point.swept, **{name: each.item() for name, each in point.data.items() if not each.dims}}
         for point in sweep.points
@@ -186,15 +193,15 @@ def report(sweep: Sweep) -> Report:
             si = each.attrs["units"]
             columns[name] = Column(each.attrs["long_name"], _UNITS.get(si, Unit(si, 1.0, si)), name.replace("_", " "))
     frame = frame[[*columns]]
-    shown = frame[[*swept, *(asked.SHOWN if done else ["status"])]]
+    terminal_frame = frame[[*swept, *(asked.SHOWN if done else ["status"])]]
     pictures = asked.pictures(sweep.title, done) if done else []
     cited = [[REFERENCES[key].text, what] for key, what in asked.cites(sweep.points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
-    failed = len(sweep.points) - len(done)
-    said = [f"{counted(failed, 'point')} failed."] if failed else []
+    failed_count = len(sweep.points) - len(done)
+    sentences = [f"{pluralize(failed_count, 'point')} failed."] if failed_count else []
     return Report(
         sweep.title,
-        Section("", said, [Table("", shown, columns)], pictures[:1], notes),
+        Section("", sentences, [Table("", terminal_frame, columns)], pictures[:1], notes),
         lambda: [
             Section("Further figures", pictures=pictures[1:]),
             Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),

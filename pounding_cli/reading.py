@@ -9,18 +9,18 @@ from pathlib import Path
 
 from pounding_cli.errors import InputError, Problem
 
-LONGEST_PATH = 4096
+MAX_PATH_LENGTH = 4096
 """Characters of a path."""
 
 
-def shortened(path: object) -> str:
-    """A path for messages: whole where it is short, its ends where it is not; bytes that are no text as \\x."""
+def shorten_path(path: object) -> str:
+    """Return a path for messages: whole where it is short, its ends where it is not; bytes that are no text as \\x."""
     text = str(path).encode("utf-8", "backslashreplace").decode("utf-8")
     return text if len(text) <= 300 else f"{text[:100]} ... {text[-100:]}"
 
 
-def begins_with(path: Path, sign: bytes) -> bool:
-    """Whether a regular file of any size can be read and begins with these bytes."""
+def has_signature(path: Path, sign: bytes) -> bool:
+    """Return whether a regular file of any size can be read and begins with these bytes."""
     try:
         if not path.is_file():
             return False
@@ -45,15 +45,15 @@ def read_bytes(path: Path, most: int, what: str) -> bytes:
         if stat.S_ISREG(facts.st_mode) and facts.st_size <= most:
             with path.open("rb") as file:
                 return file.read(most)
-        wrong = "this is not a regular file"
+        message = "this is not a regular file"
         if stat.S_ISREG(facts.st_mode):
-            wrong = f"the file has {facts.st_size / 1e6:.3g} MB"
+            message = f"the file has {facts.st_size / 1e6:.3g} MB"
     except FileNotFoundError:
-        wrong = "no such file"
+        message = "no such file"
         beside = [each.name for each in islice(path.parent.glob("*"), 1000)]
-        named = [name for name in beside if name in (f"{path.name}.yaml", f"{path.name}.yml")]
-        if near := named or difflib.get_close_matches(path.name, beside, 1, cutoff=0.8):
-            hint = f"did you mean {shortened(path.parent / near[0])}?"
+        with_suffix = [name for name in beside if name in (f"{path.name}.yaml", f"{path.name}.yml")]
+        if near := with_suffix or difflib.get_close_matches(path.name, beside, 1, cutoff=0.8):
+            hint = f"did you mean {shorten_path(path.parent / near[0])}?"
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
-        wrong = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    raise InputError(Problem(wrong, hint, shortened(path).replace("\0", "\\0")))
+        message = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    raise InputError(Problem(message, hint, shorten_path(path).replace("\0", "\\0")))

@@ -21,39 +21,42 @@ _LONGEST_NAME = 120
 """Bytes of a file name in UTF-8; most disks allow 255, and suffixes follow."""
 
 
-def file_name(text: str) -> str:
+def to_file_name(text: str) -> str:
     """A name for a file in a given folder, from any text: no separators, no dots in front; never empty."""
     name = re.sub(r"[^\w +.-]+", "-", text).strip(" .-")
     return name.encode()[:_LONGEST_NAME].decode(errors="ignore").strip() or "unnamed"
 
 
-def plain(text: str) -> str:
-    """The text with control characters written out, as `\\x1b`."""
-    return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+def escape_controls(text: str) -> str:
+    """Return a text with control characters written out, as `\\x1b`."""
+    return CONTROL.sub(lambda match: match[0].encode("unicode_escape").decode(), text)
 
 
-def plain_tree(value: Any) -> Any:
-    """`plain` of every text in nested lists and mappings."""
+def escape_controls_in_tree(value: Any) -> Any:
+    """`escape_controls` of every text in nested lists and mappings."""
     if isinstance(value, dict):
-        return {plain(key) if isinstance(key, str) else key: plain_tree(item) for key, item in value.items()}
+        return {
+            escape_controls(key) if isinstance(key, str) else key: escape_controls_in_tree(item)
+            for key, item in value.items()
+        }
     if isinstance(value, list):
-        return [plain_tree(item) for item in value]
-    return plain(value) if isinstance(value, str) else value
+        return [escape_controls_in_tree(item) for item in value]
+    return escape_controls(value) if isinstance(value, str) else value
 
 
-def cells(frame: pd.DataFrame) -> pd.DataFrame:
+def escape_formulas(frame: pd.DataFrame) -> pd.DataFrame:
     """A table for CSV: a text that a spreadsheet would take for a formula is marked as text by a "'" before it."""
-    frame = frame.rename(columns=_cell)
-    texts = {name: frame[name].map(_cell) for name in frame.columns if frame[name].dtype.kind not in "biufcmM"}
+    frame = frame.rename(columns=escape_formula)
+    texts = {name: frame[name].map(escape_formula) for name in frame.columns if frame[name].dtype.kind not in "biufcmM"}
     return frame.assign(**texts)
 
 
-def escape_formulas(texts: Iterable[str]) -> list[str]:
-    """Return texts for cells of CSV as `cells` has them."""
-    return [_cell(text) for text in texts]
+def escape_formula_list(texts: Iterable[str]) -> list[str]:
+    """Return texts for cells of CSV as `escape_formulas` has them."""
+    return [escape_formula(text) for text in texts]
 
 
-def _cell(value: Any) -> Any:
+def escape_formula(value: Any) -> Any:
     return f"'{value}" if isinstance(value, str) and value.startswith(_FORMULA) else value
 
 

@@ -9,7 +9,7 @@ from functools import cache
 GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s2]: the `g` of an acceleration."""
 
-LONGEST = 40
+MAX_UNIT_LENGTH = 40
 """Characters of a unit."""
 
 Dimension = tuple[float, float, float]
@@ -50,7 +50,7 @@ _Size = tuple[Fraction, float, _Powers]
 
 
 @cache
-def measure(unit: str) -> tuple[float, Dimension]:
+def parse_unit(unit: str) -> tuple[float, Dimension]:
     """Return one `unit`, such as `kN/mm`, `N s/m`, `kN/(m/s)^0.3` or `1/s`, in SI, and its powers of kg, m and s.
 
     A slash divides by the next unit alone, or by what stands in brackets.
@@ -60,7 +60,7 @@ def measure(unit: str) -> tuple[float, Dimension]:
     ValueError : for an unknown unit
     """
     text = unit.strip()
-    if not text or len(text) > LONGEST:
+    if not text or len(text) > MAX_UNIT_LENGTH:
         raise ValueError(unit)
     (exact, root, powers), end = _read_product(text, 2 if text.startswith("1/") else 0, text.startswith("1/"))
     if end < len(text):
@@ -74,8 +74,11 @@ def _read_product(text: str, begin: int, divides: bool = False) -> tuple[_Size, 
 
     divides : whether its first unit is a divisor
     """
-    exact, root, powers = Fraction(1), 1.0, (Fraction(0), Fraction(0), Fraction(0))
-    place, is_first = begin, True
+    exact = Fraction(1)
+    root = 1.0
+    powers = (Fraction(0), Fraction(0), Fraction(0))
+    place = begin
+    is_first = True
     while place < len(text) and text[place] != ")":
         separator = _SEPARATOR.match(text, place)
         sign = 1
@@ -107,28 +110,30 @@ def _read_factor(text: str, place: int) -> tuple[_Size, int]:
     elif name is not None and name[0] in _ONE:
         exact, dimension = _ONE[name[0]]
         mass, length, time = map(Fraction, dimension)
-        root, powers, place = 1.0, (mass, length, time), name.end()
+        root = 1.0
+        powers = (mass, length, time)
+        place = name.end()
     else:
         raise ValueError(text)
-    found = _POWER.match(text, place)
-    if found is None:
+    power_match = _POWER.match(text, place)
+    if power_match is None:
         return (exact, root, powers), place
-    power = Fraction(found[1]) if found[1] else Fraction({"²": 2, "³": 3}[found[2]])
+    power = Fraction(power_match[1]) if power_match[1] else Fraction({"²": 2, "³": 3}[power_match[2]])
     if power == 0:
         raise ValueError(text)
     mass, length, time = (power * each for each in powers)
     if power.denominator == 1:
-        return (exact ** int(power), root ** int(power), (mass, length, time)), found.end()
-    return (Fraction(1), float(exact) ** float(power) * root ** float(power), (mass, length, time)), found.end()
+        return (exact ** int(power), root ** int(power), (mass, length, time)), power_match.end()
+    return (Fraction(1), float(exact) ** float(power) * root ** float(power), (mass, length, time)), power_match.end()
 
 
 @cache
-def factor(unit: str, si: str) -> float | None:
+def find_unit_factor(unit: str, si: str) -> float | None:
     """One `unit` in the SI unit `si` ("" for plain numbers) [-]; None where its dimension is another.
 
     `g` is a gram, and the acceleration of gravity where `si` is m/s2.  Raises ValueError for an unknown unit.
     """
     if unit == "g" and si == "m/s2":
         return GRAVITY
-    one, dimension = measure(unit)
-    return one if dimension == (measure(si)[1] if si else _PLAIN) else None
+    one, dimension = parse_unit(unit)
+    return one if dimension == (parse_unit(si)[1] if si else _PLAIN) else None

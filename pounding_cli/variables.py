@@ -16,8 +16,8 @@ STOREY = (*BUILDING, "storey")
 FLOOR = (*BUILDING, "floor")
 LINK = (*PLACE, "link")
 
-ITSELF, COUNTED = "itself", "counted"
-"""See `Variable.judged`."""
+ITSELF, EXACT = "itself", "exact"
+"""See `Variable.difference_scale`."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,9 @@ class Variable:
     alone : whether it is that of the building alone, under the same motion
     ratio : (value, value of the building alone) that it is the ratio of; its statistics over the motions are kept too
     formula : the values of variables that responses have, by name -> its own; shapes (rows, dimensions after PLACE)
-    judged : what a difference is relative to when two files are compared: ITSELF, the largest of another variable in
-        the scene, or COUNTED (no difference is allowed); "" for one that is not compared, as it follows from others
+    difference_scale : what a difference is relative to when two files are compared: ITSELF, the largest of another
+        variable in the scene, or EXACT (no difference is allowed); "" for one that follows from others and is
+        not compared
     charts : charts of the page that offer it: "height" (storey by storey, link by link), "sweep"
     label : what pages and figures call it; its name unless given
     always : whether every file has it; not so where it came later, or where only some studies have it
@@ -46,7 +47,7 @@ class Variable:
     alone: bool = False
     ratio: tuple[str, ...] = ()
     formula: Callable[[Mapping[str, np.ndarray]], np.ndarray] | None = None
-    judged: str = ""
+    difference_scale: str = ""
     charts: tuple[str, ...] = ()
     label: str = ""
     always: bool = True
@@ -56,33 +57,33 @@ _HEIGHT, _BOTH = ("height",), ("height", "sweep")
 
 RESPONSES = (
     Variable("V", STOREY, "N", "largest storey shear, without damping force",
-             of="building.shear", judged=ITSELF, charts=_BOTH),
+             of="building.shear", difference_scale=ITSELF, charts=_BOTH),
     Variable("V0", STOREY, "N", "largest storey shear of the building alone",
-             of="building.shear", alone=True, judged=ITSELF, label="V₀"),
+             of="building.shear", alone=True, difference_scale=ITSELF, label="V₀"),
     Variable("V_ratio", STOREY, "1", "V / V0", ratio=("V", "V0"), charts=_BOTH, label="V/V₀"),
     Variable("mu", STOREY, "1", "ductility, largest drift over yield drift",
-             of="building.ductility", judged=ITSELF, charts=_BOTH, label="μ"),
+             of="building.ductility", difference_scale=ITSELF, charts=_BOTH, label="μ"),
     Variable("mu0", STOREY, "1", "ductility of the building alone",
-             of="building.ductility", alone=True, judged=ITSELF, label="μ₀"),
+             of="building.ductility", alone=True, difference_scale=ITSELF, label="μ₀"),
     Variable("mu_ratio", STOREY, "1", "mu / mu0", ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀"),
-    Variable("drift", STOREY, "m", "largest storey drift", of="building.drift", judged=ITSELF, charts=_BOTH),
+    Variable("drift", STOREY, "m", "largest storey drift", of="building.drift", difference_scale=ITSELF, charts=_BOTH),
     Variable("drift0", STOREY, "m", "largest storey drift of the building alone",
-             of="building.drift", alone=True, judged=ITSELF, label="drift alone"),
+             of="building.drift", alone=True, difference_scale=ITSELF, label="drift alone"),
     Variable("drift_ratio", STOREY, "1", "drift / height of the storey", charts=_BOTH, always=False),
     Variable("residual_drift", STOREY, "m", "storey drift at rest, long after the motion",
-             of="building.residual_drift", judged="drift", charts=_BOTH),
+             of="building.residual_drift", difference_scale="drift", charts=_BOTH),
     Variable("acceleration", FLOOR, "m/s2", "largest total floor acceleration",
-             of="building.acceleration", judged="acceleration", charts=_BOTH),
+             of="building.acceleration", difference_scale="acceleration", charts=_BOTH),
     Variable("acceleration0", FLOOR, "m/s2", "largest total floor acceleration of the building alone",
-             of="building.acceleration", alone=True, judged="acceleration0", label="acceleration alone"),
+             of="building.acceleration", alone=True, difference_scale="acceleration0", label="acceleration alone"),
     Variable("acceleration_ratio", FLOOR, "1", "acceleration / acceleration0",
              ratio=("acceleration", "acceleration0"), charts=_BOTH, label="a/a₀"),
     Variable("displacement", FLOOR, "m", "largest floor displacement relative to the ground, either way",
              formula=lambda of: np.maximum(of["displacement_max"], -of["displacement_min"]), charts=_BOTH),
     Variable("displacement_max", FLOOR, "m", "largest floor displacement to the right",
-             of="building.displacement_max", judged="displacement", label="displacement, right"),
+             of="building.displacement_max", difference_scale="displacement", label="displacement, right"),
     Variable("displacement_min", FLOOR, "m", "smallest floor displacement (to the left: negative)",
-             of="building.displacement_min", judged="displacement", label="displacement, left"),
+             of="building.displacement_min", difference_scale="displacement", label="displacement, left"),
     Variable("sway", BUILDING, "m", "largest translation of the foundation", of="building.sway"),
     Variable("rocking", BUILDING, "rad", "largest rotation of the foundation", of="building.rocking"),
     Variable("isolator_displacement", BUILDING, "m", "largest displacement of the isolators; NaN of a base without",
@@ -90,19 +91,20 @@ RESPONSES = (
     Variable("collapsed", BUILDING, "1", "storey that collapsed, from 1; 0 where none did", kind="i", always=False),
     Variable("collapsed0", BUILDING, "1", "likewise of the building alone", kind="i", alone=True, always=False),
     Variable("impacts", LINK, "1", "number of times the link closed",
-             of="link.impacts", judged=COUNTED, charts=_BOTH, label="contacts"),
-    Variable("peak_force", LINK, "N", "largest link force", of="link.peak_force", judged="peak_force", charts=_BOTH),
+             of="link.impacts", difference_scale=EXACT, charts=_BOTH, label="contacts"),
+    Variable("peak_force", LINK, "N", "largest link force",
+             of="link.peak_force", difference_scale="peak_force", charts=_BOTH),
     Variable("max_closing", LINK, "m", "largest closing of the two floors, gap not subtracted",
-             of="link.max_closing", judged="max_closing", charts=_BOTH, label="largest closing"),
+             of="link.max_closing", difference_scale="max_closing", charts=_BOTH, label="largest closing"),
     Variable("impulse", LINK, "N s", "link force summed over time, pulling negative",
-             of="link.impulse", judged="impulse", charts=_HEIGHT),
+             of="link.impulse", difference_scale="impulse", charts=_HEIGHT),
     Variable("contact_time", LINK, "s", "time with a force in the link",
-             of="link.contact_time", judged="contact_time", charts=_HEIGHT),
+             of="link.contact_time", difference_scale="contact_time", charts=_HEIGHT),
     Variable("shear_below", LINK, "N", "largest shear in the struck columns below the blow, without damping force",
-             of="columns.shear_below", judged=ITSELF, charts=_HEIGHT,
+             of="columns.shear_below", difference_scale=ITSELF, charts=_HEIGHT,
              label="column shear below the blow", always=False),
     Variable("shear_above", LINK, "N", "largest shear in the struck columns above the blow, without damping force",
-             of="columns.shear_above", judged=ITSELF, charts=_HEIGHT,
+             of="columns.shear_above", difference_scale=ITSELF, charts=_HEIGHT,
              label="column shear above the blow", always=False),
     Variable("shear_demand", LINK, "1", "the larger of both over the columns' share of the storey's yield shear",
              of="columns.demand", charts=_BOTH, label="column shear over strength", always=False),
@@ -189,7 +191,7 @@ STATISTICS = tuple(
     for ratio in RESPONSES if ratio.ratio for name, words in _STATISTICS.items()
 )  # fmt: skip
 
-WRITTEN = {
+DISPLAY_QUANTITIES = {
     "gap": "gap", "max_closing": "gap",
     "acceleration": "acceleration", "acceleration0": "acceleration", "record_pga": "acceleration",
 }  # fmt: skip
@@ -202,7 +204,7 @@ RATIOS = tuple(v.name for v in RESPONSES if v.ratio)
 ALONE = {v.name: w.name for v in RESPONSES for w in RESPONSES if v.of and v.of == w.of and w.alone and not v.alone}
 """Variable -> the same of the building alone."""
 
-COORDINATES = {
+COORDINATE_VARIABLES = {
     "case": ("", "case of the study"),
     "analysis": ("", "elastic or inelastic storeys"),
     "record": ("", "ground motion"),

@@ -189,5 +189,7 @@ def refused(study: str | Mapping[str, Any]) -> list[tuple[int, int, str]]:
 
 def system(command: str, study: Path) -> xr.Dataset:
     """What `pound wall` or `pound connector` finds, without its figures."""
-    sweep = points.load(study, command)
-    return points.dataset(replace(sweep, points=tuple(points.solved(sweep, point) for point in sweep.points)))
+    sweep = points.load_sweep(study, command)
+    return points.build_dataset(
+        replace(sweep, points=tuple(points.solve_point(sweep, point) for point in sweep.points))
+    )

@@ -1,1 +1,1 @@
-"""What a person at a prompt or in a notebook uses; `import pounding_cli` offers it."""
+"""Functions and classes for scripts, prompts and notebooks; `import pounding_cli` offers it."""

@@ -35,12 +35,14 @@ class Results(results.Results):
         from pounding_cli.report.figures import response
         from pounding_cli.report.sweep import Asked, sweep_pictures
 
-        shown = nominal(self)
-        name = building or shown.main
-        if name not in shown.group:
-            raise InputError(Problem(f"no building '{name}' in these results", f"there are {', '.join(shown.group)}"))
+        evidence = nominal(self)
+        name = building or evidence.main
+        if name not in evidence.group:
+            raise InputError(
+                Problem(f"no building '{name}' in these results", f"there are {', '.join(evidence.group)}")
+            )
         has_sweep = any(len(values) > 1 for values in self.axes.values())
-        swept = sweep_pictures(self, shown, Asked(places={"building": name})) if has_sweep else []
-        figure = swept[0].draw() if swept else response(shown, name)
+        swept = sweep_pictures(self, evidence, Asked(places={"building": name})) if has_sweep else []
+        figure = swept[0].draw() if swept else response(evidence, name)
         plt.figure(FigureClass=lambda *_, **__: figure)  # type: ignore[arg-type]  # pyplot shows it from here on
         return [ax for ax in figure.axes if ax.get_title(loc="left")]

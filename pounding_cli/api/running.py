@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from pounding_cli.api.standing import content_key, find_current
+from pounding_cli.api.standing import compute_content_key, find_current
 from pounding_cli.batch.cache import Cache, cache_of
 from pounding_cli.batch.pool import pool
 from pounding_cli.batch.progress import Progress
@@ -40,7 +40,7 @@ class Failure(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RunOutcome:
     """Counts of scenes, each scene once: done now, failed, reused from a former run.
 
     path : the results file
@@ -63,8 +63,8 @@ class Outcome:
     wall_seconds: float
 
 
-def question(name: str) -> Callable[[Study], Workflow]:
-    """What asks a study a question of that name, with all that it needs.  Raises InputError: there is none."""
+def get_workflow(name: str) -> Callable[[Study], Workflow]:
+    """Return the workflow of that name, to be called with a study.  Raises InputError where there is none."""
     if name == "sensitivity":
         from pounding_cli.report.claims import at_samples
         from pounding_cli.workflows.sensitivity import Sensitivity
@@ -82,7 +82,7 @@ def run_study(
     engine: str = "threads",
     scheduler: str | None = None,
     replace: bool = False,
-) -> Outcome:
+) -> RunOutcome:
     """Solve what the cache beside `output` lacks and write the results file; further parameters as those of `api.run`.
 
     A scene that fails is reported in the outcome and in the file, and the others go on. Stopped by Ctrl-C, what is
@@ -93,50 +93,52 @@ def run_study(
     InputError : the study or the output is refused; another run is at work on it; no such engine; the disk is full
     KeyboardInterrupt : stopped
     """
-    begin, told, study = time.perf_counter(), progress or Progress(), workflow.study
+    begin = time.perf_counter()
+    reporter = progress or Progress()
+    study = workflow.study
     workers_of = pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
-        content = content_key(workflow)
+        content = compute_content_key(workflow)
         _check_output(output, study, workflow.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
-            return Outcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
+            return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
         if cache.was_damaged:
-            told.say(f"{cache.path} was damaged: what it held is solved again")
+            reporter.say(f"{cache.path} was damaged: what it held is solved again")
         if cache.forget_other(f"solver {solver_version()} "):
-            told.say(f"{cache.path} was made with another solver: all time histories are solved again")
-        solver = stack.enter_context(contextlib.closing(Solver(cache, workers_of, told)))
+            reporter.say(f"{cache.path} was made with another solver: all time histories are solved again")
+        solver = stack.enter_context(contextlib.closing(Solver(cache, workers_of, reporter)))
         if workflow.extent != "has":
-            told.expected = workflow.expected_count
+            reporter.expected = workflow.expected_count
         try:
-            found = workflow.run(solver)
+            result = workflow.run(solver)
         except KeyboardInterrupt:
-            told.say(f"{count_histories(solver.solved)} solved now and kept in {cache.path}")
+            reporter.say(f"{count_histories(solver.solved)} solved now and kept in {cache.path}")
             raise
-        plan = found.plan
-        histories = kept_histories(plan, found.contents, told.say)
-        said = {
+        plan = result.plan
+        histories = kept_histories(plan, result.contents, reporter.say)
+        attributes = {
             "content": content,
             "study_file": _place_of(study, output),
-            "answers": json.dumps([table.name for table in found.tables]),
+            "answers": json.dumps([table.name for table in result.tables]),
             "scenes_solved_last": solver.solved,
             "scenes_reused_last": solver.reused,
             "wall_seconds_last": time.perf_counter() - begin,
             "engine": solver.engine,
             "workers": solver.workers,
         }
-        contents = found.contents._replace(attrs={**found.contents.attrs, **said})
-        write(output, contents, found.tables, histories)
+        contents = result.contents._replace(attrs={**result.contents.attrs, **attributes})
+        write(output, contents, result.tables, histories)
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
-    return Outcome(
+    return RunOutcome(
         output, content, solver.solved - len(solver.failed), len(solver.failed), solver.reused,
         tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
     )  # fmt: skip
 
 
-def summarize(outcome: Outcome) -> Summary:
+def summarize(outcome: RunOutcome) -> Summary:
     """Return what a terminal prints of results: as it was kept beside them, otherwise from the file.
 
     Reading the file takes longer than all else that a run of a study does whose results are current.
@@ -173,30 +175,37 @@ def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> Non
     if replace or not path.exists() or not path.stat().st_size:
         return
     try:
-        held = facts(path, version=None)
+        attributes = facts(path, version=None)
     except InputError:
-        said = "damaged results whose study cannot be read"
+        obstacle = "damaged results whose study cannot be read"
     else:
-        place, command = str(held.get("study_file", "")), held.get("workflow", held.get("kind", "run"))
-        there = path.parent / place.replace("\0", "")
-        if place and os.path.exists(there):
-            is_same = there.resolve() == study.path.resolve()
+        place, command = (
+            str(attributes.get("study_file", "")),
+            attributes.get("workflow", attributes.get("kind", "run")),
+        )
+        study_file = path.parent / place.replace("\0", "")
+        if place and os.path.exists(study_file):
+            is_same = study_file.resolve() == study.path.resolve()
         else:  # files of older programs do not say where they come from
-            is_same = held.get("title") == study.title and ("study_file" not in held or bool(place) != study.from_data)
-        if int(held.get("format_version", 0)) > FORMAT_VERSION:
-            said = f"results of a newer program, of format version {held['format_version']}"
+            is_same = attributes.get("title") == study.title and (
+                "study_file" not in attributes or bool(place) != study.from_data
+            )
+        if int(attributes.get("format_version", 0)) > FORMAT_VERSION:
+            obstacle = f"results of a newer program, of format version {attributes['format_version']}"
         elif is_same:
-            said = "" if command == workflow else f"results of `pound {command}`"
+            obstacle = "" if command == workflow else f"results of `pound {command}`"
         else:
-            said = f"another study: '{held.get('title')}'" + (f" ({place})" if place else "")
-    if said:
+            obstacle = f"another study: '{attributes.get('title')}'" + (f" ({place})" if place else "")
+    if obstacle:
         hint = "name another file with -o, or use --replace to delete it (in Python: replace=True)"
-        raise InputError(Problem(f"the output holds {said}", hint, str(path)))
+        raise InputError(Problem(f"the output holds {obstacle}", hint, str(path)))
 
 
 def _place_of(study: Study, results: Path) -> str:
-    """How a results file names the file of its study: the path from its own folder, which still fits where a project is
-    moved, copied or sent; "" for a study that is Python data."""
+    """Return the path of a study's file from the folder of its results; "" for a study that is Python data.
+
+    Such a path still fits where a project is moved, copied or sent.
+    """
     if study.from_data:
         return ""
     try:
@@ -209,8 +218,8 @@ def _failures(plan: Plan, solver: Solver) -> Iterator[Failure]:
     """Every failed scene once, named by the first place in the study where it stands."""
     rows, columns = plan.first
     for number, digest in enumerate(plan.digests) if solver.failed else ():
-        if (said := solver.failed.get(digest.tobytes())) is not None:
+        if (reason := solver.failed.get(digest.tobytes())) is not None:
             row = plan.row(int(rows[number]))
             swept = [f"{name} = {value}" for name, value in plan.shown(row.point).items()]
-            what = f"{plan.buildings[columns[number] - 1]} alone" if columns[number] else row.case
-            yield Failure(", ".join((*swept, what, row.analysis, row.record)), *said)
+            subject = f"{plan.buildings[columns[number] - 1]} alone" if columns[number] else row.case
+            yield Failure(", ".join((*swept, subject, row.analysis, row.record)), *reason)

@@ -70,15 +70,15 @@ def motion(
     ------
     InputError : no such motion, a file that cannot be read, a missing time step, an unknown unit
     """
-    found = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
-    found = found if not name else replace(found, name=name)
+    record = _named_or_read(source, dt, unit) if isinstance(source, str | Path) else _from_array(source, dt, unit)
+    record = record if not name else replace(record, name=name)
     if duration != "whole":
-        found = found.windowed(quantity(TIME, duration, "duration"))
+        record = record.cut_to(quantity(TIME, duration, "duration"))
     if pga is None:
-        return found.scaled(quantity(_SCALE, scale, "scale")) if scale != 1.0 else found
+        return record.scale_by(quantity(_SCALE, scale, "scale")) if scale != 1.0 else record
     if scale != 1.0:
         raise InputError(Problem("both 'scale' and 'pga' are given", "leave one of them out"))
-    return found.scaled(records.scale_factor(found, found.pga, quantity(ACCELERATION, pga, "pga")))
+    return record.scale_by(records.scale_factor(record, record.pga, quantity(ACCELERATION, pga, "pga")))
 
 
 def scene(
@@ -112,14 +112,15 @@ def scene(
     """
     if analysis not in list(Analysis):
         raise InputError(Problem(f"the analysis '{analysis}' is not known", "write elastic or inelastic", "analysis"))
-    row, time = by_place(buildings), quantity(_TAIL, tail, "tail")
+    row = by_place(buildings)
+    time = quantity(_TAIL, tail, "tail")
     between = [link for link in links or () if isinstance(link, Link)]
     if links is not None and len(between) == len(links):
         if case:
             raise InputError(Problem(f"'links' leaves no place for {', '.join(case)}", "give one or the other"))
     elif len(row) > 1:
-        what = {"link": link} if links is None else {"links": links}
-        between = list(links_between(row, {**what, **case}, impact or {}))
+        link_keys = {"link": link} if links is None else {"links": links}
+        between = list(links_between(row, {**link_keys, **case}, impact or {}))
     try:
         return Scene(row, tuple(between), motion, Analysis(analysis), time)
     except ValueError as error:
@@ -146,9 +147,11 @@ def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -
 
 
 def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion:
-    factor = records.acceleration_unit(unit or "m/s2")
+    factor = records.find_acceleration_unit(unit or "m/s2")
     if factor is None:
-        raise InputError(Problem(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.UNITS)}"))
+        raise InputError(
+            Problem(f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(records.ACCELERATION_UNITS)}")
+        )
     if dt is None:
         raise InputError(Problem("an array does not say its time step", "give it: dt=0.01, or dt='10 ms'"))
     step = quantity(TIME, dt, "dt")
@@ -160,11 +163,11 @@ def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion
 
 def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None) -> Motion:
     word = str(source)
-    if isinstance(source, str) and word in records.names():
+    if isinstance(source, str) and word in records.list_names():
         if dt is not None or unit is not None:
             raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
-        return records.find(word)
+        return records.load_motion(word)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
-        records.entry(word)  # refuses it, with the nearest name
+        records.get_entry(word)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
     return records.read_file(Path(word).expanduser(), dt=step, unit=unit).motion

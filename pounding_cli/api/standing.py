@@ -1,4 +1,4 @@
-"""How far a study is solved already, and what a run of it would still have to do."""
+"""Report how far a study is solved, and what a run of it would still have to do."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import numpy as np
 from pounding_cli.batch.cache import Cache, cache_of
 from pounding_cli.batch.forecast import Duration, expected_duration, measure_rates
 from pounding_cli.errors import InputError
-from pounding_cli.numbers import listed
+from pounding_cli.numbers import join_limited
 from pounding_cli.results.changes import changed_keys, read_resolved
 from pounding_cli.results.file import facts
 from pounding_cli.results.solved import Solved, solution_key
@@ -25,17 +25,18 @@ if TYPE_CHECKING:
     from pounding_cli.study import Plan
     from pounding_cli.workflows.workflow import Workflow
 
-MOST_KEYS = 4
+MAX_NAMED_KEYS = 4
 """Changed keys that are named."""
 
 
-def content_key(workflow: Workflow) -> str:
+def compute_content_key(workflow: Workflow) -> str:
     """Return the SHA-256 of all that results follow from: the study, its scenes, the solver."""
     plan = workflow.plan
-    study, kept = plan.study, (plan.kept, plan.every)
+    study = plan.study
+    kept = (plan.kept, plan.every)
     resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
-    said = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
-    return hashlib.sha256(said.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
+    text = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
+    return hashlib.sha256(text.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
 
 
 def find_current(output: Path, content: str) -> int | None:
@@ -44,16 +45,16 @@ def find_current(output: Path, content: str) -> int | None:
     None where the file is missing, cannot be read, holds something else, or lacks some.
     """
     try:
-        known = facts(output)
-        same = known["content"] == content and int(known["scenes_failed"]) == 0
-        return int(known["scenes"]) if same else None
+        attributes = facts(output)
+        is_same = attributes["content"] == content and int(attributes["scenes_failed"]) == 0
+        return int(attributes["scenes"]) if is_same else None
     except (InputError, KeyError):
         return None
 
 
 @dataclass(frozen=True)
 class Standing:
-    """How far the time histories of a question are solved.
+    """Progress of the time histories of a question.
 
     is_current : whether the results file holds the answer to the study as it is
     total : time histories of the whole question; about so many where their number depends on results
@@ -80,7 +81,7 @@ def find_standing(workflow: Workflow, output: Path) -> Standing:
     Raises InputError: another run is at work on these results.
     """
     plan = workflow.plan
-    count = find_current(output, content_key(workflow))
+    count = find_current(output, compute_content_key(workflow))
     if count is not None:
         return Standing(True, count, count, (), Duration(0.0, ()))
     every = np.arange(len(plan))
@@ -93,11 +94,11 @@ def find_standing(workflow: Workflow, output: Path) -> Standing:
         ended = solved.ended[:-1]
         others = cache.count_by_key([plan.digests[number].tobytes() for number in every[~solved.there[:-1]]])
         reasons = tuple(_iter_reasons(plan, solved, others, output, cache.was_damaged))
-    measured = measure_rates(plan, every[ended], solved.values["seconds"])
+    rates = measure_rates(plan, every[ended], solved.values["seconds"])
     total = max(workflow.expected_count, len(plan) if workflow.extent == "has" else 0)
     missing = every[~ended]
     left = max(total - int(ended.sum()), 0)
-    duration = expected_duration(plan, missing if missing.size else every, left, measured)
+    duration = expected_duration(plan, missing if missing.size else every, left, rates)
     return Standing(False, total, int(ended.sum()), reasons, duration)
 
 
@@ -132,9 +133,11 @@ def _iter_reasons(
         yield f"{rest} not reached: the run before was stopped, or the study was changed since"
     else:
         keys = [key for key, *_ in changed_keys(before, json.loads(json.dumps(plan.study.resolved(), default=str)))]
-        said = listed(keys[:MOST_KEYS]) + (f" and {len(keys) - MOST_KEYS} more" if len(keys) > MOST_KEYS else "")
+        names = join_limited(keys[:MAX_NAMED_KEYS]) + (
+            f" and {len(keys) - MAX_NAMED_KEYS} more" if len(keys) > MAX_NAMED_KEYS else ""
+        )
         since = f"since {output} was written"
-        yield f"{rest} new or changed {since}: {said}" if keys else f"{rest} changed {since}: motions, not the study"
+        yield f"{rest} new or changed {since}: {names}" if keys else f"{rest} changed {since}: motions, not the study"
 
 
 def _difference(key: str, wanted: str) -> str:

@@ -57,13 +57,19 @@ def run(
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
     which a storey collapses ("collapsed"), which are no failures.
     """
-    from pounding_cli.api.running import question, run_study
+    from pounding_cli.api.running import get_workflow, run_study
 
-    asked = question(workflow)
+    workflow_type = get_workflow(workflow)
     loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
     run_study(
-        asked(loaded), path, progress=progress, workers=workers, engine=engine, scheduler=scheduler, replace=replace
+        workflow_type(loaded),
+        path,
+        progress=progress,
+        workers=workers,
+        engine=engine,
+        scheduler=scheduler,
+        replace=replace,
     )
     return open_results(path)
 
@@ -81,6 +87,6 @@ def open_results(path: str | Path) -> Results:
 
 
 def default_output(study: Path, workflow: str = "run") -> Path:
-    """Where results go unless told otherwise: `results/<study stem>.h5` in the current directory, with the name of the
+    """Return the default results file: `results/<study stem>.h5` in the current directory, with the name of the
     question behind the stem where one is asked."""
     return Path("results") / (f"{study.stem}.h5" if workflow == "run" else f"{study.stem}-{workflow}.h5")

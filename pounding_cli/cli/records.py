@@ -33,7 +33,7 @@ reading_options = together(
     click.option("--dt", type=seconds, metavar="TIME", help="Time step, 0.01 s, if the file does not state it."),
     click.option("--channel", type=int, metavar="N", help="Channel of a file with several channels."),
     click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
-    click.option("--format", type=click.Choice(motions.FORMATS), help="File format, if it is not detected."),
+    click.option("--format", type=click.Choice(motions.MOTION_FORMATS), help="File format, if it is not detected."),
 )
 """How a file is to be read."""
 
@@ -47,9 +47,9 @@ def list_() -> None:
       POUND_RECORDS=~/motions pound records list
     """
     rows = []
-    for name, known in motions.catalogue().items():
-        whole, path = motions.find(name), motions.locate(name)[0]
-        used = whole.windowed(known.duration)
+    for name, known in motions.load_catalogue().items():
+        whole, path = motions.load_motion(name), motions.locate_motion(name)[0]
+        used = whole.cut_to(known.duration)
         peak, intensity = f"{used.pga / motions.GRAVITY:.3f}", f"{motions.arias(used):.3f}"
         rows.append(
             (name, known.title, whole.source, peak, intensity, f"{known.duration:g} of {whole.duration:g}", str(path))
@@ -75,19 +75,24 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
       pound records show taft
       pound records show motions/kobe.txt --dt 0.01 --unit cm/s2 -o kobe.png
     """
-    if motion in motions.names() or (not os.path.exists(motion) and not Path(motion).suffix):
-        known = motions.entry(motion)
+    if motion in motions.list_names() or (not os.path.exists(motion) and not Path(motion).suffix):
+        known = motions.get_entry(motion)
         if given := [name for name, value in options.items() if value is not None]:
             what = f"--{given[0]} says how a file is read, and {motion} is a motion of the catalogue"
             raise InputError(Problem(what, "leave it out, or name a file"))
-        found, title, place, read_as = motions.find(motion), known.title, str(motions.locate(motion)[0]), None
+        found, title, place, read_as = (
+            motions.load_motion(motion),
+            known.title,
+            str(motions.locate_motion(motion)[0]),
+            None,
+        )
         window = window or known.duration
     else:
         reading = motions.read_file(motion, **options)
         _warn_about_step(reading)
         found, title, place, read_as = reading.motion, Path(motion).name, motion, f"{reading.format}, {reading.words}"
     if window is not None:
-        found = found.windowed(window)
+        found = found.cut_to(window)
         if found.pga == 0.0:
             raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window"))
     if output is not None:
@@ -113,18 +118,18 @@ def import_(file: Path, name: str, force: bool, **options: Any) -> None:
     Example:
       pound records import taft111.AT2 --as taft
     """
-    known, target = motions.entry(name), motions.user_folder() / f"{name}.txt"
+    known, target = motions.get_entry(name), motions.user_folder() / f"{name}.txt"
     reading = motions.read_file(file, name=name, source="real", **options)
     _warn_about_step(reading)
     motion = reading.motion
     if target.exists() and not force:
         hint = "use --force to replace it, or delete that file"
         raise InputError(Problem(f"'{name}' was imported before", hint, str(target)))
-    motions.keep(name, motion, file)
+    motions.save_motion(name, motion, file)
     click.echo(f"imported: {file} as {name} ({known.title}) -> {target}")
     click.echo(f"{motion.acceleration.size} samples at {motion.dt:g} s, read {reading.words}")
-    click.echo("\n".join(f"  {line}" for line in known.compared(motion)))
-    if (used := motions.locate(name)[0]) != target:
+    click.echo("\n".join(f"  {line}" for line in known.compare(motion)))
+    if (used := motions.locate_motion(name)[0]) != target:
         click.echo(f"Note: POUND_RECORDS comes first, so studies still use {used}.")
 
 

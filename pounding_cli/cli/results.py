@@ -12,7 +12,7 @@ import click
 
 from pounding_cli.cli.options import FILE, open_file, quiet_option, together
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted, listed
+from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.results.tables import ANSWERS
 from pounding_cli.results.tables import TABLES as OF_SCENES
 
@@ -72,7 +72,7 @@ def _key(given: str, known: Collection[str], what: str) -> str:
     ends = [key for key in known if key.endswith(f".{given}")]
     if len(ends) == 1:
         return ends[0]
-    hint = f"leave the option out, or write one of: {listed(ends or known)}"
+    hint = f"leave the option out, or write one of: {join_limited(ends or known)}"
     raise InputError(Problem(f"{what} has {'several columns' if ends else 'no column'} {given}", hint))
 
 
@@ -98,7 +98,7 @@ def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
     if found := [value for value in there if is_meant(value)]:
         return found
     raise InputError(
-        Problem(f"{what} does not take the value {text!r}", f"write one of: {listed(map(unit.text, there))}")
+        Problem(f"{what} does not take the value {text!r}", f"write one of: {join_limited(map(unit.text, there))}")
     )
 
 
@@ -119,7 +119,7 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.texts import cells
+    from pounding_cli.texts import escape_formulas
 
     results = open_file(file)
     table = table or (results.answers[0] if results.answers else "summary")
@@ -127,12 +127,12 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
     sentences = [name for name in ("effects", "dropped", "flags", "flag_severity", "advice") if name in frame.columns]
     frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
     if form == "csv":
-        click.echo(cells(frame).to_csv(index=False, lineterminator="\n"), nl=False)
+        click.echo(escape_formulas(frame).to_csv(index=False, lineterminator="\n"), nl=False)
         return
     aside = [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
     click.echo(f"{results.title}\n{_aligned(results, table, frame.drop(columns=aside))}")
     if aside:
-        click.echo(f"{counted(len(aside), 'more column')} with --format csv: {', '.join(map(str, aside))}", err=True)
+        click.echo(f"{pluralize(len(aside), 'more column')} with --format csv: {', '.join(map(str, aside))}", err=True)
 
 
 def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str) -> pd.DataFrame:
@@ -220,7 +220,7 @@ def report(
         with for_paper() if paper else nullcontext():
             written = made.save(folder, chosen, not paper)
         if not quiet:
-            click.echo(f"{written[-1]}: {counted(len(written), 'file')}")
+            click.echo(f"{written[-1]}: {pluralize(len(written), 'file')}")
             for key, verdict in verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
     if choices:
@@ -356,7 +356,7 @@ def _told(found: Comparison, everything: bool) -> Iterator[str]:
     scenes += [f"{place}: {one} -> {other}" for place, one, other in found.outcomes]
     moved = f"{len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome"
     study = "the same, with different wording" if found.lines else "the same"
-    study = f"differs in {counted(len(keys), 'key')}" if keys else study
+    study = f"differs in {pluralize(len(keys), 'key')}" if keys else study
     for head, lines in (
         (f"Study: {study}.", [*found.lines, *keys]),
         (
@@ -372,7 +372,7 @@ def _told(found: Comparison, everything: bool) -> Iterator[str]:
     differ = "differs" if len(found.changes) == 1 else "differ"
     yield f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files."
     if found.unestimated:
-        what = counted(found.unestimated, "row carries", "rows carry")
+        what = pluralize(found.unestimated, "row carries", "rows carry")
         yield f"  {what} no error estimate: the accuracy asked or rounding is used instead."
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
         unit = column_of(str(column), str(table)).unit.name

@@ -17,11 +17,11 @@ import click
 
 from pounding_cli.cli.options import FILE, output_option, quiet_option, seconds, study_argument, together
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted, time_text
+from pounding_cli.numbers import format_duration, pluralize
 from pounding_cli.workflows import TITLES
 
 if TYPE_CHECKING:
-    from pounding_cli.api.running import Outcome
+    from pounding_cli.api.running import RunOutcome
     from pounding_cli.batch.progress import JsonLines
     from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import Study
@@ -102,7 +102,7 @@ def solve_study(
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    from pounding_cli.api.running import question, run_study, summarize
+    from pounding_cli.api.running import get_workflow, run_study, summarize
     from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines, chosen
     from pounding_cli.study import load_study
@@ -114,7 +114,7 @@ def solve_study(
             log.tell("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
-    asked = question(name)(loaded)
+    asked = get_workflow(name)(loaded)
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])
     outcome = run_study(asked, output or default_output(study, name), progress=log or chosen(quiet), **how)
@@ -132,13 +132,13 @@ def solve_study(
     return is_written and not outcome.failures
 
 
-def _print_outcome(outcome: Outcome, quiet: bool) -> None:
+def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
     """Counts and times, unless `quiet`, and every scene that failed."""
     if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
         click.echo(
             f"Time histories: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
-            f"solver {time_text(outcome.solver_seconds)}, in all {time_text(outcome.wall_seconds)}\n"
+            f"solver {format_duration(outcome.solver_seconds)}, in all {format_duration(outcome.wall_seconds)}\n"
             f"Results: {outcome.path}"
         )
     _print_failures(outcome.failures)
@@ -150,7 +150,7 @@ def _print_failures(failures: Iterable[tuple[str, str, str]]) -> None:
         click.echo(f"failed: {place}: {status}" + (f"\n    {advice}" if advice else ""), err=True)
 
 
-def _log_outcome(log: JsonLines, outcome: Outcome) -> None:
+def _log_outcome(log: JsonLines, outcome: RunOutcome) -> None:
     """The same as JSON lines."""
     for failure in outcome.failures:
         log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
@@ -199,11 +199,11 @@ def _points(name: str, about: str, example: str) -> click.Command:
     @click.pass_context
     def command(ctx: click.Context, study: Path, output: Path | None, quiet: bool) -> None:
         from pounding_cli.outputs import check_folder, check_output
-        from pounding_cli.points import DONE, dataset, is_written_by, load, report, solved
+        from pounding_cli.points import DONE, build_dataset, build_report, is_written_by, load_sweep, solve_point
         from pounding_cli.results.file import write
         from pounding_cli.results.group import Group
 
-        sweep = load(study, name)
+        sweep = load_sweep(study, name)
         for warning in sweep.warnings:
             click.echo(f"warning: {warning}", err=True)
         file = output or Path("results", f"{study.stem}.h5")
@@ -211,9 +211,9 @@ def _points(name: str, about: str, example: str) -> click.Command:
         check_output(file, [study], lambda place, _: is_written_by(name, place))
         check_folder(file.with_suffix(""))
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
-            sweep = replace(sweep, points=tuple(solved(sweep, point) for point in waiting))
-        write(file, Group.of(dataset(sweep)))
-        found, failed = report(sweep), [point for point in sweep.points if point.status != DONE]
+            sweep = replace(sweep, points=tuple(solve_point(sweep, point) for point in waiting))
+        write(file, Group.of(build_dataset(sweep)))
+        found, failed = build_report(sweep), [point for point in sweep.points if point.status != DONE]
         (*_, page) = found.save(file.with_suffix(""))
         if not quiet:
             found.print()
@@ -279,7 +279,7 @@ def accuracy(
         click.echo("\n".join(report.answer.sentences))
     else:
         report.print()
-        click.echo(f"Wrote {files[-1]}: {counted(len(files), 'file')}")
+        click.echo(f"Wrote {files[-1]}: {pluralize(len(files), 'file')}")
 
 
 def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subject]:

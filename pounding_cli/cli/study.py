@@ -12,7 +12,7 @@ import click
 
 from pounding_cli.cli.options import FILE, output_option, study_argument
 from pounding_cli.errors import InputError
-from pounding_cli.numbers import count_histories, counted, round_roughly, time_text
+from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Duration, Forecast
@@ -73,18 +73,18 @@ def check(study: Path, output: Path | None) -> None:
 
     Example: pound check configs/fig6.yaml
     """
-    from pounding_cli.points import QUESTIONS, load
-    from pounding_cli.reading import shortened
+    from pounding_cli.points import POINT_COMMANDS, load_sweep
+    from pounding_cli.reading import shorten_path
     from pounding_cli.study import load_study
     from pounding_cli.study.file import kind_of_file
     from pounding_cli.workflows import TITLES
 
-    name, kind = shortened(study), kind_of_file(study)
-    if kind in QUESTIONS:
-        sweep = load(study, kind)
+    name, kind = shorten_path(study), kind_of_file(study)
+    if kind in POINT_COMMANDS:
+        sweep = load_sweep(study, kind)
         for warning in sweep.warnings:
             click.echo(f"warning: {warning}", err=True)
-        click.echo(f"OK: {name}: a study of `pound {kind}`, {counted(len(sweep.points), 'point')} to compute")
+        click.echo(f"OK: {name}: a study of `pound {kind}`, {pluralize(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
     questions = _read_questions(read, [each for each in TITLES if each == "run" or read.root.get(each) is not None])
@@ -92,12 +92,12 @@ def check(study: Path, output: Path | None) -> None:
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
     factors = [
-        counted(len(plan.cases), "case"),
-        counted(len(plan.analyses), "analysis", "analyses"),
-        counted(len(plan.records), "motion"),
-        *([counted(math.prod(plan.shape[:-3]), "sweep point")] if plan.axes else []),
+        pluralize(len(plan.cases), "case"),
+        pluralize(len(plan.analyses), "analysis", "analyses"),
+        pluralize(len(plan.records), "motion"),
+        *([pluralize(math.prod(plan.shape[:-3]), "sweep point")] if plan.axes else []),
     ]
-    rows = counted(math.prod(plan.shape), "row")
+    rows = pluralize(math.prod(plan.shape), "row")
     click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} of {count_histories(len(plan))}")
     click.echo("\n".join(_lines(plan)))
     click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")
@@ -158,7 +158,7 @@ def _describe_duration(duration: Duration) -> str:
         return f"{compiled}; the first run compiles for about {seconds:.0f} s"
     if duration.seconds is None:
         return "the time is not known before a first run on this computer"
-    return f"about {time_text(duration.seconds)}"
+    return f"about {format_duration(duration.seconds)}"
 
 
 def _lines(plan: Plan) -> list[str]:

@@ -13,7 +13,7 @@ from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.laws.slider import Slider
 from pounding_cli.laws.storey import StoreyLaw
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.records.motion import GRAVITY
 
 DEFAULT_COLLAPSE_RATIO = 0.10
@@ -184,7 +184,7 @@ class Building:
             raise ValueError(f"{self.name}: {key}{place} is {values[wrong[0]]:g}; it {rule}")
 
     def __repr__(self) -> str:
-        return f"Building({self.name!r}, {counted(self.storeys, 'storey')}, T = {self.periods[0]:.4g} s)"
+        return f"Building({self.name!r}, {pluralize(self.storeys, 'storey')}, T = {self.periods[0]:.4g} s)"
 
     @property
     def storeys(self) -> int:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.records.motion import Motion
 
 
@@ -33,7 +33,7 @@ def _check_links(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> No
         for place, floor in ((link.left, link.left_floor), (link.left + 1, link.right_floor)):
             building = buildings[place]
             if not building.has_floor(floor):
-                has = counted(building.storeys, "floor") + (", and its base does not move" if floor == 0 else "")
+                has = pluralize(building.storeys, "floor") + (", and its base does not move" if floor == 0 else "")
                 raise ValueError(f"link: {building.name} has {has}, not {floor}")
         if link in taken:
             raise ValueError(
@@ -80,7 +80,7 @@ class Scene:
 
     def __repr__(self) -> str:
         names = " | ".join(building.name for building in self.buildings)
-        return f"Scene({names}; {counted(len(self.links), 'link')}; {self.motion.name}; {self.analysis})"
+        return f"Scene({names}; {pluralize(len(self.links), 'link')}; {self.motion.name}; {self.analysis})"
 
     @cached_property
     def digest(self) -> str:

@@ -3,9 +3,18 @@
 Importing this package is cheap: scipy and yaml are imported by the functions that need them.
 """
 
-from pounding_cli.records.catalogue import Entry, catalogue, entry, find, keep, locate, names, user_folder
+from pounding_cli.records.catalogue import (
+    Entry,
+    get_entry,
+    list_names,
+    load_catalogue,
+    load_motion,
+    locate_motion,
+    save_motion,
+    user_folder,
+)
 from pounding_cli.records.motion import GRAVITY, Motion, arias, displacement, pgv, significant_duration, spectrum
-from pounding_cli.records.reading import FORMATS, Reading, read_file
+from pounding_cli.records.reading import MOTION_FORMATS, Reading, read_file
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum, arias_factor, scale_factor, spectrum_factors
-from pounding_cli.records.text import Doubt
-from pounding_cli.records.units import UNITS, acceleration_unit
+from pounding_cli.records.text import MotionWarning
+from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit

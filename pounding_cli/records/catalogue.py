@@ -45,9 +45,10 @@ class Entry:
     sources: Sequence[str]
     files: Sequence[Mapping[str, Any]]
 
-    def compared(self, motion: Motion) -> Iterator[str]:
+    def compare(self, motion: Motion) -> Iterator[str]:
         """Length, time step, peak and Arias intensity of a motion in its window, beside those known, in words."""
-        facts, window = self.facts, motion.windowed(self.duration)
+        facts = self.facts
+        window = motion.cut_to(self.duration)
         length = f"{window.duration:g} s"
         known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
         yield f"length: {motion.duration:g} s; Table 1 uses {self.duration:g} s"
@@ -86,71 +87,73 @@ def real_folders() -> Iterator[Path]:
 
 
 @cache
-def catalogue() -> Mapping[str, Entry]:
+def load_catalogue() -> Mapping[str, Entry]:
     """Every entry by name, in the order of Table 1."""
     import yaml
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    found = {}
-    for name, told in yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"].items():
-        printed, _ = told.pop("table1"), told.pop("stand_in")
-        found[name] = Entry(name, duration=float(printed["duration_s"]), scale=printed["scale"], **told)
-    return found
+    entries = {}
+    for name, facts in yaml.load((shipped_folder() / "catalogue.yaml").read_bytes(), Loader=loader)["motions"].items():
+        table_row = facts.pop("table1")
+        _ = facts.pop("stand_in")
+        entries[name] = Entry(name, duration=float(table_row["duration_s"]), scale=table_row["scale"], **facts)
+    return entries
 
 
-def names() -> tuple[str, ...]:
+def list_names() -> tuple[str, ...]:
     """Names of the catalogue, in the order of Table 1."""
-    return tuple(catalogue())
+    return tuple(load_catalogue())
 
 
-def entry(name: str) -> Entry:
-    """What the catalogue knows of `name`; raises `InputError` with the nearest name for an unknown one."""
-    known = catalogue()
-    if name in known:
-        return known[name]
-    near = difflib.get_close_matches(name.lower().replace(" ", ""), known, n=1, cutoff=0.5)
+def get_entry(name: str) -> Entry:
+    """Return the catalogue entry of `name`; raises `InputError` with the nearest name for an unknown one."""
+    entries = load_catalogue()
+    if name in entries:
+        return entries[name]
+    near = difflib.get_close_matches(name.lower().replace(" ", ""), entries, n=1, cutoff=0.5)
     hint = f"did you mean '{near[0]}'? " if near else ""
-    hint += f"known: {', '.join(known)}; for a file of your own write {{file: path/to/motion.AT2}}"
+    hint += f"known: {', '.join(entries)}; for a file of your own write {{file: path/to/motion.AT2}}"
     raise InputError(Problem(f"no motion '{name}' in the catalogue", hint))
 
 
-def locate(name: str) -> tuple[Path, str, Mapping[str, Any]]:
-    """Where the samples of catalogue motion `name` come from: the file, its label, and how it is read.
+def locate_motion(name: str) -> tuple[Path, str, Mapping[str, Any]]:
+    """Return the source of the samples of catalogue motion `name`: the file, its label, and how it is read.
 
     Raises `InputError` for an unknown name, and where two files of one folder both look like the motion.
     """
-    patterns = entry(name).files
+    patterns = get_entry(name).files
     for folder in real_folders():
         for hint in patterns:
-            found = [path for path in sorted(folder.iterdir()) if fnmatch(path.name.lower(), hint["pattern"])]
-            if len(found) > 1:
-                message = f"more than one file looks like '{name}': {', '.join(path.name for path in found)}"
+            matches = [path for path in sorted(folder.iterdir()) if fnmatch(path.name.lower(), hint["pattern"])]
+            if len(matches) > 1:
+                message = f"more than one file looks like '{name}': {', '.join(path.name for path in matches)}"
                 way_out = "leave one of them there, or name the file in the study: {file: ...}"
                 raise InputError(Problem(message, way_out, str(folder)))
-            if found:
-                return found[0], "real", {key: value for key, value in hint.items() if key != "pattern"}
-    own = user_folder() / f"{name}.txt"
-    if own.is_file():
-        return own, "real", {}
+            if matches:
+                return matches[0], "real", {key: value for key, value in hint.items() if key != "pattern"}
+    user_file = user_folder() / f"{name}.txt"
+    if user_file.is_file():
+        return user_file, "real", {}
     return shipped_folder() / f"{name}.txt", "stand-in", {}
 
 
-def find(name: str) -> Motion:
-    """The catalogue motion `name`, whole, with its label in `Motion.source`: "real" or "stand-in".
+def load_motion(name: str) -> Motion:
+    """Return the catalogue motion `name`, whole, with its label in `Motion.source`: "real" or "stand-in".
 
     Raises `InputError` for an unknown name (with the nearest) or a file that cannot be read.
     """
-    path, source, options = locate(name)
+    path, source, options = locate_motion(name)
     return read_file(path, name=name, source=source, **options).motion
 
 
-def keep(name: str, motion: Motion, origin: Path) -> Path:
+def save_motion(name: str, motion: Motion, origin: Path) -> Path:
     """Write a real motion into the user's folder as catalogue motion `name`, in m/s2 and in full: reading the file
     gives the very motion back.  The file."""
-    known, path = entry(name), user_folder() / f"{name}.txt"
+    details = get_entry(name)
+    path = user_folder() / f"{name}.txt"
     head = (
-        f"# motion: {known.title}\n# event: {known.event}, {known.date.isoformat()}\n"
-        f"# station: {known.station}, {known.component}\n# imported from: {origin.name}\n# name: {name}\n"
+        f"# motion: {details.title}\n# event: {details.event}, {details.date.isoformat()}\n"
+        f"# station: {details.station}, {details.component}\n# imported from: {origin.name}\n# name: {name}\n"
         f"# unit: m/s2\n# dt: {motion.dt!r} s\n# samples: {motion.acceleration.size}\n"
     )
     path.parent.mkdir(parents=True, exist_ok=True)

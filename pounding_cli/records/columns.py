@@ -13,7 +13,7 @@ import re
 import numpy as np
 
 from pounding_cli.errors import InputError
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.records.headings import Header, Heading, find_spectrum_title, read_header
 from pounding_cli.records.rows import (
     GIVE_STEP,
@@ -25,17 +25,17 @@ from pounding_cli.records.rows import (
     refuse_a_row_among_headings,
     replace_decimal_commas,
 )
-from pounding_cli.records.text import Doubt, Row, Samples, Text, is_numeric
+from pounding_cli.records.text import MotionWarning, NumberRow, Samples, TextFile, is_numeric
 from pounding_cli.records.units import (
     ACCELERATION_WORD,
     BRACKETS,
-    acceleration_unit,
-    named_quantity,
-    quantity_of,
-    speaks_of_a_number,
+    find_acceleration_unit,
+    find_quantity,
+    identify_unit,
+    is_about_one_number,
 )
 
-COLUMNS = ("two-column", "column", "table")
+COLUMN_FORMATS = ("two-column", "column", "table")
 """The plain formats, by what stands on a line: time and acceleration, values row by row, several columns."""
 
 MAX_UNEVENNESS = 0.02
@@ -49,7 +49,7 @@ GIVE_UNIT = (
 """What to do about a file that does not state its unit."""
 
 
-def read_columns(text: Text, format: str | None) -> tuple[str, Samples]:
+def read_columns(text: TextFile, format: str | None) -> tuple[str, Samples]:
     """Return the format of plain columns and their samples.
 
     Raises
@@ -76,8 +76,13 @@ def read_columns(text: Text, format: str | None) -> tuple[str, Samples]:
 class _Columns:
     """Rows of numbers and what the lines over them say, on their way to the samples of a motion."""
 
-    def __init__(self, text: Text, rows: list[Row], header: Header, numbers: NumberHeader, format: str | None) -> None:
-        self.text, self.rows, self.header, self.format = text, rows, header, format
+    def __init__(
+        self, text: TextFile, rows: list[NumberRow], header: Header, numbers: NumberHeader, format: str | None
+    ) -> None:
+        self.text = text
+        self.rows = rows
+        self.header = header
+        self.format = format
         self.width = len(rows[0].values)
         self.start = rows[0].line_index
         self.counts = list(header.counts)
@@ -85,7 +90,7 @@ class _Columns:
             self.counts.append((numbers.size, numbers.line))
         self.step_line = 0
         self.contradicted: tuple[float, int] | None = None
-        self.doubt: Doubt | None = None
+        self.doubt: MotionWarning | None = None
         self.step = self._find_stated_step(numbers)
 
     def read(self) -> tuple[str, Samples]:
@@ -144,7 +149,8 @@ class _Columns:
         flat = self._pairs_of_lines()
         if flat is None:
             return None
-        times, values = flat[::2], flat[1::2]
+        times = flat[::2]
+        values = flat[1::2]
         if self.text.column is not None:
             pairs = self.width // 2
             part = f"column {self.text.column} is a part of the samples"
@@ -174,7 +180,7 @@ class _Columns:
         known = bool(self.header.headings)
         spectral = next((heading for heading in headings if heading.is_of_a_spectrum), None)
         if spectral is not None:
-            raise self.text.wrong_quantity(f"a spectrum ({spectral.text[:40]})", spectral.lines[-1])
+            raise self.text.refuse_quantity(f"a spectrum ({spectral.text[:40]})", spectral.lines[-1])
         time = next((place for place, heading in enumerate(headings) if known and heading.is_time), None)
         numbering = [
             place for place, heading in enumerate(headings) if known and place != time and heading.is_sample_number
@@ -188,7 +194,7 @@ class _Columns:
         self._check_counts(len(values))
         heading = _find_heading_of_unit(headings, place)
         if heading.is_other_quantity:
-            raise self.text.wrong_quantity(heading.quantity, heading.lines[-1])
+            raise self.text.refuse_quantity(heading.quantity, heading.lines[-1])
         if time is None:
             place = numbering[0] if numbering else 0
             said = headings[place].text or ", ".join(row.words[place] for row in self.rows[:3]) + ", ..."
@@ -201,7 +207,7 @@ class _Columns:
         times = np.array([row.values[time] for row in self.rows])
         title = find_spectrum_title(self.header)
         if title is not None and not (known and headings[time].is_time) and self.step is None:
-            raise self.text.wrong_quantity(f"a spectrum ({title[0][:40]})", title[1])
+            raise self.text.refuse_quantity(f"a spectrum ({title[0][:40]})", title[1])
         scale = headings[time].time_unit
         words = [row.words[time] if len(row.words) == self.width else "0.0" for row in self.rows]
         step = self._find_even_step(times, [row.line_index for row in self.rows], words, scale)
@@ -236,7 +242,7 @@ class _Columns:
             return candidates[0]
         if not candidates and others:
             heading = headings[others[0]]
-            raise self.text.wrong_quantity(heading.quantity, heading.lines[-1])
+            raise self.text.refuse_quantity(heading.quantity, heading.lines[-1])
         raise self._refuse_to_choose(candidates, headings)
 
     def _refuse_to_choose(self, candidates: list[int], headings: list[Heading]) -> InputError:
@@ -278,7 +284,7 @@ class _Columns:
         """Refuse rows of different lengths; 0: any length."""
         odd = next((row for row in self.rows if width and len(row.values) != width), None)
         if odd is not None:
-            message = f"{counted(len(odd.values), 'value')} on this line, where every other has {width}"
+            message = f"{pluralize(len(odd.values), 'value')} on this line, where every other has {width}"
             raise self.text.refuse(message, f"write as many values on every line; {_ROW_BY_ROW}", odd.line_index + 1)
 
     # Time step and count
@@ -355,16 +361,16 @@ class _Columns:
                 f"which is used"
             )
             hint = f"write `dt: {step:g} s` beside the file (--dt {step:g}) if the times are right; correct them if not"
-            self.doubt = Doubt(message, hint)
+            self.doubt = MotionWarning(message, hint)
         return step
 
     def _check_counts(self, found: int) -> None:
         for count, line in self.counts:
             if count != found:
-                follow = counted(found, "value follows", "values follow")
+                follow = pluralize(found, "value follows", "values follow")
                 hint = "correct that line or take it out, or complete the file"
                 raise self.text.refuse(
-                    f"the header says {counted(count, 'value')} (samples = {count}), but {follow}", hint, line
+                    f"the header says {pluralize(count, 'value')} (samples = {count}), but {follow}", hint, line
                 )
 
     # The unit
@@ -372,7 +378,7 @@ class _Columns:
     def _samples(self, step: float, values: list[float], heading: Heading) -> Samples:
         begin = self.start + 1
         stated = sorted([*heading.units, *self.header.unit_statements], key=lambda each: each[1])
-        factors = {unit: acceleration_unit(unit) or 0.0 for unit, _ in stated}
+        factors = {unit: find_acceleration_unit(unit) or 0.0 for unit, _ in stated}
         first = stated[0] if stated else ("", 0)
         other = next((each for each in stated if abs(factors[each[0]] / factors[first[0]] - 1.0) > 1e-4), None)
         if other is not None and self.text.unit is None:
@@ -386,7 +392,7 @@ class _Columns:
                 other[1],
             )
         if stated:
-            given = acceleration_unit(self.text.unit or "")
+            given = find_acceleration_unit(self.text.unit or "")
             agreed = next((each for each in stated if given and abs(factors[each[0]] / given - 1.0) > 1e-4), first)
             return Samples(step, values, begin, *agreed, doubt=self.doubt)
         if heading.is_other_quantity or heading.quantity == "counts":
@@ -401,11 +407,11 @@ class _Columns:
         """Return another unit that the file states, and its line; None where it states none."""
         for line, words in self.header.words.items():
             series = re.match(r"TIMESERIES\b.*,\s*([^,]+)\Z", words)  # SLIST of IRIS and ObsPy
-            if series and quantity_of(series[1])[0]:
+            if series and identify_unit(series[1])[0]:
                 return series[1], line
         keyed, line = self.text.header.get("unit") or self.text.header.get("units") or ("", 0)
         first = re.split(r"[;,]\s", keyed)[0].strip()
-        unit = first if quantity_of(first)[0] else keyed
+        unit = first if identify_unit(first)[0] else keyed
         return (unit, line) if unit else None
 
     def _find_unclear(self, heading: Heading) -> tuple[str, int]:
@@ -417,11 +423,11 @@ class _Columns:
         if plain:
             return f"'{heading.text[:60]}' names no unit of acceleration that is known", heading.lines[-1]
         for line, text in self.header.words.items():
-            other = named_quantity(text)
+            other = find_quantity(text)
             names_unit = BRACKETS.search(text) or re.search(r"(?i)\b(?:in|en)\s+[cm]?m\b", text)
-            if other in ("velocity", "displacement") and not speaks_of_a_number(text) and names_unit:
-                raise self.text.wrong_quantity(other, line)
-            if speaks_of_a_number(text):
+            if other in ("velocity", "displacement") and not is_about_one_number(text) and names_unit:
+                raise self.text.refuse_quantity(other, line)
+            if is_about_one_number(text):
                 return f"'{text[:60]}' speaks of one number or of a factor, not of the unit of all values", line
         for line, text in self.header.words.items():
             bracket = BRACKETS.search(text)
@@ -445,6 +451,7 @@ def _find_heading_of_unit(headings: list[Heading], place: int) -> Heading:
 
     `t, NS, EW, UD (gal)` states one unit for three components.
     """
-    heading, last = headings[place], headings[-1]
+    heading = headings[place]
+    last = headings[-1]
     is_shared = heading.is_component and last.is_component and not BRACKETS.search(heading.text)
     return last if is_shared and BRACKETS.search(last.text) else heading

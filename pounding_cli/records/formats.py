@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.records.headings import find_steps
-from pounding_cli.records.text import Samples, Text, is_numeric, number
-from pounding_cli.records.units import find_units, normalize, quantity_of
+from pounding_cli.records.text import Samples, TextFile, is_numeric, parse_number
+from pounding_cli.records.units import find_units, identify_unit, normalize
 
 _COSMOS = re.compile(r"(?i)\( ?format v ?[\d.]+(?: with (\d{1,3}) text lines)?")
 _COSMOS_LABEL = r"sta chan? ?:? ?(.*?) ?(?:\(|location|\Z)"
@@ -24,7 +24,7 @@ _CSMIP_DATA = re.compile(r"(?i)\A(\d{1,9}) points of (?:\w+ )?(accel|veloc|displ
 _SMC = re.compile(r"\s*\d\s+((?:UN)?CORRECTED ACCELEROGRAM|VELOCITY|DISPLACEMENT|RESPONSE|FOURIER)")
 
 
-def at2(text: Text) -> Samples | None:
+def read_at2(text: TextFile) -> Samples | None:
     """PEER NGA: one component; count and time step on the fourth line (older files: `5437 0.0100 NPTS, DT`).
 
     Chiou, Darragh, Gregor and Silva (2008), NGA project strong-motion database, Earthquake Spectra 24(1), 23-44.
@@ -42,7 +42,7 @@ def at2(text: Text) -> Samples | None:
         return None  # a header in PEER's words over a table, which is read by its columns
     other, place = text.search("(velocity|displacement) time (?:series|history)", range(line - 1))
     if other:
-        raise text.wrong_quantity(other[1].lower(), place)
+        raise text.refuse_quantity(other[1].lower(), place)
     unit, unit_line = text.search(r"in units? of ([^\s,;]+)", range(line - 1))
     step = text.step(size[2], line)
     values, start = text.values(line)
@@ -53,7 +53,7 @@ def at2(text: Text) -> Samples | None:
     return Samples(step, values, start, *(stated[0] if stated else (None, 0)))
 
 
-def knet(text: Text) -> Samples | None:
+def read_knet(text: TextFile) -> Samples | None:
     """K-NET and KiK-net: seventeen lines `key value`, then counts with the scale that makes them gal.
 
     The counts carry the recorder's offset; as in the file's own `Max. Acc. (gal)`, the acceleration is what remains
@@ -71,13 +71,14 @@ def knet(text: Text) -> Samples | None:
     counts, start = text.values(header.stop)
     duration, line = text.find(r"^Duration Time\S* (\d[\d.]*)", header, "Duration Time(s), e.g. 60")
     text.check_count(f"{float(duration[1]) * float(rate[1]):.0f}", len(counts), line, "duration x frequency")
-    mean, one = sum(counts) / len(counts), float(gal[1]) / float(gal[2])
-    values = [(each - mean) * one for each in counts]
+    mean = sum(counts) / len(counts)
+    count_size = float(gal[1]) / float(gal[2])
+    values = [(each - mean) * count_size for each in counts]
     _check_peak(text, values, r"^Max\. Acc\S*(?: \(gal\))? (\S+)", header, "gal")
     return Samples(step, values, start, "gal", scale_line)
 
 
-def esm(text: Text) -> Samples | None:
+def read_esm(text: TextFile) -> Samples | None:
     """ESM and ITACA: the DYNA file, lines `KEY: value` (64 in DYNA 1.2), then one value a line.
 
     Luzi et al. (2016), The Engineering Strong-Motion Database, Seismological Research Letters 87(4), 987-997.
@@ -88,11 +89,13 @@ def esm(text: Text) -> Samples | None:
     while re.match(r"[A-Z][A-Z0-9_/^]*\s*:", text.line(end)):
         end += 1
     keys = ("SAMPLING_INTERVAL_S", "DATA_TYPE", "UNITS", "NDATA")
-    said = [text.find(rf"^{key}: ?(\S.*)", range(first, end), key) for key in keys]
-    (interval, line), (kind, kind_line), (unit, unit_line), (count, count_line) = ((each[1], at) for each, at in said)
+    matches = [text.find(rf"^{key}: ?(\S.*)", range(first, end), key) for key in keys]
+    (interval, line), (kind, kind_line), (unit, unit_line), (count, count_line) = (
+        (each[1], at) for each, at in matches
+    )
     step = text.step(interval, line)
     if "ACC" not in kind.upper():
-        raise text.wrong_quantity(kind.lower(), kind_line)
+        raise text.refuse_quantity(kind.lower(), kind_line)
     values, start = text.values(end)
     text.check_count(count, len(values), count_line, "NDATA")
     if unit.startswith("cm"):
@@ -100,7 +103,7 @@ def esm(text: Text) -> Samples | None:
     return Samples(step, values, start, unit, unit_line)
 
 
-def smc(text: Text) -> Samples | None:
+def read_smc(text: TextFile) -> Samples | None:
     """SMC of the USGS: 11 lines of text, 48 integers (8I10), 50 reals (5E15.7), comments, samples in cm/s2.
 
     National Strong-Motion Program, https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html.
@@ -111,9 +114,9 @@ def smc(text: Text) -> Samples | None:
         return None
     if not kind[1].endswith("ACCELEROGRAM"):
         quantity = f"{kind[1].lower()} spectra" if kind[1] in ("RESPONSE", "FOURIER") else kind[1].lower()
-        raise text.wrong_quantity(quantity, text.first + 1)
-    integers, after = text.fixed(place, 48, "(8I10)")
-    (unknown, rate, *_), start = text.fixed(after, 50, "(5E15.7)")
+        raise text.refuse_quantity(quantity, text.first + 1)
+    integers, after = text.read_fixed_width(place, 48, "(8I10)")
+    (unknown, rate, *_), start = text.read_fixed_width(after, 50, "(5E15.7)")
     if rate == unknown or rate <= 0:
         hint = "download the corrected record ('2 CORRECTED ACCELEROGRAM')"
         raise text.refuse("the header gives no sampling rate: the samples are not evenly spaced", hint, after + 1)
@@ -123,56 +126,58 @@ def smc(text: Text) -> Samples | None:
         hint = "read its comments; set the second integer of the third integer line to 0 if you judge it sound"
         raise text.refuse("the record is flagged as faulty", hint, place + 3)
     if not (0 <= comments < len(text.lines) and 0 < count < 10**9):
-        raise text.damaged(f"the header says {comments} comments and {count} samples", place + 2)
-    values, _ = text.fixed(start + comments, count, "(8F10)", last=True)
+        raise text.refuse_damaged(f"the header says {comments} comments and {count} samples", place + 2)
+    values, _ = text.read_fixed_width(start + comments, count, "(8F10)", last=True)
     return Samples(step, values, start + comments + 1, "cm/s2")
 
 
-def cosmos(text: Text) -> Samples | None:
+def read_cosmos(text: TextFile) -> Samples | None:
     """COSMOS V1 and V2: for every channel text, integers, reals, comments and samples, each with its own size.
 
     Consortium of Organizations for Strong-Motion Observation Systems (2001), COSMOS Strong Motion Data Format, 1.20.
     """
-    index, found, others = text.first, dict[int, tuple[str, float, re.Match[str]]](), list[tuple[str, int]]()
+    index = text.first
+    channels = dict[int, tuple[str, float, re.Match[str]]]()
+    others = list[tuple[str, int]]()
     if not _COSMOS.search(text.words(index)):
         return None
     while index < len(text.lines):
         if begins := _COSMOS.search(text.words(index)):
             words = range(index, index + int(begins[1] or 13))
-            named, _ = text.search(_COSMOS_LABEL, words)
+            label, _ = text.search(_COSMOS_LABEL, words)
             index, step, data = _cosmos_header(text, words.stop)
-            if quantity_of(data[2])[0] == "acceleration":
-                found[index] = (named[1] if named else "") or "unnamed", step, data
+            if identify_unit(data[2])[0] == "acceleration":
+                channels[index] = (label[1] if label else "") or "unnamed", step, data
             else:
                 others.append((data[2].lower(), index))
         index += 1
-    if not found:
-        raise text.wrong_quantity(*others[0])
-    start = _chosen(text, {at: name for at, (name, *_) in found.items()}, min(found))
-    _, step, data = found[start]
-    values, _ = text.fixed(start, int(data[1]), data[4], last=True)
+    if not channels:
+        raise text.refuse_quantity(*others[0])
+    start = _select_channel(text, {at: name for at, (name, *_) in channels.items()}, min(channels))
+    _, step, data = channels[start]
+    values, _ = text.read_fixed_width(start, int(data[1]), data[4], last=True)
     return Samples(text.step(step, start), values, start + 1, data[3], start)
 
 
-def _cosmos_header(text: Text, index: int) -> tuple[int, float, re.Match[str]]:
+def _cosmos_header(text: TextFile, index: int) -> tuple[int, float, re.Match[str]]:
     """Index of the first sample behind a channel's words, its time step [s], and what its data line says: number,
     quantity and unit of the samples, and their Fortran format. Every part stands where the one before it ends."""
     values: list[float] = []
     for kind in ("integer", "real"):
         example = f"how many {kind} header values follow, e.g. 100 {kind.capitalize()}-header values (10I8)"
-        found, _ = text.find(rf"^(\d{{1,6}}) {kind}[- ]*header.*?(\(.*)", range(index, index + 1), example)
-        values, index = text.fixed(index + 1, int(found[1]), found[2])
+        match, _ = text.find(rf"^(\d{{1,6}}) {kind}[- ]*header.*?(\(.*)", range(index, index + 1), example)
+        values, index = text.read_fixed_width(index + 1, int(match[1]), match[2])
     if comments := re.match(r"(?i)(\d{1,6}) comment", text.words(index)):
         index += 1 + int(comments[1])
     data = _COSMOS_DATA.match(text.words(index))
     if data is None:
         example = "12091 acceleration pts, approx 120 secs, units=cm/s2 (4),Format=(8F10.5)"
-        raise text.damaged(f"the header does not say how many samples follow, e.g. {example}", index + 1)
+        raise text.refuse_damaged(f"the header does not say how many samples follow, e.g. {example}", index + 1)
     values += [-999.0] * 62  # the data's own step [ms], number 62 in the documentation, comes before the recorder's [s]
     return index + 1, float(f"{values[61] / 1000.0 if values[61] > 0 else values[33]:.9g}"), data
 
 
-def csmip(text: Text) -> Samples | None:
+def read_csmip(text: TextFile) -> Samples | None:
     """CSMIP V2 of the California network, one or more channels: a line such as `4000 points of accel data equally
     spaced at .020 sec, in cm/sec2. (8f10.3)`, then the samples.
 
@@ -187,48 +192,52 @@ def csmip(text: Text) -> Samples | None:
             "download the corrected record (V2); of another network, export the acceleration and give format, unit, dt"
         )
         raise text.refuse(f"a CSMIP file of {what}", hint, text.first + 1)
-    named, series = "unnamed", dict[int, tuple[str, re.Match[str]]]()
+    named = "unnamed"
+    series = dict[int, tuple[str, re.Match[str]]]()
     for index in range(len(text.lines)):
         if label := _CSMIP_LABEL.search(text.words(index)):
             named = label[1]
-        if said := _CSMIP_DATA.match(text.words(index)):
-            series[index] = named, said
+        if data_line := _CSMIP_DATA.match(text.words(index)):
+            series[index] = named, data_line
     if not series:
         return None  # another network's accelerogram, or that of Caltech
-    kinds = {index: quantity_of(said[2])[0] for index, (_, said) in series.items()}
-    found = {index: series[index][0] for index, kind in kinds.items() if kind == "acceleration"}
-    if len(found) < max(1, list(kinds.values()).count("velocity")):
-        raise text.damaged("a channel holds no acceleration", min(series) + 1)
-    at = _chosen(text, found, min(found) + 1)
-    data = series[at][1]
-    step = text.step(data[3], at + 1)
-    values, _ = text.fixed(at + 1, int(data[1]), data[4], last=True)
-    return Samples(step, values, at + 2, next(iter(find_units(data[4])), "cm/s2"), at + 1)
+    kinds = {index: identify_unit(data_line[2])[0] for index, (_, data_line) in series.items()}
+    channels = {index: series[index][0] for index, kind in kinds.items() if kind == "acceleration"}
+    if len(channels) < max(1, list(kinds.values()).count("velocity")):
+        raise text.refuse_damaged("a channel holds no acceleration", min(series) + 1)
+    start = _select_channel(text, channels, min(channels) + 1)
+    data = series[start][1]
+    step = text.step(data[3], start + 1)
+    values, _ = text.read_fixed_width(start + 1, int(data[1]), data[4], last=True)
+    return Samples(step, values, start + 2, next(iter(find_units(data[4])), "cm/s2"), start + 1)
 
 
-def _chosen(text: Text, channels: dict[int, str], line: int) -> int:
+def _select_channel(text: TextFile, channels: dict[int, str], line: int) -> int:
     """Index, in the file, of the channel asked for, of those with acceleration by name; refused where there are several
     and none was named."""
-    listed = "; ".join(f"{place}: {name}" for place, name in enumerate(channels.values(), 1))
+    names = "; ".join(f"{place}: {name}" for place, name in enumerate(channels.values(), 1))
     if text.channel is None and len(channels) > 1:
-        message = f"the file holds {len(channels)} channels of acceleration: {listed}"
+        message = f"the file holds {len(channels)} channels of acceleration: {names}"
         hint = "select one: channel: 1 beside the file in a study, or --channel 1"
         raise text.refuse(message, hint, line)
     channel = 1 if text.channel is None else text.channel
     if not 1 <= channel <= len(channels):
-        raise text.refuse(f"there is no channel {channel} in the file", f"write one of {listed}", line)
+        raise text.refuse(f"there is no channel {channel} in the file", f"write one of {names}", line)
     return list(channels)[channel - 1]
 
 
-def _check_peak(text: Text, values: list[float], pattern: str, header: range, unit: str) -> None:
+def _check_peak(text: TextFile, values: list[float], pattern: str, header: range, unit: str) -> None:
     """Refuse samples whose peak is not the one that the header states, to 2 % and the last digit of what is printed."""
-    said, line = text.search(pattern, header)
-    stated, peak = abs(number(said[1]) or 0.0) if said else 0.0, max(map(abs, values))
+    match, line = text.search(pattern, header)
+    stated = abs(parse_number(match[1]) or 0.0) if match else 0.0
+    peak = max(map(abs, values))
     if stated and abs(peak - stated) > 0.02 * stated + 0.01:
-        raise text.damaged(f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line)
+        raise text.refuse_damaged(
+            f"the header says a peak of {stated:g} {unit}, but the samples reach {peak:.6g}", line
+        )
 
 
-def geonet(text: Text) -> Samples | None:
+def read_geonet(text: TextFile) -> Samples | None:
     """Return a channel of GeoNet's V1A and V2A (New Zealand), in mm/s2.
 
     Every component has 16 lines of text, four of integers, six of reals, then samples, ten a line; in V2A velocities
@@ -242,36 +251,38 @@ def geonet(text: Text) -> Samples | None:
     begins = [index for index in range(len(text.lines)) if _GEONET.match(text.lines[index])]
     channels = {}
     for begin in begins:
-        named, _ = text.search(r"^Component (\S+)", range(begin, begin + 16))
-        channels[begin] = named[1] if named else "unnamed"
-    begin = _chosen(text, channels, begins[0] + 1)
+        label, _ = text.search(r"^Component (\S+)", range(begin, begin + 16))
+        channels[begin] = label[1] if label else "unnamed"
+    begin = _select_channel(text, channels, begins[0] + 1)
     words = range(begin, begin + 16)
     numbers = begin + 16
     if not is_numeric(text.line(numbers)):
-        numbers = next((at for at in range(begin + 1, begin + 26) if is_numeric(text.line(at))), numbers)
-    header, start = text.fixed(numbers, 100, "(10I8)")
+        numbers = next((index for index in range(begin + 1, begin + 26) if is_numeric(text.line(index))), numbers)
+    header, start = text.read_fixed_width(numbers, 100, "(10I8)")
     places = (30,) if "uncorrected" in text.lines[begin].lower() else (33, 30)
     coded = next((header[place] for place in places if header[place] > 0), 0.0)
     size, _ = text.search(r"number of points\D{0,3}(\d{1,9})", words)
     count = int(size[1]) if size else int(coded)
     if not 0 < count < 10**9:
-        raise text.damaged("the header does not say how many points follow, e.g. Number of points 8000", begin + 1)
+        raise text.refuse_damaged(
+            "the header does not say how many points follow, e.g. Number of points 8000", begin + 1
+        )
     spaced, step_line = text.search(r"at (\d*\.?\d+) sec(?:ond)? intervals", words)
     step = text.step(spaced[1] if spaced else header[65], step_line or numbers + 7)
     unit, unit_line = text.search(r"^acceleration\b.*?\d (mm/s/s|cm/s/s|m/s/s|mm/s\^?2|g)\b", words)
-    values, after = text.fixed(start, count, "(10F8.1)")
+    values, after = text.read_fixed_width(start, count, "(10F8.1)")
     following = text.line(after).split()
-    if "uncorrected" in text.lines[begin].lower() and following and None not in map(number, following):
-        raise text.damaged(f"more than the {count} values that the header says follow", after + 1)
+    if "uncorrected" in text.lines[begin].lower() and following and None not in map(parse_number, following):
+        raise text.refuse_damaged(f"more than the {count} values that the header says follow", after + 1)
     peak, peak_line = text.search(r"^acceleration\b\W*peak ([-+]?[\d.]+)", words)
-    if peak and abs(abs(number(peak[1]) or 0.0) - max(map(abs, values))) > 0.02 * max(map(abs, values)) + 0.1:
-        raise text.damaged(
+    if peak and abs(abs(parse_number(peak[1]) or 0.0) - max(map(abs, values))) > 0.02 * max(map(abs, values)) + 0.1:
+        raise text.refuse_damaged(
             f"the header says a peak of {peak[1]}, but the samples reach {max(values, key=abs):g}", peak_line
         )
     return Samples(step, values, start + 1, unit[1] if unit else "mm/s2", unit_line or begin + 1)
 
 
-def asa(text: Text) -> Samples | None:
+def read_asa(text: TextFile) -> Samples | None:
     """Return a channel of the Mexican ASA 2.0 format.
 
     About 109 lines `CLAVE : valor`, with the values of channels as `/a/b/c`, then one column a channel.
@@ -290,14 +301,17 @@ def asa(text: Text) -> Samples | None:
     width = len(rows[start])
     odd = next((index for index, row in rows.items() if len(row) != width), None)
     if odd is not None:
-        raise text.damaged(f"{counted(len(rows[odd]), 'value')} on this line, where every other has {width}", odd + 1)
+        raise text.refuse_damaged(
+            f"{pluralize(len(rows[odd]), 'value')} on this line, where every other has {width}", odd + 1
+        )
     header = range(start)
     oriented, _ = text.search(r"^ORIENTACION.*?[:=] ?(.*)", header)
     names = _values_of_channels(oriented[1]) if oriented else []
     channels = {place: names[place] if place < len(names) else f"canal {place + 1}" for place in range(width)}
     if text.channel is None and text.column is not None:
-        text.channel, text.column = text.column, None
-    place = _chosen(text, channels, start + 1)
+        text.channel = text.column
+        text.column = None
+    place = _select_channel(text, channels, start + 1)
     steps = _values_of_channels(intervals[1])
     written = steps[min(place, len(steps) - 1)] if steps else ""
     step = text.step(next(iter(find_steps(f"dt = {written}")), written), step_line)
@@ -322,11 +336,18 @@ def _values_of_channels(written: str) -> list[str]:
 _GEONET = re.compile(r"\s*(?:un)?corrected\s+accelerogram\b", re.IGNORECASE)
 
 NETWORKS = {
-    "at2": at2, "geonet": geonet, "cosmos": cosmos, "csmip": csmip, "smc": smc, "knet": knet, "esm": esm, "asa": asa,
-}  # fmt: skip
+    "at2": read_at2,
+    "geonet": read_geonet,
+    "cosmos": read_cosmos,
+    "csmip": read_csmip,
+    "smc": read_smc,
+    "knet": read_knet,
+    "esm": read_esm,
+    "asa": read_asa,
+}
 """The formats of the networks by name."""
 
-WITH_CHANNELS = ("cosmos", "csmip", "geonet", "asa")
+FORMATS_WITH_CHANNELS = ("cosmos", "csmip", "geonet", "asa")
 """The formats of which a file may hold several channels."""
 
 _NOT_READ = (
@@ -347,7 +368,7 @@ _NOT_READ = (
 _LINES_OF_NAMES = 40
 
 
-def find_unread(text: Text) -> tuple[str, int] | None:
+def find_unread(text: TextFile) -> tuple[str, int] | None:
     """Return the name of a format that is known but not read, and the line that shows it; None of others."""
     for index in range(min(_LINES_OF_NAMES, len(text.lines))):
         words = normalize(text.words(index))

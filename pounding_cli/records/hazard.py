@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.records.text import load, number
-from pounding_cli.records.units import acceleration_unit
-from pounding_cli.units import factor
+from pounding_cli.records.text import load_text, parse_number
+from pounding_cli.records.units import find_acceleration_unit
+from pounding_cli.units import find_unit_factor
 
 _YEARS = re.compile(r"investigation_time\s*=\s*'?([\d.]+)")
 _MEASURE = re.compile(r"imt\s*=\s*'?\"?(PGA|PGV|SA\([\d.]+\))")
@@ -35,21 +35,22 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
     ------
     InputError : no such file, not a hazard curve, several sites, no unit, rates that do not fall
     """
-    text = load(path, "hazard curve")
+    text = load_text(path, "hazard curve")
     comment = " ".join(line for line in text.lines if line.startswith("#"))
     rows = {n: _cells(line) for n, line in enumerate(text.lines, 1) if line.strip() and not line.startswith("#")}
     if len(rows) < 2:
         raise text.refuse("this is not a hazard curve: it has no two rows", "give lines of intensity and annual rate")
     head, *others = rows.values()
-    levels = [number(cell.removeprefix("poe-")) for cell in head]
+    levels = [parse_number(cell.removeprefix("poe-")) for cell in head]
     if len([level for level in levels if level is not None]) > 2:
         if len(others) != 1:
             hint = "leave the row of your site, and the heading"
             raise text.refuse(f"the file has the curves of {len(others)} sites", hint, max(rows))
-        values = zip_longest(levels, map(number, others[0]))
+        values = zip_longest(levels, map(parse_number, others[0]))
         points = np.array([(level, value) for level, value in values if level is not None], float)
-        said, is_poe = _YEARS.search(comment), any(cell.startswith("poe-") for cell in head)
-        years = number(said[1]) if said else None
+        years_match = _YEARS.search(comment)
+        is_poe = any(cell.startswith("poe-") for cell in head)
+        years = parse_number(years_match[1]) if years_match else None
         unit = unit or ("g" if si == "m/s2" and is_poe else None)
         if is_poe and not years:
             hint = "write `# investigation_time=50.0` above the heading"
@@ -57,16 +58,17 @@ def read_hazard(path: Path, unit: str | None, si: str) -> tuple[np.ndarray, np.n
         if years:
             points[:, 1] = -np.log1p(-np.minimum(points[:, 1], 1 - 1e-16)) / years
     else:
-        pairs = {n: [*map(number, cells)] for n, cells in rows.items() if n > min(rows) or None not in levels}
+        pairs = {n: [*map(parse_number, cells)] for n, cells in rows.items() if n > min(rows) or None not in levels}
         for n, pair in pairs.items():
             if len(pair) != 2 or None in pair:
                 raise text.refuse(f"'{', '.join(rows[n])[:60]}' is no intensity and rate", "write e.g. 0.1, 0.005", n)
         points = np.array([*pairs.values()], float).reshape(-1, 2)
-    found = _IN_BRACKETS.search(" ".join(head))
-    one = intensity_factor(unit or (found[1] if found else None), si, str(path))
+    unit_match = _IN_BRACKETS.search(" ".join(head))
+    one = intensity_factor(unit or (unit_match[1] if unit_match else None), si, str(path))
     points = points[points[:, 1] != 0]  # a service writes 0 for what is too rare to say
     intensity, rate = points[np.argsort(points[:, 0])].T
-    rises, falls = (np.diff(intensity, prepend=0) > 0).all(), (np.diff(rate, append=0) < 0).all()
+    rises = (np.diff(intensity, prepend=0) > 0).all()
+    falls = (np.diff(rate, append=0) < 0).all()
     if intensity.size < 2 or not (rises and falls):
         hint = "give at least two intensities above 0, each once, with rates that fall as they rise"
         raise text.refuse("this is not a hazard curve", hint)
@@ -83,7 +85,7 @@ def intensity_factor(unit: str | None, si: str, shown: str) -> float:
     if si == "":
         return 1.0
     try:
-        one = None if unit is None else acceleration_unit(unit) if si == "m/s2" else factor(unit, si)
+        one = None if unit is None else find_acceleration_unit(unit) if si == "m/s2" else find_unit_factor(unit, si)
     except ValueError:
         one = None
     if one is None:

@@ -10,17 +10,17 @@ from typing import NamedTuple
 from pounding_cli.records.units import (
     BRACKETS,
     UNIT_STATEMENT,
-    acceleration_unit,
+    find_acceleration_unit,
+    find_quantity,
     find_units,
-    named_quantity,
+    is_about_one_number,
     normalize,
-    speaks_of_a_number,
 )
 
 MAX_ROWS_OF_HEADINGS = 3
 """Lines over the numbers that may hold headings: names, units and components may be in lines of their own."""
 
-MAX_LINE = 2000
+MAX_HEADING_LENGTH = 2000
 """Characters of a line that are looked at."""
 
 _LONG_BLANKS = re.compile(r"(\s\s)\s+")
@@ -132,7 +132,7 @@ _COMPONENT = re.compile(
 )
 
 
-class Step(NamedTuple):
+class StatedStep(NamedTuple):
     """A time step [s] as a line of the header says it, and that line (from 1); 0 s where it cannot be read."""
 
     seconds: float
@@ -164,7 +164,7 @@ class Heading:
 
     @property
     def is_component(self) -> bool:
-        """Whether it is the name of a component, NS or x, with or without a unit in brackets."""
+        """True for the name of a component, NS or x, with or without a unit in brackets."""
         return bool(_COMPONENT.fullmatch(BRACKETS.sub("", self.text).strip(" \"'")))
 
     @property
@@ -183,7 +183,7 @@ class Heading:
         """The quantity that it names: acceleration, velocity, displacement, counts; "" for none."""
         if not self.words:
             return ""
-        return "acceleration" if self.units else named_quantity(self.text)
+        return "acceleration" if self.units else find_quantity(self.text)
 
     @property
     def is_of_a_spectrum(self) -> bool:
@@ -196,14 +196,14 @@ class Heading:
 
 @dataclass
 class Header:
-    """What the lines over the numbers say.
+    """Statements of the lines over the numbers.
 
     steps : time steps [s];  counts : numbers of samples, with their lines
     headings : one a column; empty where no line is one of headings
     heading_lines : the lines of `headings` (from 1);  words : the other lines by their number
     """
 
-    steps: list[Step] = field(default_factory=list)
+    steps: list[StatedStep] = field(default_factory=list)
     counts: list[tuple[int, int]] = field(default_factory=list)
     headings: list[Heading] = field(default_factory=list)
     heading_lines: set[int] = field(default_factory=set)
@@ -222,7 +222,7 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
     """
     header = Header()
     for line, text in lines:
-        plain = _LONG_BLANKS.sub(r"\1", text[:MAX_LINE].strip().lstrip("#%!*/ ").strip())
+        plain = _LONG_BLANKS.sub(r"\1", text[:MAX_HEADING_LENGTH].strip().lstrip("#%!*/ ").strip())
         if plain:
             header.words[line] = plain
     header.headings, header.heading_lines = _read_headings(header.words, width)
@@ -232,10 +232,10 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
             continue
         if (first := _COUNT_AND_STEP.match(text)) and _is_unit_or_step_unit(first["rest"]):
             header.counts.append((int(first["count"]), line))
-            header.steps.append(Step(float(first["value"].replace(",", ".")), line, text[:60]))
+            header.steps.append(StatedStep(float(first["value"].replace(",", ".")), line, text[:60]))
             header.words[line] = _without_seconds(first["rest"])
             continue
-        header.steps += [Step(seconds, line, text[:60]) for seconds in find_steps(text)]
+        header.steps += [StatedStep(seconds, line, text[:60]) for seconds in find_steps(text)]
         count = _find_count(text)
         if count is not None:
             header.counts.append((count, line))
@@ -261,23 +261,23 @@ def find_steps(line: str) -> list[float]:
     Read are `dt = 0.02`, `Time step: 20 ms`, `#SampleRate(Hz): 50`, `equally spaced at .02 sec`, `200 sps` and others.
     """
     plain = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", normalize(line)).lower().replace("µ", "u")
-    found = []
+    steps = []
     for match in _KEYED.finditer(plain):
         is_bare = re.fullmatch(
             r"step|intervall?[oe]?|fs|muestreo|sps|pas|β[ήη]μα|(?:шаг|интервал|paso|passo).*", match["key"].strip()
         )
         if match["value"] is None:
             if match["sign"] and match["step"] and plain[match.end("sign") :].strip(" /"):
-                found.append(0.0)
+                steps.append(0.0)
             continue
         unit = match["behind"] or match["inside"] or ""
         if is_bare and not match["sign"] and unit not in _SECONDS and unit not in _HERTZ:
             continue
-        found.append(_seconds(match["value"], unit, is_rate=match["rate"] is not None))
-    if found:
-        return found
-    if spaced := _PLAIN_STEP.search(plain):
-        return [_seconds(spaced["value"] or spaced["before"], spaced["behind"] or spaced["unit"], False)]
+        steps.append(_seconds(match["value"], unit, is_rate=match["rate"] is not None))
+    if steps:
+        return steps
+    if spacing := _PLAIN_STEP.search(plain):
+        return [_seconds(spacing["value"] or spacing["before"], spacing["behind"] or spacing["unit"], False)]
     if alone := re.fullmatch(rf"{_NUMBER}\s*(?P<behind>{'|'.join(_SECONDS)})\.?", plain.strip()):
         return [_seconds(alone["value"], alone["behind"], False)]
     if not _FILTER.search(plain) and (rate := _PLAIN_RATE.search(plain)):
@@ -292,14 +292,14 @@ def says_step_or_count(line: str) -> bool:
 
 def _find_count(line: str) -> int | None:
     """Return the number of samples that a line of a header says; None where it says none."""
-    found = _COUNT.search(normalize(line)) or _COUNT_FIRST.search(line)
-    is_count = found is not None and not _FILTER.search(line[: found.start()])
-    return int(found["count"]) if found is not None and is_count else None
+    match = _COUNT.search(normalize(line)) or _COUNT_FIRST.search(line)
+    is_count = match is not None and not _FILTER.search(line[: match.start()])
+    return int(match["count"]) if match is not None and is_count else None
 
 
 def _is_unit_or_step_unit(rest: str) -> bool:
     unit = _without_seconds(rest)
-    return bool(rest.strip()) and (not unit or acceleration_unit(unit) is not None)
+    return bool(rest.strip()) and (not unit or find_acceleration_unit(unit) is not None)
 
 
 def _without_seconds(rest: str) -> str:
@@ -370,13 +370,13 @@ def _looks_like_headings(parts: list[str], by_blanks: bool = False) -> bool:
         )
     if _SPECTRUM.match(parts[0]) and not any(sign.isdigit() for part in parts for sign in part):
         return True
-    has_unit_words = any(_TIME.match(part) or find_units(part, True) or named_quantity(part) for part in parts)
+    has_unit_words = any(_TIME.match(part) or find_units(part, True) or find_quantity(part) for part in parts)
     return has_unit_words or all(known)
 
 
 def _is_statement(part: str) -> bool:
     """Return whether a text speaks of the whole file, `Time step 20 ms` or `units = g`, not of one column."""
-    return says_step_or_count(part) or bool(UNIT_STATEMENT.match(part)) or speaks_of_a_number(part)
+    return says_step_or_count(part) or bool(UNIT_STATEMENT.match(part)) or is_about_one_number(part)
 
 
 def _is_preposition(word: str) -> bool:
@@ -389,7 +389,7 @@ def _names_column(part: str) -> bool:
         _TIME.match(part)
         or _SAMPLE_NUMBER.match(part)
         or find_units(part, True)
-        or (named_quantity(part) and len(part.split()) <= 4)
+        or (find_quantity(part) and len(part.split()) <= 4)
         or _COMPONENT.fullmatch(outside)
         or _SPECTRUM.match(part)
         or (not outside and BRACKETS.fullmatch(part))

@@ -67,11 +67,11 @@ class Motion:
         """SHA-256 over time step and samples: two motions with one digest are the same motion."""
         return hashlib.sha256(np.float64(self.dt).tobytes() + self.acceleration.tobytes()).hexdigest()
 
-    def scaled(self, factor: float) -> Motion:
+    def scale_by(self, factor: float) -> Motion:
         """The same motion times `factor` [-]."""
         return Motion(self.name, self.dt, self.acceleration * factor, self.source)
 
-    def windowed(self, duration: float) -> Motion:
+    def cut_to(self, duration: float) -> Motion:
         """The first `duration` [s], cut after a sample; a shorter motion is returned whole.
 
         The cut keeps the time step: the last sample kept is the last one not after `duration`.
@@ -119,17 +119,21 @@ def velocity(motion: Motion) -> np.ndarray:
 
 def displacement(motion: Motion) -> np.ndarray:
     """Ground displacement at the samples [m], shape (n,), from rest; exact, no baseline correction."""
-    a, v, h = motion.acceleration, velocity(motion), motion.dt
+    a = motion.acceleration
+    v = velocity(motion)
+    h = motion.dt
     return np.concatenate(([0.0], np.cumsum(h * v[:-1] + h**2 / 6.0 * (2.0 * a[:-1] + a[1:]))))
 
 
 def pgv(motion: Motion) -> float:
     """Peak ground velocity [m/s], exact: also between samples, where the straight line crosses zero."""
-    a, v = motion.acceleration, velocity(motion)
+    a = motion.acceleration
+    v = velocity(motion)
     peak = float(np.abs(v).max())
     crossing = np.flatnonzero(a[:-1] * a[1:] < 0)
     if crossing.size:
-        first, last = a[crossing], a[crossing + 1]
+        first = a[crossing]
+        last = a[crossing + 1]
         inside = v[crossing] + 0.5 * motion.dt * first**2 / (first - last)
         peak = max(peak, float(np.abs(inside).max()))
     return peak

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.records.headings import is_name_of_time, says_step_or_count
-from pounding_cli.records.text import Row, Text, is_numeric, number, tokens
-from pounding_cli.records.units import named_quantity
+from pounding_cli.records.text import NumberRow, TextFile, is_numeric, parse_number, split_words
+from pounding_cli.records.units import find_quantity
 
-MIN_STEP, MAX_STEP = 1e-4, 0.5
+MIN_HEADER_STEP, MAX_HEADER_STEP = 1e-4, 0.5
 """Numbers [s] that may be a time step in a header of numbers."""
 MAX_HEADER_LINES = 400
 """Lines over the numbers that are looked at."""
@@ -42,7 +42,7 @@ class NumberHeader(NamedTuple):
     line: int = 0
 
 
-def find_rows(text: Text) -> tuple[int, list[Row]]:
+def find_rows(text: TextFile) -> tuple[int, list[NumberRow]]:
     """Return the index of the first line of numbers below all words, and the rows of numbers.
 
     A count and a time step that stand above words, as in a header, are rows too where they fit what follows.
@@ -73,7 +73,7 @@ def find_rows(text: Text) -> tuple[int, list[Row]]:
     return first, text.read_rows(first)
 
 
-def _find_rows_below_words(text: Text, first: int, words: int, below: int) -> tuple[int, list[Row]]:
+def _find_rows_below_words(text: TextFile, first: int, words: int, below: int) -> tuple[int, list[NumberRow]]:
     """Return the rows below words that stand among the numbers, as `find_rows`.
 
     first, words, below : indices of the first line of numbers, of the words, and of the numbers below them
@@ -86,7 +86,7 @@ def _find_rows_below_words(text: Text, first: int, words: int, below: int) -> tu
     if says_count and len(header) <= 2:
         return below, header + rows
     is_header = all(len(row.values) != len(rows[0].values) or _is_date(row) for row in header)
-    is_other_quantity = named_quantity(text.lines[words]) in ("velocity", "displacement")
+    is_other_quantity = find_quantity(text.lines[words]) in ("velocity", "displacement")
     if not is_header or len(rows) <= len(header) or is_other_quantity:
         quote = text.lines[words].strip()[:40]
         message = f"numbers stand over these words ('{quote}') and below them: which are the samples?"
@@ -94,12 +94,12 @@ def _find_rows_below_words(text: Text, first: int, words: int, below: int) -> tu
     return below, rows
 
 
-def _is_date(row: Row) -> bool:
+def _is_date(row: NumberRow) -> bool:
     """Return whether a row is a date or a code, 20200101010203, no sample."""
     return all(re.fullmatch(r"\d{8,}", word) for word in row.words)
 
 
-def _says_size(row: Row, rows: list[Row]) -> bool:
+def _says_size(row: NumberRow, rows: list[NumberRow]) -> bool:
     """Return whether a row begins with the number of samples in other rows."""
     return bool(_WHOLE.match(row.words[0])) and int(row.values[0]) in _sizes(rows)
 
@@ -120,16 +120,16 @@ def _find_numbers(lines: list[str], start: int) -> int | None:
     )
 
 
-def refuse_a_row_among_headings(text: Text, start: int, width: int) -> None:
+def refuse_a_row_among_headings(text: TextFile, start: int, width: int) -> None:
     """Refuse a line right above the rows that would be one of them but for a word that is no number."""
     above = next((index for index in range(start - 1, -1, -1) if text.lines[index].strip()), None)
     if above is None or text.lines[above].lstrip()[:1] in tuple("#%!"):
         return
-    words = tokens(text.lines[above])
-    numbers = [word for word in words if number(word) is not None]
-    begins = [word for word in words if re.match(r"[-+]?\d*\.\d", word) and number(word) is None]
+    words = split_words(text.lines[above])
+    numbers = [word for word in words if parse_number(word) is not None]
+    begins = [word for word in words if re.match(r"[-+]?\d*\.\d", word) and parse_number(word) is None]
     if len(words) == width and (len(numbers) == width - 1 > 0 or (width == 1 and begins)):
-        odd = next(word for word in words if number(word) is None)
+        odd = next(word for word in words if parse_number(word) is None)
         is_name = odd.strip(":=").isalpha() and odd.lower() not in _MISSING
         is_key = is_name and odd == words[0]
         is_title = is_name and all(map(_WHOLE.match, numbers)) and len(numbers) > 0  # 2010 Maule
@@ -139,7 +139,7 @@ def refuse_a_row_among_headings(text: Text, start: int, width: int) -> None:
         raise text.refuse(f"'{odd[:40]}' is not a finite number", hint, above + 1, text.lines[above].find(odd) + 1)
 
 
-def find_number_header(text: Text, rows: list[Row]) -> NumberHeader:
+def find_number_header(text: TextFile, rows: list[NumberRow]) -> NumberHeader:
     """Return the header of numbers over the samples: a count, a time step, or both, in one line or in two.
 
     Raises `InputError` where the first line is unlike the others and says neither, or another count than follows.
@@ -178,19 +178,19 @@ def find_number_header(text: Text, rows: list[Row]) -> NumberHeader:
     return NumberHeader()
 
 
-def find_number_header_in_comments(text: Text, start: int, rows: list[Row]) -> NumberHeader:
+def find_number_header_in_comments(text: TextFile, start: int, rows: list[NumberRow]) -> NumberHeader:
     """Return a count and a time step that stand in a comment, `# 8 0.02`, where as many samples follow."""
     for index in range(max(0, start - MAX_HEADER_LINES), start):
-        words = tokens(text.lines[index].lstrip("#%! "))
-        values = [number(word) for word in words]
+        words = split_words(text.lines[index].lstrip("#%! "))
+        values = [parse_number(word) for word in words]
         if len(words) == 2 and None not in values:
-            pair = _count_and_step(Row(index, words, [value or 0.0 for value in values]))
+            pair = _count_and_step(NumberRow(index, words, [value or 0.0 for value in values]))
             if pair and pair[0] in _sizes(rows):
                 return NumberHeader(0, *pair, index + 1)
     return NumberHeader()
 
 
-def _find_header_of_one_row(text: Text, rows: list[Row]) -> NumberHeader:
+def _find_header_of_one_row(text: TextFile, rows: list[NumberRow]) -> NumberHeader:
     """Return the header of numbers of a file with one row or two."""
     if len(rows) == 2 and len(rows[0].values) == 2 != len(rows[1].values) and (pair := _count_and_step(rows[0])):
         if pair[0] != len(rows[1].values):
@@ -199,9 +199,11 @@ def _find_header_of_one_row(text: Text, rows: list[Row]) -> NumberHeader:
     return NumberHeader()
 
 
-def _find_header_in_a_column(text: Text, rows: list[Row], third: int) -> NumberHeader:
+def _find_header_in_a_column(text: TextFile, rows: list[NumberRow], third: int) -> NumberHeader:
     """Return the header of numbers in the first one or two lines of one number each."""
-    line, one, two = rows[0].line_index + 1, rows[0], rows[1]
+    line = rows[0].line_index + 1
+    one = rows[0]
+    two = rows[1]
     for count, step in ((one, two), (two, one)):
         if _WHOLE.match(count.words[0]) and _is_step(step) and int(count.values[0]) in _sizes(rows[2:]):
             return NumberHeader(2, int(count.values[0]), step.values[0], line)
@@ -233,31 +235,31 @@ def _find_header_in_a_column(text: Text, rows: list[Row], third: int) -> NumberH
     return NumberHeader()
 
 
-def _refuse_count(text: Text, row: Row, count: int, found: int) -> Exception:
+def _refuse_count(text: TextFile, row: NumberRow, count: int, found: int) -> Exception:
     quote = " ".join(row.words)[:60]
-    follow = counted(found, "value follows", "values follow")
-    message = f"'{quote}' over the values is a header that says {counted(count, 'value')}, but {follow}"
+    follow = pluralize(found, "value follows", "values follow")
+    message = f"'{quote}' over the values is a header that says {pluralize(count, 'value')}, but {follow}"
     return text.refuse(
         message, "correct that line, or take it out and give dt: 0.01 s beside the file (--dt 0.01)", row.line_index + 1
     )
 
 
-def _count_and_step(row: Row) -> tuple[int, float] | None:
+def _count_and_step(row: NumberRow) -> tuple[int, float] | None:
     """Return the count and the time step [s] of a line such as `8 0.02`; None where it is none."""
     if len(row.values) != 2:
         return None
     for count, step in ((0, 1), (1, 0)):
-        is_step = MIN_STEP <= row.values[step] <= MAX_STEP and not _WHOLE.match(row.words[step])
+        is_step = MIN_HEADER_STEP <= row.values[step] <= MAX_HEADER_STEP and not _WHOLE.match(row.words[step])
         if _WHOLE.match(row.words[count]) and is_step and row.values[count] >= 2:
             return int(row.values[count]), row.values[step]
     return None
 
 
-def _is_step(row: Row) -> bool:
-    return MIN_STEP <= row.values[0] <= MAX_STEP and not _WHOLE.match(row.words[0])
+def _is_step(row: NumberRow) -> bool:
+    return MIN_HEADER_STEP <= row.values[0] <= MAX_HEADER_STEP and not _WHOLE.match(row.words[0])
 
 
-def _sizes(rows: list[Row]) -> list[int]:
+def _sizes(rows: list[NumberRow]) -> list[int]:
     """Return what a count may speak of: the rows, the pairs in them, the values."""
     total = sum(len(row.values) for row in rows)
     return list(
@@ -265,12 +267,12 @@ def _sizes(rows: list[Row]) -> list[int]:
     )
 
 
-def _rises(rows: list[Row]) -> bool:
+def _rises(rows: list[NumberRow]) -> bool:
     times = [row.values[0] for row in rows]
     return len(times) > 1 and bool((np.diff(times) > 0).all())
 
 
-def replace_decimal_commas(text: Text) -> list[str]:
+def replace_decimal_commas(text: TextFile) -> list[str]:
     """Return the lines with decimal points where the file writes decimal commas, as its lines of numbers show.
 
     Raises `InputError` where commas both part the columns and are the decimal sign.
@@ -283,7 +285,7 @@ def replace_decimal_commas(text: Text) -> list[str]:
     words = [word for row in rows for word in row]
     if any(word.endswith(",") for word in words) or not any("," in word for word in words):
         return text.lines
-    is_plain = all(_DECIMAL_COMMA.match(word) or number(word) is not None for word in words)
+    is_plain = all(_DECIMAL_COMMA.match(word) or parse_number(word) is not None for word in words)
     if any("." in word for word in words) and (max(map(len, rows)) < 2 or not is_plain):
         return text.lines
     several = next((place for place, row in enumerate(rows) if any(word.count(",") > 1 for word in row)), None)
@@ -299,12 +301,12 @@ def replace_decimal_commas(text: Text) -> list[str]:
     return [re.sub(r"(?<=\d),(?=\d)", ".", line) if _OF_NUMBERS.match(line) else line for line in text.lines]
 
 
-def _is_one_column_with_commas(text: Text, words: list[str], first: int) -> bool:
+def _is_one_column_with_commas(text: TextFile, words: list[str], first: int) -> bool:
     """Return whether words such as `12,500` are one number each, not two columns of whole numbers.
 
     Raises `InputError` where they may be both.
     """
-    if not all(_TWO_WHOLES.match(word) or number(word) is not None for word in words):
+    if not all(_TWO_WHOLES.match(word) or parse_number(word) is not None for word in words):
         return False  # a word that is no number is refused at its place
     pairs = [word.split(",") for word in words]
     if any(len(pair) == 1 for pair in pairs):

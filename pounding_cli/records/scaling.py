@@ -12,13 +12,13 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.records.motion import SPECTRUM_DAMPING, Motion, arias, spectrum
 
-POINTS = 50
+FIT_POINTS = 50
 """Periods of the fit to a target spectrum: so many, evenly in ln T over the range."""
 
-OF_MOTION = 8
+POINTS_PER_FIT_POINT = 8
 """Points of the spectrum of a motion that is a target, for each one of the fit."""
 
-LEAST_DAMPING = 0.01
+MIN_SLOPE_DAMPING = 0.01
 """Damping ratio below which the slope of a spectrum is bounded as at it [-]."""
 
 RATIO_TOLERANCE = 1e-4
@@ -43,7 +43,7 @@ class TargetSpectrum:
     def of(cls, motion: Motion, low: float, high: float, damping: float = SPECTRUM_DAMPING) -> TargetSpectrum:
         """The spectrum of a motion itself, exact at every period of `grid`, and straight between points that are close.
         Raises InputError for one at rest."""
-        grid = np.geomspace(low, high, OF_MOTION * (POINTS - 1) + 1)
+        grid = np.geomspace(low, high, POINTS_PER_FIT_POINT * (FIT_POINTS - 1) + 1)
         values = spectrum(motion, grid, damping)
         scale_factor(motion, float(values.min()), 1.0)
         return cls(tuple(map(float, grid)), tuple(map(float, values)), low, high, damping)
@@ -51,14 +51,14 @@ class TargetSpectrum:
     @cached_property
     def grid(self) -> np.ndarray:
         """The periods at which it is met [s], shape (POINTS,)."""
-        return np.geomspace(self.low, self.high, POINTS)
+        return np.geomspace(self.low, self.high, FIT_POINTS)
 
     @property
     def ordinates(self) -> np.ndarray:
         """Its values at `grid` [m/s2]."""
-        return self.at(self.grid)
+        return self.interpolate(self.grid)
 
-    def at(self, periods: np.ndarray) -> np.ndarray:
+    def interpolate(self, periods: np.ndarray) -> np.ndarray:
         """Return its values at `periods` [m/s2]."""
         return np.exp(np.interp(np.log(periods), np.log(self.periods), np.log(self.values)))
 
@@ -97,15 +97,15 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
 
     def log_ratio(periods: np.ndarray) -> np.ndarray:
         spectra = [spectrum(motion, periods, target.damping) for motion in motions.values()]
-        return np.log(np.mean(spectra, axis=0) / target.at(periods))
+        return np.log(np.mean(spectra, axis=0) / target.interpolate(periods))
 
-    steepest = 0.5 / max(target.damping, LEAST_DAMPING) + 2.0
+    steepest = 0.5 / max(target.damping, MIN_SLOPE_DAMPING) + 2.0
     corners = [period for period in target.periods if target.low < period < target.high]
     periods = np.unique(np.concatenate([target.grid, corners]))
     values = log_ratio(periods)
     while True:
         width = np.diff(np.log(periods))
-        slope = np.diff(np.log(target.at(periods))) / width  # of the target, straight in every interval
+        slope = np.diff(np.log(target.interpolate(periods))) / width  # of the target, straight in every interval
         falls = steepest + slope  # how steeply the ratio may fall from the left end, and from the right one
         falls_back = steepest - slope
         bounds = (falls_back * values[:-1] + falls * values[1:] - falls * falls_back * width) / (2.0 * steepest)
@@ -118,13 +118,15 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
         values = np.concatenate([values, log_ratio(middles)])[order]
         periods = np.concatenate([periods, middles])[order]
     place = int(values.argmin())
-    lowest, period = float(values[place]), float(periods[place])
+    lowest = float(values[place])
+    period = float(periods[place])
     ends = np.log(periods[[max(place - 1, 0), min(place + 1, len(periods) - 1)]])
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         lambda x: float(log_ratio(np.exp([x]))[0]), bounds=ends, method="bounded", options={"xatol": 1e-8}
     )
-    if found.fun < lowest:
-        lowest, period = float(found.fun), float(np.exp(found.x))
+    if minimum.fun < lowest:
+        lowest = float(minimum.fun)
+        period = float(np.exp(minimum.x))
     return float(np.exp(lowest)), period
 
 
@@ -147,7 +149,7 @@ def spectrum_factors(
     fitted = spectra if each else np.broadcast_to(spectra.mean(axis=0), spectra.shape)
     factors = np.exp(np.log(target.ordinates / fitted).mean(axis=1))
     if at_least is not None:
-        scaled = {name: each.scaled(factor) for (name, each), factor in zip(motions.items(), factors, strict=True)}
+        scaled = {name: each.scale_by(factor) for (name, each), factor in zip(motions.items(), factors, strict=True)}
         ratio, _ = lowest_ratio(scaled, target)
         factors = factors * max(1.0, at_least / ratio)
     return dict(zip(motions, map(float, factors), strict=True))

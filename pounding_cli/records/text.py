@@ -13,14 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
-from pounding_cli.reading import read_bytes, shortened
+from pounding_cli.numbers import pluralize
+from pounding_cli.reading import read_bytes, shorten_path
 
-MOST_BYTES = 20_000_000
+MAX_FILE_BYTES = 20_000_000
 """Size of a motion file [bytes]."""
-LONGEST_LINE = 5000
+MAX_LINE_LENGTH = 5000
 """Characters of a line that holds words: header lines are searched for what they say."""
-SHORTEST, LONGEST = 1e-6, 10.0
+MIN_TIME_STEP, MAX_TIME_STEP = 1e-6, 10.0
 """Time steps [s] outside are no ground motion's."""
 
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][-+]?\d+)?\Z", re.ASCII)
@@ -52,7 +52,7 @@ _OTHER_ALPHABETS = ("cp1251", "koi8_r", "cp866", "cp932", "gb18030", "iso8859_7"
 _FOREIGN_ACCELERATION = re.compile("ускорен|加速度|ガル|επιτ[αά]χ|ivme", re.IGNORECASE)
 
 
-class Row(NamedTuple):
+class NumberRow(NamedTuple):
     """A line of numbers: its index in the file, its words and their values."""
 
     line_index: int
@@ -60,7 +60,7 @@ class Row(NamedTuple):
     values: list[float]
 
 
-class Doubt(NamedTuple):
+class MotionWarning(NamedTuple):
     """A warning about a motion that is read all the same, and what to do about it."""
 
     message: str
@@ -82,11 +82,11 @@ class Samples(NamedTuple):
     unit_line: int = 0
     unclear: str = ""
     unclear_line: int = 0
-    doubt: Doubt | None = None
+    doubt: MotionWarning | None = None
 
 
 @dataclass
-class Text:
+class TextFile:
     """The file as lines, and its header: of every line `key: value` over the numbers its value and place (from 1).
 
     encoding : "UTF-16" where the file is that, else ""
@@ -105,13 +105,13 @@ class Text:
     def refuse(self, message: str, hint: str, line: int = 0, column: int = 1) -> InputError:
         """The error that says so at a place of this file."""
         line = min(line, len(self.lines))
-        return InputError(Problem(message, hint, shortened(self.path), line, column if line else 0))
+        return InputError(Problem(message, hint, shorten_path(self.path), line, column if line else 0))
 
-    def damaged(self, message: str, line: int) -> InputError:
+    def refuse_damaged(self, message: str, line: int) -> InputError:
         """The refusal of a file of a network that is not as they write it."""
         return self.refuse(message, "the file is cut short or damaged: download it again, or correct its header", line)
 
-    def wrong_quantity(self, quantity: str, line: int) -> InputError:
+    def refuse_quantity(self, quantity: str, line: int) -> InputError:
         """The refusal of a velocity, a displacement, a spectrum."""
         hint = "give the acceleration record (.AT2, .acc, HNx)"
         return self.refuse(f"the file holds {quantity}, not acceleration", hint, line)
@@ -131,21 +131,21 @@ class Text:
 
     def search(self, pattern: str, lines: range) -> tuple[re.Match[str] | None, int]:
         """The first match of a pattern in the words of lines of these indices, and its line (from 1); None, 0."""
-        found = ((re.search(pattern, self.words(index), re.IGNORECASE), index + 1) for index in lines)
-        return next(((match, line) for match, line in found if match), (None, 0))
+        matches = ((re.search(pattern, self.words(index), re.IGNORECASE), index + 1) for index in lines)
+        return next(((match, line) for match, line in matches if match), (None, 0))
 
     def find(self, pattern: str, lines: range, what: str) -> tuple[re.Match[str], int]:
         """As `search`; what : the match, in words.  Raises `InputError` where there is none."""
         match, line = self.search(pattern, lines)
         if match is None:
-            raise self.damaged(f"the header does not say {what}", min(lines) + 1)
+            raise self.refuse_damaged(f"the header does not say {what}", min(lines) + 1)
         return match, line
 
     def step(self, written: str | float, line: int) -> float:
         """A time step [s] as written; refused where it is none, or the user gives another."""
-        step = float(written) if isinstance(written, float) or number(written) is not None else math.nan
-        if not SHORTEST <= step <= LONGEST:
-            hint = f"give a time step from {SHORTEST:g} to {LONGEST:g} s, e.g. 0.01"
+        step = float(written) if isinstance(written, float) or parse_number(written) is not None else math.nan
+        if not MIN_TIME_STEP <= step <= MAX_TIME_STEP:
+            hint = f"give a time step from {MIN_TIME_STEP:g} to {MAX_TIME_STEP:g} s, e.g. 0.01"
             raise self.refuse(f"the time step is {written}", hint, line)
         if self.dt is not None and not abs(self.dt - step) <= 1e-3 * step:
             message = f"dt is given as {self.dt:g} s, but the file says {step:g} s"
@@ -154,39 +154,40 @@ class Text:
 
     def check_count(self, written: str, found: int, line: int, what: str = "NPTS") -> None:
         """Refuse a file whose header says another number of values than follow."""
-        if number(written) != found:
-            follow = counted(found, "value follows", "values follow")
-            raise self.damaged(f"the header says {what} = {written}, but {follow}", line)
+        if parse_number(written) != found:
+            follow = pluralize(found, "value follows", "values follow")
+            raise self.refuse_damaged(f"the header says {what} = {written}, but {follow}", line)
 
     def rows(self, start: int, end: int | None = None) -> dict[int, list[float]]:
         """The numbers of every line from index `start` on, to before `end`, by its index; comments and blank lines are
         passed over, and nan, inf and all else is refused at its column."""
         return {row.line_index: row.values for row in self.read_rows(start, end)}
 
-    def read_rows(self, start: int, end: int | None = None) -> list[Row]:
+    def read_rows(self, start: int, end: int | None = None) -> list[NumberRow]:
         """Return index, words and numbers of every line, as `rows`; words that end the file are passed over too."""
         if rows := self.read_plain_rows(start, end):
             return rows
-        found = list[Row]()
+        rows_read = list[NumberRow]()
         for index, line in enumerate(self.lines[start:end], start):
             if not line.strip() or line.lstrip()[0] in "#%!\x1a":
                 continue
-            if found and end is None and self._is_end(index):
+            if rows_read and end is None and self._is_end(index):
                 break
-            words, values = split_numbers(line), list[float]()
+            words = split_numbers(line)
+            values = list[float]()
             for word in words:
-                value = number(word)
+                value = parse_number(word)
                 if value is None:
                     raise self._refuse_word(word, words, index)
                 values.append(value)
-            found.append(Row(index, words, values))
-        if not found:
+            rows_read.append(NumberRow(index, words, values))
+        if not rows_read:
             raise self.refuse("no numbers after the header", "give a file that holds a ground motion", start)
-        return found
+        return rows_read
 
     def _refuse_word(self, word: str, words: list[str], index: int) -> InputError:
         """Return the refusal of a word among the numbers; words : all of its line, of this index."""
-        if len(word) > 3 and word.isalpha() and not any(number(each) is not None for each in words):
+        if len(word) > 3 and word.isalpha() and not any(parse_number(each) is not None for each in words):
             message = f"'{' '.join(words)[:40]}' stands among the numbers"
             hint = "cut off what follows if it is another quantity or channel; begin the line with # if it is not"
             return self.refuse(message, hint, index + 1)
@@ -194,7 +195,7 @@ class Text:
         hint = "write plain numbers; fill or cut gaps in the record"
         return self.refuse(f"'{word[:40]}' is not a finite number", hint, index + 1, column)
 
-    def read_plain_rows(self, start: int, end: int | None = None) -> list[Row] | None:
+    def read_plain_rows(self, start: int, end: int | None = None) -> list[NumberRow] | None:
         """Return what `read_rows` does of lines with nothing but plain numbers, all at once; None of others."""
         block = "\n".join(self.lines[start:end])
         if _NOT_PLAIN.search(block):
@@ -208,9 +209,10 @@ class Text:
             return None
         if not np.isfinite(values).all():
             return None
-        numbers, ends = values.tolist(), list(itertools.accumulate(map(len, split)))
+        numbers = values.tolist()
+        ends = list(itertools.accumulate(map(len, split)))
         return [
-            Row(start + place, words, numbers[last - len(words) : last])
+            NumberRow(start + place, words, numbers[last - len(words) : last])
             for place, (words, last) in enumerate(zip(split, ends, strict=True))
             if words
         ]
@@ -226,34 +228,35 @@ class Text:
         rows = self.rows(start)
         return [value for row in rows.values() for value in row], next(iter(rows)) + 1
 
-    def fixed(self, start: int, count: int, form: str, last: bool = False) -> tuple[list[float], int]:
+    def read_fixed_width(self, start: int, count: int, form: str, last: bool = False) -> tuple[list[float], int]:
         """`count` numbers from index `start` on, and the index of the line after them: so many a line, in columns of so
         many characters, as a Fortran format such as (8F10.5) says; it is that of most files.
 
         Refused where the lines end before, or, with `last`, more numbers follow.
         """
-        found = re.search(r"(?i)\(\s*(\d{0,2})\s*[IFEDG]\s*([1-9]\d?)", form)
-        per_line, width = (int(found[1] or 1) or 1, int(found[2])) if found else (8, 10)
-        values, index = list[float](), start
+        field_format = re.search(r"(?i)\(\s*(\d{0,2})\s*[IFEDG]\s*([1-9]\d?)", form)
+        per_line, width = (int(field_format[1] or 1) or 1, int(field_format[2])) if field_format else (8, 10)
+        values = list[float]()
+        index = start
         while len(values) < count:
-            wanted = min(per_line, count - len(values))
+            expected_count = min(per_line, count - len(values))
             line = self.line(index).rstrip()
             cells = line.split()
-            if len(cells) != wanted or None in map(number, cells):
-                cells = [line[at : at + width].strip() for at in range(0, wanted * width, width)]
-            row = [value for value in map(number, cells) if value is not None]
-            if len(row) < wanted:
-                message = f"{counted(len(row), 'number')} on this line, where {wanted} should stand"
-                raise self.damaged(f"{message}: the header says {counted(count, 'value')}", index + 1)
+            if len(cells) != expected_count or None in map(parse_number, cells):
+                cells = [line[offset : offset + width].strip() for offset in range(0, expected_count * width, width)]
+            row = [value for value in map(parse_number, cells) if value is not None]
+            if len(row) < expected_count:
+                message = f"{pluralize(len(row), 'number')} on this line, where {expected_count} should stand"
+                raise self.refuse_damaged(f"{message}: the header says {pluralize(count, 'value')}", index + 1)
             values += row
             index += 1
         following = self.line(index).split()
-        if last and following and None not in map(number, following):
-            raise self.damaged(f"more than the {count} values that the header says follow", index + 1)
+        if last and following and None not in map(parse_number, following):
+            raise self.refuse_damaged(f"more than the {count} values that the header says follow", index + 1)
         return values, index
 
 
-def number(token: str) -> float | None:
+def parse_number(token: str) -> float | None:
     """A finite number as text files write it (1.0D-03 too), else None; zero has no sign, as the digest shows it."""
     if not _NUMBER.match(token):
         return None
@@ -261,7 +264,7 @@ def number(token: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def tokens(line: str) -> list[str]:
+def split_words(line: str) -> list[str]:
     """The words of a line, however they are separated, without quotes."""
     return _part_with_blanks(line).split()
 
@@ -271,9 +274,9 @@ def _part_with_blanks(text: str) -> str:
     return text.replace(",", " ").replace(";", " ").replace('"', " ").replace("'", " ")
 
 
-def load(path: Path, what: str = "motion file") -> Text:
+def load_text(path: Path, what: str = "motion file") -> TextFile:
     """The file's lines and header.  Raises `InputError` for a file that is missing, empty or not text."""
-    raw = read_bytes(path, MOST_BYTES, what)
+    raw = read_bytes(path, MAX_FILE_BYTES, what)
     encoding = _find_utf16(raw)
     if encoding:
         raw = raw.decode(encoding, "replace").encode("utf-8")
@@ -281,20 +284,20 @@ def load(path: Path, what: str = "motion file") -> Text:
         kind = next((name for sign, name in _BINARY if re.match(sign, raw)), "")
         hint = "export the acceleration as text, in one of the formats of docs/records.md" if kind else ""
         hint = hint or "unpack an archive; give a text file in one of the formats of docs/records.md"
-        raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shortened(path)))
-    written = _decode(raw).replace("\u2212", "-")
-    lines = re.split(r"\r\n|\r|\n", _QUOTED_COMMA.sub(r'"\1.\2"', written) if '"' in written else written)
-    text = Text(path, lines)
+        raise InputError(Problem(f"not a text file{f', but {kind}' if kind else ''}", hint, shorten_path(path)))
+    decoded = _decode(raw).replace("\u2212", "-")
+    lines = re.split(r"\r\n|\r|\n", _QUOTED_COMMA.sub(r'"\1.\2"', decoded) if '"' in decoded else decoded)
+    text = TextFile(path, lines)
     text.encoding = "UTF-16" if encoding else ""
     if not any(line.strip() for line in lines):
         raise text.refuse("the file is empty", f"give a {what} that holds numbers")
     top = True
     for place, line in enumerate(text.lines, 1):
-        if len(line) > LONGEST_LINE and not _NUMERIC.match(line):
+        if len(line) > MAX_LINE_LENGTH and not _NUMERIC.match(line):
             raise text.refuse(f"a line of {len(line)} characters", "no header is that long", place)
         top = top and not is_numeric(line)
-        if top and (found := _HEADER.match(line)):
-            text.header[found[1].strip().lower()] = found[2].strip(), place
+        if top and (key_match := _HEADER.match(line)):
+            text.header[key_match[1].strip().lower()] = key_match[2].strip(), place
     return text
 
 
@@ -304,10 +307,10 @@ def is_numeric(line: str) -> bool:
         return False
     if not _OTHER_SIGN.search(line):
         return any(sign.isdigit() for sign in line)
-    words = tokens(line[:LONGEST_LINE])  # what is longer is found out with its values
-    words = words[:-1] if len(line) > LONGEST_LINE else words
+    words = split_words(line[:MAX_LINE_LENGTH])  # what is longer is found out with its values
+    words = words[:-1] if len(line) > MAX_LINE_LENGTH else words
     return bool(words) and all(
-        number(word) is not None or word.lower() in _NO_NUMBERS or _TOUCHING_NUMBERS.match(word) for word in words
+        parse_number(word) is not None or word.lower() in _NO_NUMBERS or _TOUCHING_NUMBERS.match(word) for word in words
     )
 
 
@@ -318,7 +321,7 @@ _FIRST_OF_NUMBERS = "0123456789+-.\"',;nNiI"
 
 def split_numbers(line: str) -> list[str]:
     """The words of a line of numbers; Fortran's fixed columns may touch: -.12E-01-.34E-01. A date stays one word."""
-    words = tokens(line)
+    words = split_words(line)
     if not _TOUCHING.search(line):
         return words
     return [part for word in words for part in (_TOUCHING.split(word) if _TOUCHING_NUMBERS.match(word) else (word,))]

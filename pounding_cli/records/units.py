@@ -6,11 +6,11 @@ import math
 import re
 import unicodedata
 
-from pounding_cli.units import GRAVITY, measure
+from pounding_cli.units import GRAVITY, parse_unit
 
-UNITS = {name: measure(name)[0] for name in ("m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2")}
-UNITS = {"g": GRAVITY, **UNITS, "mg": 0.001 * GRAVITY}
-"""The common units, and one of each in m/s2; other spellings and multiples are read too (`acceleration_unit`)."""
+ACCELERATION_UNITS = {name: parse_unit(name)[0] for name in ("m/s2", "cm/s2", "gal", "mm/s2", "ft/s2", "in/s2")}
+ACCELERATION_UNITS = {"g": GRAVITY, **ACCELERATION_UNITS, "mg": 0.001 * GRAVITY}
+"""The common units, and one of each in m/s2; other spellings and multiples are read too (`find_acceleration_unit`)."""
 
 BRACKETS = re.compile(r"[(\[]([^()\[\]]*)[)\]]")
 """Words in brackets."""
@@ -158,47 +158,50 @@ def normalize(text: str) -> str:
     return re.sub(r"(?<=[/·*.])(\s*)(?:сек|с|秒)(?![а-я])", r"\1s", plain)
 
 
-def quantity_of(text: str) -> tuple[str, float]:
+def identify_unit(text: str) -> tuple[str, float]:
     """Return what a unit speaks of (acceleration, velocity, displacement, counts, "" if unknown), and one of it in SI.
 
-    The number is 0 where it is unknown.  Read are the names of `UNITS` in any case, spellings such as `cm/sec/sec`,
-    `m/s^2`, `M S-2`, `м/с²`, `g/10`, and multiples (`0.01 g`, `3920/6182761 gal`: one count of a recorder).
+    The number is 0 where it is unknown.  Read are the names of `ACCELERATION_UNITS` in any case, spellings such as
+    `cm/sec/sec`, `m/s^2`, `M S-2`, `м/с²`, `g/10`, and multiples (`0.01 g`; `3920/6182761 gal`, one count
+    of a recorder).
     """
     plain = normalize(text).strip().rstrip(".")
     plain = re.sub(r"\A[(\[]\s*(.*?)\s*[)\]]\Z", r"\1", plain)
     found = re.match(rf"{_SCALAR}(?P<rest>[^\d.].*)\Z", plain, re.IGNORECASE)
     if found is None or len(plain) > 100:
         return "", 0.0
-    unit, part = found["rest"].strip(), None
+    unit = found["rest"].strip()
+    part = None
     if tenth := re.fullmatch(rf"([^/]*g)\s*/\s*({_NUMBER})", unit, re.IGNORECASE):
-        unit, part = tenth[1], tenth[2]
+        unit = tenth[1]
+        part = tenth[2]
     factor = _ratio(found["multiple"]) / (float(part or 1) or math.inf)
     one = _one_of(unit)
     if one:
         return "acceleration", factor * one
     for words in (unit, unit.lower()):
         try:
-            one, dimension = measure(words)
+            one, dimension = parse_unit(words)
         except ValueError:
             continue
         return _QUANTITIES.get(dimension, ""), factor * one
     return next((name for name, word in _QUANTITY_PATTERNS.items() if word.match(unit)), ""), 0.0
 
 
-def acceleration_unit(text: str) -> float | None:
+def find_acceleration_unit(text: str) -> float | None:
     """Return one of the unit `text` in m/s2; None where it is no unit of acceleration."""
-    quantity, one = quantity_of(text)
+    quantity, one = identify_unit(text)
     return one if quantity == "acceleration" and 0 < one < math.inf else None
 
 
-def named_quantity(heading: str) -> str:
+def find_quantity(heading: str) -> str:
     """Return the quantity that a heading names, in words or by its unit: velocity, displacement, counts, ..."""
     plain = normalize(heading)
     for name in ("acceleration", "velocity", "displacement", "counts"):
         if _QUANTITY_PATTERNS[name].search(plain):
             return name
     words = [*BRACKETS.findall(plain), *plain.replace(",", " ").split()[-1:]]
-    found = (quantity_of(word)[0] for word in words if word.strip())
+    found = (identify_unit(word)[0] for word in words if word.strip())
     return next((quantity for quantity in found if quantity), "")
 
 
@@ -212,7 +215,7 @@ def find_units(line: str, is_heading: bool = False) -> list[str]:
     """
     plain = re.sub(r"(?<=[a-z])(?=U(?:nits?|NITS?)\b)", " ", normalize(line)).strip().strip("\"'")
     if _ALONE.fullmatch(plain) or (is_heading and re.fullmatch(rf"(?i){_PLAIN_SPELLING}", plain)):
-        return [plain] if acceleration_unit(plain) else []
+        return [plain] if find_acceleration_unit(plain) else []
     if is_heading and (short := re.fullmatch(rf"(?i)a[xyzg]?_{_WEAK}", plain)):
         return [short["unit"]]
     found: dict[float, str] = {}
@@ -222,12 +225,12 @@ def find_units(line: str, is_heading: bool = False) -> list[str]:
         spoken = _PEAK.search(segment)
         part = segment[: spoken.start()] if spoken else segment
         for unit in _units_of_segment(part, segment):
-            if factor := acceleration_unit(unit):
+            if factor := find_acceleration_unit(unit):
                 found.setdefault(float(f"{factor:.6g}"), unit)
     return list(found.values())
 
 
-def speaks_of_a_number(line: str) -> bool:
+def is_about_one_number(line: str) -> bool:
     """Return whether a line has a unit of acceleration, but beside a number or a word such as peak."""
     plain = normalize(line)
     if find_units(line):
@@ -244,13 +247,14 @@ def speaks_of_a_number(line: str) -> bool:
 def _units_of_segment(part: str, segment: str) -> list[str]:
     found = []
     for match in _COMPOUND.finditer(part):
-        before, behind = part[: match.start()], segment[match.end() :]
+        before = part[: match.start()]
+        behind = segment[match.end() :]
         if not _RATIO_BEFORE.search(before) and not _RATIO_BEHIND.match(behind):
             if not _A_NUMBER_BEFORE.search(before):
                 if not _A_NUMBER_BEHIND.match(behind):
-                    found.append(_balanced(match[0]))
+                    found.append(_strip_closing_bracket(match[0]))
             elif multiple := _stated_multiple(before):
-                found.append(f"{multiple} {_balanced(match[0])}")
+                found.append(f"{multiple} {_strip_closing_bracket(match[0])}")
     for pattern in _WEAK_UNITS:
         for match in pattern.finditer(part):
             groups = match.groupdict()
@@ -275,7 +279,7 @@ def _stated_multiple(before: str) -> str | None:
     return stated and (stated[1] or stated[2])
 
 
-def _balanced(unit: str) -> str:
+def _strip_closing_bracket(unit: str) -> str:
     """Return a unit without the bracket that closes behind it."""
     unit = unit.strip()
     return unit.rstrip(") ") if unit.count(")") > unit.count("(") else unit

@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pounding_cli.methods import METHODS
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.references import method_sources
 from pounding_cli.report.style import Look, finish, new_figure, shared_legend, styled
@@ -102,7 +102,7 @@ def _lost(runs: pd.DataFrame) -> list[str]:
     """Runs that did not end, by method, setting and outcome."""
     lost = runs[runs["status"] != "done"].groupby(["method", "setting", "status"], sort=False)["advice"]
     return [
-        f"{method} at {METHODS[method].setting.text(setting)}: {status} on {counted(len(advice), 'scene')} "
+        f"{method} at {METHODS[method].setting.text(setting)}: {status} on {pluralize(len(advice), 'scene')} "
         f"({advice.iloc[0]})"
         for (method, setting, status), advice in cast("Any", lost)
     ]
@@ -161,7 +161,7 @@ def _reference(found: WorkPrecision) -> str:
     impacts = f"and counts other impacts in {differing} of them" if differing else "with the same impacts"
     return (
         f"Reference: {REFERENCE[0]} at accuracy {REFERENCE[1]:g}; {SECOND[0]} at {SECOND[1]:g} differs from it by at "
-        f"most {differences} over {counted(len(both), 'scene')}, {impacts}."
+        f"most {differences} over {pluralize(len(both), 'scene')}, {impacts}."
     )
 
 
@@ -195,7 +195,7 @@ def diagram(found: WorkPrecision, runs: pd.DataFrame, analysis: str) -> Figure:
         figure,
         "",
         f"{analysis.capitalize()} analyses: largest relative error over the storeys (floors, links) and "
-        f"{counted(runs['record'].nunique(), 'motion')} against time in the solver, from coarse to fine settings. "
+        f"{pluralize(runs['record'].nunique(), 'motion')} against time in the solver, from coarse to fine settings. "
         "Grey: the two reference methods differ by this much. Runs that did not end are not drawn.",
     )
     return figure

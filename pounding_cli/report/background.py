@@ -13,7 +13,7 @@ import pandas as pd
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.effects import DroppedEffect, summarize_effects
-from pounding_cli.numbers import Unit, count_histories, counted, listed
+from pounding_cli.numbers import Unit, count_histories, join_limited, pluralize
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
 from pounding_cli.report.figures import sketch
@@ -54,11 +54,15 @@ def report_of(
     """
     points = len(results.scene()[list(results.axes)].drop_duplicates()) if results.axes else 1
     lead = [
-        counted(len(shown.group), "building"),
-        counted(len(shown.cases), "case"),
+        pluralize(len(shown.group), "building"),
+        pluralize(len(shown.cases), "case"),
         " and ".join(shown.analyses),
-        counted(len(shown.records), "motion"),
-        *([counted(points, "different sample") if is_sampled else f"{points} points of a sweep"] if points > 1 else []),
+        pluralize(len(shown.records), "motion"),
+        *(
+            [pluralize(points, "different sample") if is_sampled else f"{points} points of a sweep"]
+            if points > 1
+            else []
+        ),
     ]
     tables = ("records",) if is_sampled else tuple(_TITLES)
     sample_keys = results.swept[-1] if is_sampled else ()
@@ -67,7 +71,7 @@ def report_of(
         results.title,
         answer,
         lambda: [*more(), *background(results, shown, tables)],
-        f"{', '.join(lead)}: {counted(len(results.scene()), 'row')}.",
+        f"{', '.join(lead)}: {pluralize(len(results.scene()), 'row')}.",
         partial(sketch, shown),
         results.study_text,
     )
@@ -115,7 +119,7 @@ def dashpot_sentences(results: Results) -> list[str]:
                 names = cases.setdefault((link["damping_ratio"], link["restitution"]), [])
                 names += [name] if name not in names else []
     return [
-        f"Dashpots of infills and connectors ({listed(names)}): damping ratio {100 * ratio:.3g} %, that of a "
+        f"Dashpots of infills and connectors ({join_limited(names)}): damping ratio {100 * ratio:.3g} %, that of a "
         f"restitution of {restitution:.3g}; the key is `damping_ratio`."
         for (ratio, restitution), names in cases.items()
     ]
@@ -184,7 +188,7 @@ def _varied_motions(results: Results, point: Mapping[str, Any]) -> list[str]:
         values = results.scene()[key].unique()
         ends = [results.value_label(key, each) for each in (values.min(), values.max())]
         if isinstance(values[0], str):
-            ranges.append(f"{key}: {listed(map(str, values))}")
+            ranges.append(f"{key}: {join_limited(map(str, values))}")
         else:
             ranges.append(f"{key} from {ends[0]} to {ends[1]}")
     return [f"The motions are varied: {'; '.join(ranges)}."] if ranges else []
@@ -194,7 +198,7 @@ def _simulated(results: Results, shown: Evidence) -> Section:
     scene = results.scene()
     histories = count_histories(int(results.attrs["scenes"]))
     said = [
-        f"{counted(len(scene), 'row')} of {histories}: each different one is solved once, buildings alone included."
+        f"{pluralize(len(scene), 'row')} of {histories}: each different one is solved once, buildings alone included."
     ]
     said += _open_gaps(scene)
     tables, failed = [_cases(shown), _effects(scene)], failed_scenes(scene)
@@ -247,7 +251,7 @@ def _dropped_effects(scene: pd.DataFrame) -> Iterator[DroppedEffect]:
 def _open_gaps(scene: pd.DataFrame) -> list[str]:
     """Say of every pair of neighbours in how many runs their gap stays open, so that their links never act."""
     runs = Counter(each.links for each in _dropped_effects(scene) if each.links)
-    of_all = f"of {counted(len(scene), 'run')}, in which no force acts across it"
+    of_all = f"of {pluralize(len(scene), 'run')}, in which no force acts across it"
     return [f"{neighbours}: the gap never closes in {count} {of_all}." for neighbours, count in runs.items()]
 
 
@@ -264,7 +268,7 @@ def _study(results: Results) -> Section:
 def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
     """How far the numbers go, in one line: rows, worst error, sensitivity and energy balance."""
     failed, error = len(failed_scenes(scene)), scene["error_estimate"].dropna()
-    said = [f"{counted(len(scene), 'row')}, {f'{failed} failed' if failed else 'all done'}"]
+    said = [f"{pluralize(len(scene), 'row')}, {f'{failed} failed' if failed else 'all done'}"]
     if len(error):
         of = "all" if len(error) == len(scene) else f"{len(error)}"
         said.append(f"no peak has a numerical error above {digits(error.max(), 1)} ({of} assessed)")

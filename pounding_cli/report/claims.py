@@ -16,7 +16,7 @@ import xarray as xr
 
 from pounding_cli.laws.joints import Connector
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.records import catalogue
+from pounding_cli.records import load_catalogue
 from pounding_cli.report.document import Section
 from pounding_cli.report.evidence import points_of, told
 from pounding_cli.report.table import NOTHING, digits, from_rows
@@ -295,8 +295,8 @@ def connection_closing(data: xr.Dataset) -> Iterator[Finding]:
 def scales(data: xr.Dataset) -> Iterator[Finding]:
     """The scales for equal Arias intensity over the analysed durations, over those of Table 1."""
     first, names = "elcentro", data["motion"].values.tolist()
-    for name in (each for each in names if each in catalogue() and each != first and first in names):
-        source, printed = str(data["record_source"].sel(motion=name).values.flat[0]), catalogue()[name].scale
+    for name in (each for each in names if each in load_catalogue() and each != first and first in names):
+        source, printed = str(data["record_source"].sel(motion=name).values.flat[0]), load_catalogue()[name].scale
         if not (source == "stand-in" and name in IMPLIED):
             # Arias intensity goes with the square of the scale; that of the file is of the motion as used
             scale, arias = (data[f"record_{what}"] for what in ("scale", "arias"))

@@ -13,7 +13,7 @@ from pounding_cli.report.claims import claim_texts, format_verdicts, judged
 from pounding_cli.report.document import Report
 from pounding_cli.report.table import NOTHING, shown
 from pounding_cli.results.tables import Table
-from pounding_cli.texts import cells, write_markdown
+from pounding_cli.texts import escape_formulas, write_markdown
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -45,7 +45,7 @@ def write_comparison(results: Mapping[str, Results], reports: Sequence[Report], 
     if len(claims):
         lines += _compared_claims(claims)
         files.append(folder / "comparison.csv")
-        cells(claims).to_csv(files[-1], index=False)
+        escape_formulas(claims).to_csv(files[-1], index=False)
     write_markdown(files[0], lines)
     return files
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence
 from pounding_cli.report.style import case_handles, finish, grid, looks, new_figure, shared_legend, styled
@@ -70,7 +70,7 @@ def _over_height(evidence: Evidence, building: str, line: Sequence[Panel], what:
         ax.set_title(str(values["analysis"].item()).capitalize(), loc="left")
         ax.set_xlabel(label)
         ax.axvline(1, color="0.35", lw=1.0, zorder=1)
-    text = f"{what}: mean over the {counted(len(evidence.records), 'motion')}; whiskers: smallest to largest."
+    text = f"{what}: mean over the {pluralize(len(evidence.records), 'motion')}; whiskers: smallest to largest."
     text += f" {motion_sentence(evidence.records)}"
     text += f" Point of the sweep: {evidence.label}." if evidence.label else ""
     text += " Grey and open: not meaningful for some motions." if evidence.void else ""

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
@@ -120,7 +120,7 @@ def _sentence(row: Row, unit: Unit) -> str:
     if all(digits(row[name], 3) in ("1.00", NOTHING) for name in ("ratio", "ratio_low", "ratio_high")):
         return f"{said}; pounding makes no difference in three digits."
     if not (row["ratio_low"] > 1 or row["ratio_high"] < 1):
-        return f"{said}; a difference that may be chance in {counted(int(row['motions']), 'motion')}."
+        return f"{said}; a difference that may be chance in {pluralize(int(row['motions']), 'motion')}."
     motion = "a weaker motion is enough" if row["ratio"] < 1 else "it takes a stronger motion"
     return f"{said}; with pounding {motion}, by a factor of {interval(row, 'ratio')}."
 
@@ -145,22 +145,22 @@ def median_text(row: Row, end: str, unit: Unit, named: str = "") -> str:
 def _notes(results: Results, spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the rows."""
     if (few := int(rows["motions"].min(skipna=True))) < FEWEST_TOLD:
-        yield f"No interval for fewer than {FEWEST_TOLD} motions: {counted(few, 'motion')} cannot tell it."
+        yield f"No interval for fewer than {FEWEST_TOLD} motions: {pluralize(few, 'motion')} cannot tell it."
     if rows["motions"].max(skipna=True) >= FEWEST_TOLD:
         share = f"{100 * spec['confidence']:.4g} %"
         yield f"In brackets: {share} interval of {spec['draws']} bootstrap draws of the motions, the same for both."
     if failed := int(results.attrs["scenes_failed"]):
-        yield f"{counted(failed, 'scene')} failed: counted neither as holding nor as passing."
+        yield f"{pluralize(failed, 'scene')} failed: counted neither as holding nor as passing."
     names = ("undecided", "undecided_motions")
     count = {name: int(rows[[name, f"{name}{ALONE}"]].sum().sum()) for name in names}
     if count["undecided"]:
         yield (
-            f"{counted(count['undecided'], 'scene')} ended with a collapse before the limit was passed (a scene that "
+            f"{pluralize(count['undecided'], 'scene')} ended with a collapse before the limit was passed (a scene that "
             "several rows need counts in each): counted neither as holding nor as passing."
         )
     if number := count["undecided_motions"]:
         yield (
-            f"{counted(number, 'motion is', 'motions are')} undecided: a collapse ended the scenes before the limit "
+            f"{pluralize(number, 'motion is', 'motions are')} undecided: a collapse ended the scenes before the limit "
             "was passed. A fit takes them to be like the others; from half of the motions on there is no curve."
         )
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from pounding_cli.model.links import BASE
 from pounding_cli.model.separation import ASCE7, EN1998
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
@@ -64,8 +64,8 @@ def gap_report(results: Results) -> Report:
         frame = results.answer(RATE).frame
         tables.insert(0, _for_rate(results, frame, unit))
         first = frame.iloc[0]
-        few = counted(int(first["intensities"]), "intensity", "intensities")
-        notes.insert(0, f"The gap for a rate rests on {few} of {counted(int(first['motions']), 'motion')}.")
+        few = pluralize(int(first["intensities"]), "intensity", "intensities")
+        notes.insert(0, f"The gap for a rate rests on {few} of {pluralize(int(first['motions']), 'motion')}.")
     frame = shown.here(answer.frame)
     said, pictures = list(_sentences(shown.here(pairs), frame, unit)), list[Picture]()
     if len(frame):
@@ -168,7 +168,7 @@ def _sentences(rows: pd.DataFrame, everywhere: pd.DataFrame, unit: Unit) -> Iter
     exact = _exact(everywhere)
     for pair, part in rows[rows["rule"] == EXACT].groupby("between", sort=False):
         said = [f"{pair}: required gap at {' or '.join(part['floors'].unique())}, "
-                f"{counted(int(part['motions'].max()), 'motion')}."]  # fmt: skip
+                f"{pluralize(int(part['motions'].max()), 'motion')}."]  # fmt: skip
         for row in _rows(part):
             words = f"{row['analysis'].capitalize()}: mean {unit.text(row['mean'], 4)}"
             words += f", largest {unit.text(row['largest'], 4)}"
@@ -193,7 +193,7 @@ def _notes(results: Results, frame: pd.DataFrame, unit: Unit, cases: pd.DataFram
     if few >= FEWEST_TOLD:
         yield f"In brackets: {CONFIDENCE:.0%} confidence."
     elif not np.isnan(few):
-        motions = counted(int(few), "motion")
+        motions = pluralize(int(few), "motion")
         yield f"No confidence interval for fewer than {FEWEST_TOLD} motions: {motions} cannot tell it."
     if len(cases) and len(results.resolved["places"]) > 2:
         yield (

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
@@ -118,7 +118,7 @@ def _over_motions(results: Results, row: Row) -> str:
     """Return what is taken of the number sought over several motions and points of a sweep; "" of the other rows."""
     if not row["over_motions"]:
         return ""
-    words = f", {row['over_motions']} of {counted(len(results.data['record']), 'motion')}"
+    words = f", {row['over_motions']} of {pluralize(len(results.data['record']), 'motion')}"
     if len(results.axes) > len(results.swept[-1]):
         words += f", {results.resolved['optimise']['over_sweep']} of the sweep"
     return words
@@ -157,7 +157,7 @@ def _sentences(results: Results, first: Row, design: Sequence[Row], unit: Unit) 
     of = next(row["of"] for row in design if row["quantity"] == "scenes with contact")
     contact = "contacts are not known, since a scene failed"
     if not np.isnan(count := at["scenes with contact"]):
-        contact = f"contact is left in {count:.0f} of {counted(of, 'scene')}" if count else "no contact is left"
+        contact = f"contact is left in {count:.0f} of {pluralize(of, 'scene')}" if count else "no contact is left"
     flags = ", ".join(name.partition(": ")[2] for name, number in at.items() if "flagged: " in name and number)
     left = f"At the optimum {contact}; {f'flagged: {flags}' if flags else 'nothing is flagged'}."
     worse = _worse(results, direction, sought, design)
@@ -178,10 +178,12 @@ def _notes(keys: pd.DataFrame) -> Iterator[str]:
     if first["outcome"] == UNSETTLED:
         yield "The search ended before the points of a generation were nearly as good: write more `generations:`."
     if first["failed"]:
-        yield f"{counted(int(first['failed']), 'point')} of {of} gave no number: a scene failed, or has no such number."
+        points = pluralize(int(first["failed"]), "point")
+        yield f"{points} of {of} gave no number: a scene failed, or has no such number."
     if first["meaningless"]:
+        points = pluralize(int(first["meaningless"]), "point")
         yield (
-            f"{counted(int(first['meaningless']), 'point')} of {of} were excluded: a link left the range in which its "
+            f"{points} of {of} were excluded: a link left the range in which its "
             "law has a meaning (`pound show FILE.h5 flagged`)."
         )
 

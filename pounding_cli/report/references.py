@@ -13,7 +13,7 @@ from pounding_cli import __version__
 from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.laws.foundation import FrictionPendulum
 from pounding_cli.methods import METHODS
-from pounding_cli.records import catalogue
+from pounding_cli.records import load_catalogue
 
 _ENTRY = re.compile(r"^@(\w+)\{([^,\s]+),\n(.*?)^\}$", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"^  (\w+) = \{(.*)\},?$", re.MULTILINE)
@@ -118,7 +118,7 @@ def _of_scenes(resolved: Mapping[str, Any], methods: Collection[str]) -> Iterato
 def motions(sources: Mapping[str, str]) -> Iterator[str]:
     """Where the motions come from, as far as the catalogue knows, one line each; `sources` as for `citations`."""
     for name, kind in sources.items():
-        known = catalogue().get(name)
+        known = load_catalogue().get(name)
         said = "your own file: cite its source"
         if known is not None and not kind.startswith("user"):
             what = f"{known.title}: {known.event}, {known.date}, magnitude {known.magnitude}, {known.station}"

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.laws import link_symbol
-from pounding_cli.numbers import count_histories, counted
+from pounding_cli.numbers import count_histories, pluralize
 from pounding_cli.report.background import advice, report_of, trust
 from pounding_cli.report.claims import claim_sections
 from pounding_cli.report.document import Report, Section
@@ -72,7 +72,7 @@ def sentences(shown: Evidence) -> list[str]:
         if ends:
             said.append(f"{column_of(ratio).label} {analysis} {'from ' * (len(ends) > 1)}{' to '.join(ends)}")
     where = f" at {shown.label}" if shown.label else ""
-    over = f", mean of {counted(len(shown.records), 'motion')}" if len(shown.records) > 1 else ""
+    over = f", mean of {pluralize(len(shown.records), 'motion')}" if len(shown.records) > 1 else ""
     return [f"{shown.main}{where}{over}, largest over the height: {'; '.join(said)}."] if said else []
 
 
@@ -160,7 +160,7 @@ def _gaps(results: Results) -> dict[tuple[str, str], str]:
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
         row = here.iloc[int((here["max_closing"] - here["gap"]).argmax())]
         struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
-        all_histories = count_histories(len(struck)) if results.axes else counted(len(struck), "motion")
+        all_histories = count_histories(len(struck)) if results.axes else pluralize(len(struck), "motion")
         closing = row["max_closing"]
         beyond = f"{digits(unit.number(closing - row['gap']), 3)} {unit.name}"
         number = f"{digits(unit.number(closing), 3)} of {unit.text(row['gap'])}"
@@ -201,5 +201,5 @@ def means(shown: Evidence) -> Table:
         rows.append(row)
     frame = pd.DataFrame(rows).dropna(axis=1, how="all").fillna(NOTHING)
     at = f" at {shown.label}" if shown.label else ""
-    what = f"Ratios to the building alone, mean of {counted(len(shown.records), 'motion')}{at}"
+    what = f"Ratios to the building alone, mean of {pluralize(len(shown.records), 'motion')}{at}"
     return from_records(what, frame.to_dict("records"))

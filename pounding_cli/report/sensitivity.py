@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
 from pounding_cli.report.evidence import Evidence, nominal
@@ -122,7 +122,7 @@ def spread_sentence(row: Mapping[Any, Any]) -> str:
     low, _, high = PERCENTILES
     what, unit = f"{row['output']}, case {row['case']}, {row['analysis']}", f" {row['unit']}".rstrip()
     if row["mean"] != row["mean"]:
-        return f"{what}: no distribution, {counted(int(row['failed']), 'sample')} gave no number."
+        return f"{what}: no distribution, {pluralize(int(row['failed']), 'sample')} gave no number."
     between = " to ".join(digits(row[f"percentile_{part}"], 3) for part in (low, high))
     return f"{what}: mean {interval(row, 'mean')}{unit}; {high - low} % of the samples from {between}{unit}."
 
@@ -142,7 +142,7 @@ def _notes(results: Results, frame: pd.DataFrame) -> Iterator[str]:
         yield "Claims of the paper and their thresholds: `pound report` of a run, or docs/reproduction.md."
     if failed := int(frame["failed"].max()):
         yield (
-            f"Where samples gave no number (up to {counted(failed, 'sample')}) there is no index: leaving them out "
+            f"Where samples gave no number (up to {pluralize(failed, 'sample')}) there is no index: leaving them out "
             "would bias it."
         )
 

@@ -13,7 +13,7 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec
 
-from pounding_cli.texts import file_name, write_markdown
+from pounding_cli.texts import to_file_name, write_markdown
 
 if TYPE_CHECKING:  # matplotlib is loaded when something is drawn
     from matplotlib.axes import Axes
@@ -194,7 +194,7 @@ def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]) ->
     results; of figures for a paper their captions too; returns the files."""
     files = []
     for name, figure in figures.items():
-        there = {suffix: folder / f"{file_name(name)}.{suffix}" for suffix in FORMATS}
+        there = {suffix: folder / f"{to_file_name(name)}.{suffix}" for suffix in FORMATS}
         for suffix, path in there.items():
             if suffix in formats or path.exists():
                 files.append(path)

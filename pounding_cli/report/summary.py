@@ -11,7 +11,7 @@ import textwrap
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 
 PIPE_WIDTH = 250
 """Characters of a line where no terminal sets them: nothing is cut or wrapped."""
@@ -68,7 +68,7 @@ class Summary:
         for table in self.tables:
             print(table.lay_out(width), end="")
             if table.more > 0:
-                print(f"{counted(table.more, 'more row')}: pound report, or pound show")
+                print(f"{pluralize(table.more, 'more row')}: pound report, or pound show")
         for paragraph in self.paragraphs:
             print(textwrap.fill(paragraph, PARAGRAPH_WIDTH, break_long_words=False, break_on_hyphens=False))
 

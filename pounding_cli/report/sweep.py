@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
 from pounding_cli.report.figures import RESPONSES as PANELS
@@ -251,7 +251,7 @@ def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any]) ->
     """What is drawn, in a sentence without its full stop."""
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
     where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
-    what = f"Mean over the {counted(len(shown.records), 'motion')}, at the place where it is largest"
+    what = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
     return "; ".join([f"{motion_sentence(shown.records)} {what}", *where])
 
 

@@ -15,7 +15,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.report.summary import TextTable
 from pounding_cli.results import tables
 from pounding_cli.results.tables import Column, Table
-from pounding_cli.texts import cells
+from pounding_cli.texts import escape_formulas
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import Results
@@ -83,7 +83,7 @@ def shown(table: Table, most: int | None = None) -> pd.DataFrame:
 def to_csv(table: Table, folder: Path) -> Path:
     """Write all rows with all digits in SI; returns the file."""
     path = folder / f"{table.name}.csv"
-    cells(table.frame).to_csv(path, index=False)
+    escape_formulas(table.frame).to_csv(path, index=False)
     return path
 
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 from pounding_cli.results.changes import changed_keys
 from pounding_cli.results.results import Results
-from pounding_cli.variables import COORDINATES, COUNTED, ITSELF, PLACE, RESPONSES
+from pounding_cli.variables import COORDINATE_VARIABLES, EXACT, ITSELF, PLACE, RESPONSES
 
 ROUNDING = 1e-12
 """Relative difference [-] that two machines may show in the same computation."""
@@ -106,17 +106,19 @@ def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
     pairs = [(each["error_estimate"].fillna(accuracy).clip(ROUNDING / 2), accuracy) for each, accuracy in accuracies]
     estimated, asked = sum(estimate for estimate, _ in pairs), sum(np.fmax(*pair) for pair in pairs)
     for v in RESPONSES:
-        if not (v.judged and v.name in one and v.name in other):
+        if not (v.difference_scale and v.name in one and v.name in other):
             continue
         a, b = one[v.name], other[v.name]
         size: Any = np.fmax(abs(a), abs(b))
         error, is_known = asked, (np.isfinite(a) | np.isfinite(b)) & here
-        if v.judged == COUNTED:
+        if v.difference_scale == EXACT:
             error = 0.0 * asked
-        elif v.judged == ITSELF:  # the estimate of a building alone stands in no table: it is no worse than asked
+        elif (
+            v.difference_scale == ITSELF
+        ):  # the estimate of a building alone stands in no table: it is no worse than asked
             error = asked if v.alone else estimated
         else:  # near zero it has no relative error
-            whole: Any = np.fmax(abs(one[v.judged]), abs(other[v.judged]))
+            whole: Any = np.fmax(abs(one[v.difference_scale]), abs(other[v.difference_scale]))
             size = whole.max(v.dims[len(PLACE) :])
         with np.errstate(invalid="ignore", divide="ignore"):
             difference = (abs(a - b) / size).where(a != b, 0.0).fillna(np.inf).where(is_known, 0.0)
@@ -134,4 +136,4 @@ def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
 def _words(dims: Iterable[Any], place: Iterable[Any]) -> str:
     """A place of the tables: "cases.gap.gap = 0.05, gap, elastic, elcentro"."""
     named = zip(dims, place, strict=True)
-    return ", ".join(str(value) if dim in COORDINATES else f"{dim} = {value}" for dim, value in named)
+    return ", ".join(str(value) if dim in COORDINATE_VARIABLES else f"{dim} = {value}" for dim, value in named)

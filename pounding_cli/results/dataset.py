@@ -18,7 +18,7 @@ from pounding_cli import __version__, variables
 from pounding_cli.model.links import link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
 from pounding_cli.results.group import Array, Group
 from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
@@ -63,8 +63,8 @@ def contents(plan: Plan, solved: Solved) -> Group:
     for name, each in found.items():
         attrs: dict[str, Any] = {"units": VARIABLES[name].unit} if VARIABLES[name].unit else {}
         attrs["long_name"] = VARIABLES[name].text
-        if name in variables.WRITTEN:
-            attrs |= unit_attributes(plan.study.unit(variables.WRITTEN[name]))
+        if name in variables.DISPLAY_QUANTITIES:
+            attrs |= unit_attributes(plan.study.unit(variables.DISPLAY_QUANTITIES[name]))
         found[name] = each._replace(attrs=attrs)
     beside = {v.name: found.pop(v.name) for v in variables.RECORDS}
     return Group(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
@@ -157,7 +157,7 @@ def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
         struck = {plan.links.places[link].struck_storey for link in np.flatnonzero(mine > 1).tolist()}
         worst = int(np.nanargmax(mine))
         building, storey = plan.links.places[worst].struck_storey
-        more = f", and {counted(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
+        more = f", and {pluralize(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
         where = f"{plan.buildings[building]} storey {storey}"
         times = f"{mine[worst]:.3g} times their share of the yield shear"
         flag = Flag("columns overloaded by a blow", f"{where}, {times}{more}", float(mine[worst]))
@@ -192,7 +192,7 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
             "link_right_floor": np.array(right_floor),
         }
     for name, each in values.items():
-        unit, text = variables.COORDINATES[name]
+        unit, text = variables.COORDINATE_VARIABLES[name]
         array = each if isinstance(each, np.ndarray) else np.array(each, object)
         found[name] = Array((name.split("_")[0],), array, ({"units": unit} if unit else {}) | {"long_name": text})
     return found

@@ -15,7 +15,7 @@ from pounding_cli.outputs import check_output
 from pounding_cli.results.file import has_seal, put
 from pounding_cli.results.group import Group, content
 from pounding_cli.results.results import Results
-from pounding_cli.texts import cells
+from pounding_cli.texts import escape_formulas
 
 FORMATS = {"csv": ".csv", "parquet": ".parquet", "excel": ".xlsx", "netcdf": ".nc"}
 """Format -> suffix of its files."""
@@ -98,7 +98,7 @@ def _is_table(frame: pd.DataFrame, path: Path, head: bytes) -> bool:
 
 
 def _csv(frame: pd.DataFrame) -> bytes:
-    return cells(frame).to_csv(index=False, lineterminator="\n").encode()
+    return escape_formulas(frame).to_csv(index=False, lineterminator="\n").encode()
 
 
 def _parquet(results: Results, name: str, frame: pd.DataFrame) -> bytes:
@@ -123,5 +123,5 @@ def _excel(frames: Mapping[str, pd.DataFrame]) -> bytes:
     sink = io.BytesIO()
     with pd.ExcelWriter(sink, engine="openpyxl") as book:
         for name, frame in frames.items():
-            cells(frame).to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
+            escape_formulas(frame).to_excel(book, sheet_name=name, index=False, freeze_panes=(1, 0))
     return sink.getvalue()

@@ -16,7 +16,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
 from pounding_cli.results.group import Array, Group, content
 from pounding_cli.results.tables import Column, Table
-from pounding_cli.texts import plain
+from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -178,7 +178,7 @@ def read_table(path: Path, name: str) -> Table:
 def plain_value(value: Any) -> Any:
     """An attribute or a coordinate as Python has it, without control characters."""
     value = value.item() if isinstance(value, np.generic) else value
-    return plain(value) if isinstance(value, str) else value
+    return escape_controls(value) if isinstance(value, str) else value
 
 
 def unit_attributes(unit: Unit) -> dict[str, Any]:

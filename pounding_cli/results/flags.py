@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.numbers import Unit, counted
+from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.solver.response import OUTCOMES
 
@@ -48,7 +48,7 @@ class FlagGroup:
     scenes: str
 
     def __str__(self) -> str:
-        where = f"{self.case}, {self.analysis}, {self.count} of {counted(self.of, 'row')} ({self.scenes})"
+        where = f"{self.case}, {self.analysis}, {self.count} of {pluralize(self.of, 'row')} ({self.scenes})"
         if not self.detail:
             return f"{where}: {self.flag}"
         if self.count > 1 and self.worst:

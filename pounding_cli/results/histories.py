@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.results.group import Array, Group
 from pounding_cli.solver.response import DONE
 
@@ -186,7 +186,7 @@ class History:
     def __repr__(self) -> str:
         time, links = self.time, self.frame("link_force").shape[1]
         step = f" every {1000 * time[1]:.4g} ms" if time.size > 1 else ""
-        said = f"{counted(links, 'link')}; {time[-1]:.4g} s{step}, {counted(time.size, 'time')}"
+        said = f"{pluralize(links, 'link')}; {time[-1]:.4g} s{step}, {pluralize(time.size, 'time')}"
         return f"History({', '.join(self.buildings)}; {said})"
 
     def _repr_html_(self) -> str:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.effects import RESIDUAL_DRIFTS
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.results.flags import point_label
 from pounding_cli.solver.response import DONE
-from pounding_cli.texts import escape_formulas
+from pounding_cli.texts import escape_formula_list
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,7 +67,7 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     records = results.records()
     ground = wide[scene].merge(records[[*(key for key in scene if key in records), "pga"]], how="left")
     labels = [point_label(row, list(results.axes), results.units) for row in wide[scene].to_dict("records")]
-    demand = wide.drop(columns=scene).set_axis(escape_formulas(labels))
+    demand = wide.drop(columns=scene).set_axis(escape_formula_list(labels))
     demand.insert(0, f"PFA-0-{direction}", ground["pga"].to_numpy())
     units = {name: UNITS[name.split("-")[0]] for name in demand.columns}
     return pd.concat([pd.DataFrame(units, index=["Units"]), demand]), len(points) - len(demand)
@@ -84,5 +84,5 @@ def _refuse_without_residual_drifts(results: Results) -> None:
 def left_out_in_words(count: int, of: int) -> str:
     """What to do about scenes that are left out."""
     verb = "is" if count == 1 else "are"
-    told = f"{count} of {counted(of, 'scene')} collapsed, failed or have no residual drift and {verb} left out"
+    told = f"{count} of {pluralize(of, 'scene')} collapsed, failed or have no residual drift and {verb} left out"
     return f"{told} (pound show FILE flagged): give Pelicun the share that collapsed as probability of collapse"

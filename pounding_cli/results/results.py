@@ -16,15 +16,26 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, count_histories, counted
+from pounding_cli.numbers import Unit, count_histories, pluralize
 from pounding_cli.records.scaling import SpectrumMatch
 from pounding_cli.results.file import kept, opened, plain_value, read_table, written
 from pounding_cli.results.flags import flagged_scenes, is_void
 from pounding_cli.results.histories import History
 from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
 from pounding_cli.solver.response import COLLAPSED
-from pounding_cli.texts import plain, plain_tree
-from pounding_cli.variables import FLOOR, LINK, OF_COLUMNS, PLACE, RATIOS, RESPONSES, SCENES, STOREY, VARIABLES, WRITTEN
+from pounding_cli.texts import escape_controls, escape_controls_in_tree
+from pounding_cli.variables import (
+    DISPLAY_QUANTITIES,
+    FLOOR,
+    LINK,
+    OF_COLUMNS,
+    PLACE,
+    RATIOS,
+    RESPONSES,
+    SCENES,
+    STOREY,
+    VARIABLES,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -90,18 +101,20 @@ class Results:
         self.answers = tuple(json.loads(self.attrs.get("answers", "[]")))
         self.study_text, self.resolved_text = (str(data[name].item()) for name in ("study_text", "study_resolved"))
         self.warnings = tuple(Problem(**each) for each in json.loads(str(data["study_warnings"].item())))
-        self.assumed_heights: tuple[str, ...] = tuple(map(plain, json.loads(self.attrs["assumed_heights"])))
+        self.assumed_heights: tuple[str, ...] = tuple(map(escape_controls, json.loads(self.attrs["assumed_heights"])))
         self.methods: tuple[str, ...] = tuple(json.loads(self.attrs["methods"]))
         self.swept: list[list[str]] = json.loads(self.attrs["swept"])
         keys = [name for names in self.swept for name in names]
         self.axes: dict[str, list[Any]] = {name: list(map(plain_value, data[name].values.tolist())) for name in keys}
         self.units: dict[str, Unit] = {name: written(data[name].attrs) for name in keys}
-        self.units |= {name.removeprefix("record_"): written(data[name].attrs) for name in WRITTEN if name in data}
+        self.units |= {
+            name.removeprefix("record_"): written(data[name].attrs) for name in DISPLAY_QUANTITIES if name in data
+        }
 
     @cached_property
     def resolved(self) -> dict[str, Any]:
         """The study with every default filled in, SI."""
-        return plain_tree(json.loads(self.resolved_text))
+        return escape_controls_in_tree(json.loads(self.resolved_text))
 
     @cached_property
     def walls(self) -> tuple[str, ...]:
@@ -326,7 +339,7 @@ class Results:
         said = []
         for dim, word in words.items():
             names = self.data[dim].values.tolist()
-            said.append(counted(len(names), *word) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
+            said.append(pluralize(len(names), *word) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
         if self.axes:
             said.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
         failed = f" ({self.attrs['scenes_failed']} failed)" if self.attrs["scenes_failed"] else ""

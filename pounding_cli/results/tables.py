@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from pounding_cli.numbers import Unit
-from pounding_cli.variables import COORDINATES, VARIABLES
+from pounding_cli.variables import COORDINATE_VARIABLES, VARIABLES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,17 +76,17 @@ _OTHERS = {
     "at": ("1", "height of the blow: part of the height of the storey"),
     "by": ("", "building whose slab strikes"),
     "by_floor": ("1", "its floor"),
-    "left": COORDINATES["link_left"],
-    "right": COORDINATES["link_right"],
-    "right_floor": COORDINATES["link_right_floor"],
+    "left": COORDINATE_VARIABLES["link_left"],
+    "right": COORDINATE_VARIABLES["link_right"],
+    "right_floor": COORDINATE_VARIABLES["link_right_floor"],
 }
 """Columns that are no variables of the file."""
 
 
 def column_of(name: str, table: str = "") -> Column:
     """What a column of a table of `Results` means, in SI units; "" of text and swept keys."""
-    if name in _OTHERS or name in COORDINATES:
-        si, text = {**COORDINATES, **_OTHERS}["link_floor" if (table, name) == ("link", "floor") else name]
+    if name in _OTHERS or name in COORDINATE_VARIABLES:
+        si, text = {**COORDINATE_VARIABLES, **_OTHERS}["link_floor" if (table, name) == ("link", "floor") else name]
         label = "floor right" if name == "right_floor" else name.replace("_", " ")
     elif variable := VARIABLES.get(name) or VARIABLES.get(f"record_{name}"):
         si, text, label = variable.unit, variable.text, variable.label or name.replace("_", " ")

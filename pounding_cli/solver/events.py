@@ -26,7 +26,7 @@ from pounding_cli.solver.dispatch import next_branch
 from pounding_cli.solver.options import CALLED, FLOAT, INVERSE, PART
 from pounding_cli.solver.polynomial import NEVER, first_crossing, value
 from pounding_cli.solver.records import COLLAPSED
-from pounding_cli.solver.series import LAST_DIGITS, LAST_OF_FIT, told
+from pounding_cli.solver.series import LAST_DIGITS, LAST_OF_FIT, zero_if_rounding
 from pounding_cli.solver.stick import find_drive, hold_or_release
 
 VALUE, ITS_FORCE, RATE, RATE_AND_SLOPE = 1, 2, 3, 4
@@ -97,7 +97,7 @@ def ends_of_elements(dofs, elements, terms, r):
         if e >= r.n and (abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO):  # what floors have come to stays in their sums
             of_v = max(of_v, max(left.u_max, -left.u_min))
             of_rate = max(of_rate, left.fastest)
-        el.v1, el.r1 = told(v, of_v, LAST_DIGITS), told(rate, of_rate, LAST_DIGITS)
+        el.v1, el.r1 = zero_if_rounding(v, of_v, LAST_DIGITS), zero_if_rounding(rate, of_rate, LAST_DIGITS)
 
 
 @njit(**CALLED)
@@ -131,7 +131,7 @@ def rate_series(dofs, elements, terms, r, e):
         for x in range(el.first, el.last):
             part = terms[x].weight * dofs[terms[x].dof].w[k]
             total, size = total + part, size + abs(part)
-        p[k] = told(total, size, rounding)
+        p[k] = zero_if_rounding(total, size, rounding)
     if el.pinned >= RATE or el.r0 == 0.0:
         p[0] = el.r0
     if el.pinned == RATE_AND_SLOPE:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 
 if TYPE_CHECKING:
     from pounding_cli.model.effects import DroppedEffect
@@ -213,5 +213,5 @@ class Response:
         shears = ", ".join(f"{each.shear.max():.4g}" for each in self.buildings)
         impacts = ""
         if self.links.impacts.size and self.has_result:
-            impacts = f"; {counted(int(self.links.impacts.sum()), 'impact')}"
+            impacts = f"; {pluralize(int(self.links.impacts.sum()), 'impact')}"
         return f"Response({self.status}; {self.method}; largest storey shears {shears} N{impacts})"

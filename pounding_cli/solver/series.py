@@ -30,9 +30,13 @@ polynomial was fitted to (`smooth`), which multiplies rounding."""
 
 
 @njit(**PART)
-def told(total, size, rounding):
-    """A sum of terms whose sizes add up to `size`, or exactly 0 where what is left of them is rounding."""
-    return total if abs(total) > rounding * size else 0.0
+def zero_if_rounding(total, magnitude, tolerance):
+    """Return `total`, or exactly 0 where it is only rounding error.
+
+    magnitude : sum of the absolute values of the terms of `total`
+    tolerance : relative size below which a sum counts as rounding error [-]
+    """
+    return total if abs(total) > tolerance * magnitude else 0.0
 
 
 @njit(**PART)

@@ -19,7 +19,7 @@ from pounding_cli.solver.events import ends_of_elements, integral, rate_series
 from pounding_cli.solver.options import CALLED, PART, bare
 from pounding_cli.solver.polynomial import value
 from pounding_cli.solver.records import NOT_FINITE, STEP_BOUND, Room
-from pounding_cli.solver.series import push, push_by_storey, told
+from pounding_cli.solver.series import push, push_by_storey, zero_if_rounding
 
 _TABLES = {
     name: np.array(values)
@@ -249,7 +249,7 @@ def _fit_force(el, r, s, state, formula, storey):
             size = 0.0
             for place in range(POINTS):
                 size += abs(FIT[k, place] * r.values[place])
-            f = told(f, size, LAST_OF_SUM)  # events ask for the first coefficient that is not zero
+            f = zero_if_rounding(f, size, LAST_OF_SUM)  # events ask for the first coefficient that is not zero
         s.f[k] = f
 
 

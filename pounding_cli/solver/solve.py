@@ -14,7 +14,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.slider import Slider
-from pounding_cli.methods import Method, method_named
+from pounding_cli.methods import Method, get_method
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
@@ -209,8 +209,8 @@ def prepare(
 ) -> Prepared:
     """Scenes of one layout, laid out for their runs; `times` [s]: what is kept of one scene over time. Other parameters
     and errors as of `solve`."""
-    chosen = method_named(method)
-    setting = chosen.checked(accuracy, time_step)
+    chosen = get_method(method)
+    setting = chosen.check_setting(accuracy, time_step)
     for scene in scenes:
         if reason := refusal_of(chosen, scene):
             hint = "write `method: taylor`, which runs every scene"

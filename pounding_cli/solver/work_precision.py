@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.methods import METHODS, method_named
+from pounding_cli.methods import METHODS, get_method
 from pounding_cli.model.scene import Scene
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.solver.response import DONE, Response
 from pounding_cli.solver.solve import refusal_of, solve
 
@@ -73,7 +73,7 @@ def errors_of(found: Response, reference: Response) -> dict[str, float]:
 
 def chosen(names: Sequence[str]) -> tuple[str, ...]:
     """Methods by name, all of them when none is named.  Raises `InputError` for a name that is no method."""
-    return tuple(dict.fromkeys(method_named(name).name for name in names)) or tuple(METHODS)
+    return tuple(dict.fromkeys(get_method(name).name for name in names)) or tuple(METHODS)
 
 
 def _solved(scene: Scene, name: str, setting: float) -> Response:
@@ -98,12 +98,12 @@ def measure(
     ended = "the budget ended (--budget gives more)"
     for number, (place, scene) in enumerate(order):
         if number and spent >= budget:
-            left_out.append(f"{len(order) - number} of {counted(len(order), 'scene')}: {ended}")
+            left_out.append(f"{len(order) - number} of {pluralize(len(order), 'scene')}: {ended}")
             break
         tell(", ".join(place.values()))
         begin = time.perf_counter()
         able = [name for name in methods if not refusal_of(METHODS[name], scene)]
-        short = dataclasses.replace(scene, motion=scene.motion.windowed(WARM_UP * scene.motion.dt))
+        short = dataclasses.replace(scene, motion=scene.motion.cut_to(WARM_UP * scene.motion.dt))
         for name in {*able, REFERENCE[0], SECOND[0]}:
             _solved(short, name, 1e-4)
         compiled = time.perf_counter()
@@ -116,14 +116,14 @@ def measure(
             for name in able:
                 rows = list(_tried(scene, name, reference, share))
                 runs += [{**place, **row} for row in rows]
-                skipped.update((name, setting) for setting in METHODS[name].setting.tried[len(rows) :])
+                skipped.update((name, setting) for setting in METHODS[name].setting.trial_values[len(rows) :])
         else:
             ends = f"{reference.status}, {second.status}"
             left_out.append(f"{', '.join(place.values())}: the reference did not end ({ends})")
         spent += time.perf_counter() - compiled
         compiling += compiled - begin
     for (name, setting), count in skipped.items():
-        left_out.append(f"{name} at {METHODS[name].setting.text(setting)} on {counted(count, 'scene')}: {ended}")
+        left_out.append(f"{name} at {METHODS[name].setting.text(setting)} on {pluralize(count, 'scene')}: {ended}")
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 
@@ -135,7 +135,7 @@ def noise_of_least(seconds: Sequence[float]) -> float:
 
 def _tried(scene: Scene, name: str, reference: Response, allowed: float) -> Iterator[dict[str, Any]]:
     """Runs of one method from coarse to fine, one at least, as far as the time allowed [s] reaches."""
-    begin, last, before, settings = time.perf_counter(), 0.0, 0.0, METHODS[name].setting.tried
+    begin, last, before, settings = time.perf_counter(), 0.0, 0.0, METHODS[name].setting.trial_values
     for setting in settings:
         longer = before / setting if METHODS[name].takes_step else 1.0
         if last and time.perf_counter() - begin + last * longer > allowed:

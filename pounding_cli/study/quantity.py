@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError, core_schema
 
-from pounding_cli.units import GRAVITY, KNOWN_UNITS, Dimension, factor, measure
+from pounding_cli.units import GRAVITY, KNOWN_UNITS, Dimension, find_unit_factor, parse_unit
 
 LENGTHS = {"cm": 1e-2, "mm": 1e-3, "m": 1.0}
 MASSES = {"t": 1e3, "kg": 1.0}
@@ -229,7 +229,7 @@ class Quantity(Read):
         if found[3] is None:
             return number
         try:
-            one = factor(found[3], self.si)
+            one = find_unit_factor(found[3], self.si)
         except ValueError:
             hint = f"{self.wanted}; the units are {KNOWN_UNITS}, and products such as kN/mm"
             raise refuse(f"'{found[3]}' is not a unit this program knows{_slip(value)}", hint) from None
@@ -241,7 +241,7 @@ class Quantity(Read):
     def _meant_by(self, number: float, unit: str) -> str:
         """Return what to write where the unit is that of a related quantity: a weight for a mass, the coefficient of a
         damper for its force at 1 m/s; "" where it is of none."""
-        size, dimension = measure(unit)
+        size, dimension = parse_unit(unit)
         mass, length, time = dimension
         if self.si == "kg" and dimension == (1.0, 1.0, -2.0):
             return f"write the mass; a weight of {number:g} {unit} is that of `{number * size / GRAVITY / 1e3:.4g} t`"
@@ -364,7 +364,7 @@ def measured(value: Any) -> Measured:
     """A number with any unit, or none."""
     unit = written_unit(value)
     try:
-        one, dimension = measure(unit) if unit else (1.0, (0.0, 0.0, 0.0))
+        one, dimension = parse_unit(unit) if unit else (1.0, (0.0, 0.0, 0.0))
     except ValueError:
         hint = f"write e.g. 20 kN/mm or 5e12 N/m^3; the units are {KNOWN_UNITS}"
         raise refuse(f"'{unit}' is not a unit this program knows", hint) from None

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from pounding_cli.points import Point
+    from pounding_cli.points import SweepPoint
     from pounding_cli.report.document import Picture
 
 SHOWN = ("peak_force", "separation", "wall_stress", "averaged_stress")
@@ -43,7 +43,7 @@ def cites(study: Study) -> dict[str, str]:
     }
 
 
-def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
+def pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
     """The stresses at the last point, and histories."""
     from pounding_cli.report.document import Picture
 
@@ -56,11 +56,13 @@ def pictures(title: str, points: Sequence[Point]) -> list[Picture]:
 
 
 @styled
-def draw_stress(title: str, point: Point) -> Figure:
+def draw_stress(title: str, point: SweepPoint) -> Figure:
     """Von Mises stress on the mesh: its envelope, and at its peak around the contact."""
     from matplotlib.collections import PolyCollection
 
-    data, study, length = point.data, point.study, point.study.wall.length
+    data = point.data
+    study = point.study
+    length = point.study.wall.length
     shown = data["outline"].to_numpy()
     figure = new_figure(7.4, 6.6)
     whole, near = figure.subplots(1, 2, width_ratios=(1, 1.9))
@@ -75,7 +77,8 @@ def draw_stress(title: str, point: Point) -> Figure:
         ax.set(xlabel="x [m]", aspect="equal")
         ax.set_title(heading, loc="left")
         ax.grid(False)
-    half, contact = min(1.0, length / 2), 0.5 * sum(study.patch)
+    half = min(1.0, length / 2)
+    contact = 0.5 * sum(study.patch)
     whole.set(xlim=(-0.4, length + 0.6), ylim=(-0.3, study.frame.height + 0.5), ylabel="height [m]")
     whole.hlines(study.frame.floors, length, length + 0.5, color="0.5", lw=2)
     near.set(xlim=(-0.2, 2 * half + 0.2), ylim=(contact - half, contact + half))
@@ -86,12 +89,13 @@ def draw_stress(title: str, point: Point) -> Figure:
 
 
 @styled
-def draw_histories(title: str, points: Sequence[Point]) -> Figure:
+def draw_histories(title: str, points: Sequence[SweepPoint]) -> Figure:
     """Contact force, speed of the striker, energies of the last point, and averaged stress against distance."""
     figure = new_figure(9.2, 6.4)
     (force, speed), (energy, face) = figure.subplots(2, 2)
     for color, point in zip(_COLORS, points, strict=False):
-        data, ms = point.data, 1e3 * point.data["time"]
+        data = point.data
+        ms = 1e3 * point.data["time"]
         force.plot(ms, data["force"] / 1e6, color=color, lw=1.4, label=point.label)
         speed.plot(ms, data["velocity"], color=color, lw=1.4)
         face.plot(data["cell_stress"] / 1e6, data["cell_height"] - 0.5 * sum(point.study.patch), color=color)

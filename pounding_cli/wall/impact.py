@@ -18,7 +18,7 @@ from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVecto
 from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.points import value
+from pounding_cli.points import to_variable
 from pounding_cli.wall.study import Section, Study
 
 MOST_ELEMENTS, MOST_STEPS = 250_000, 200_000
@@ -41,27 +41,34 @@ def solve(study: Study) -> xr.Dataset:
 
     Raises InputError where it would take too many steps or gave a number that is not finite, with what to change.
     """
-    system, end = build(study), study.time.end
+    system = build_system(study)
+    end = study.time.end
     wished = natural_step(system, study) if isinstance(study.time.step, str) else study.time.step
     if end / wished > MOST_STEPS:
         hint = f"give an earlier `time.end`, e.g. {MOST_STEPS / 10 * wished:.1g} s, or a heavier striker"
         raise InputError(Problem(f"an impact this short needs {end / wished:.0f} time steps", hint))
     steps = max(10, math.ceil(end / wished - 1e-9))
-    history, largest, then, at_peak = list[tuple[float, ...]](), dict[str, Any](), dict[str, Any](), 0.0
-    for instant, u in integrate(system, study, steps):
+    history = list[tuple[float, ...]]()
+    largest = dict[str, Any]()
+    then = dict[str, Any]()
+    at_peak = 0.0
+    for instant, u in integrate_impact(system, study, steps):
         now = {name: each @ u for name, each in system.read.items()}
         now |= {name: von_mises(now[name]) for name in ("elements", "cells")}
         if not history or now["elements"].max() > then["elements"].max():
-            then, at_peak = now, instant[0]
+            then = now
+            at_peak = instant[0]
         largest = {name: np.maximum(np.abs(values), largest.get(name, 0.0)) for name, values in now.items()}
         history.append(instant)
     run = dict(zip(HISTORIES, np.array(history).T, strict=True))
-    time, force = run["time"], run["force"]
+    time = run["time"]
+    force = run["force"]
     energy = run["striker_energy"] + run["kinetic_energy"] + run["strain_energy"]
     if not (np.isfinite(energy).all() and energy[0] > 0 and force.max() > 0):
         hint = "give speeds, masses and stiffnesses that differ by fewer powers of ten"
         raise InputError(Problem("the response is not finite, or too small to compute with", hint))
-    off, (low, high) = float(np.abs(energy / energy[0] - 1).max()), study.patch
+    off = float(np.abs(energy / energy[0] - 1).max())
+    low, high = study.patch
     notes = []
     if study.contact.over == "patch" and high - low < study.contact.patch * (1 - 1e-9):
         notes.append(f"the patch ends with the wall: {high - low:.3g} m of {study.contact.patch:.3g} m touch")
@@ -69,39 +76,45 @@ def solve(study: Study) -> xr.Dataset:
         notes.append(f"still in contact at {time[-1]:.3g} s: give a later `time.end`")
     if off > 5e-3:
         notes.append("the energy balance is open by more than 0.5 %: give a smaller `time.step`")
-    averaged, (shear, moment) = largest["cells"], largest["rows"].reshape(-1, 2).max(axis=0)
+    averaged = largest["cells"]
+    shear, moment = largest["rows"].reshape(-1, 2).max(axis=0)
     distance = np.abs(system.cell_height - 0.5 * (low + high))
-    found = {
-        "peak_force": value("N", "largest contact force", force.max()),
-        "peak_time": value("s", "time of the largest contact force", time[np.argmax(force)]),
-        "separation": value("s", "first time the striker leaves the wall", separation(time, force)),
-        "last_contact": value("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
-        "impulse": value("N s", "impulse of the contact force", float(np.trapezoid(force, time))),
-        "energy_residual": value("1", "largest open part of the energy balance, over the first energy", off),
-        "wall_stress": value("N/m2", "largest von Mises stress of an element", largest["elements"].max()),
-        "averaged_stress": value("N/m2", "largest von Mises stress, averaged over the length stated", averaged.max()),
+    values_by_name = {
+        "peak_force": to_variable("N", "largest contact force", force.max()),
+        "peak_time": to_variable("s", "time of the largest contact force", time[np.argmax(force)]),
+        "separation": to_variable("s", "first time the striker leaves the wall", find_separation_time(time, force)),
+        "last_contact": to_variable("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
+        "impulse": to_variable("N s", "impulse of the contact force", float(np.trapezoid(force, time))),
+        "energy_residual": to_variable("1", "largest open part of the energy balance, over the first energy", off),
+        "wall_stress": to_variable("N/m2", "largest von Mises stress of an element", largest["elements"].max()),
+        "averaged_stress": to_variable(
+            "N/m2", "largest von Mises stress, averaged over the length stated", averaged.max()
+        ),
     }
     for name, members in (("beam", slice(system.beams)), ("column", slice(system.beams, None))):
         text = f"largest edge stress of the {name}s"
-        found[f"{name}_stress"] = value("N/m2", text, largest["members"][members].max())
+        values_by_name[f"{name}_stress"] = to_variable("N/m2", text, largest["members"][members].max())
         text = f"{text} at the instant of the wall's peak"
-        found[f"{name}_stress_then"] = value("N/m2", text, np.abs(then["members"][members]).max())
-    found |= {
-        "wall_shear": value("N", "largest shear force in a cross-section of the wall", shear),
-        "wall_moment": value("N m", "largest bending moment in a cross-section of the wall", moment),
-        "reach": value("m", "farthest from the contact that the averaged stress exceeds half its largest",
+        values_by_name[f"{name}_stress_then"] = to_variable("N/m2", text, np.abs(then["members"][members]).max())
+    values_by_name |= {
+        "wall_shear": to_variable("N", "largest shear force in a cross-section of the wall", shear),
+        "wall_moment": to_variable("N m", "largest bending moment in a cross-section of the wall", moment),
+        "reach": to_variable("m", "farthest from the contact that the averaged stress exceeds half its largest",
                        reach(distance, averaged)),
-        "step": value("s", "time step", end / steps),
-        "freedoms": value("1", "degrees of freedom", float(system.M.size)),
-        "time_of_peak": value("s", "instant of the largest stress of an element", at_peak),
-        "cell_height": value("m", "height of a cell at the struck face", system.cell_height, "cell"),
-        "cell_stress": value("N/m2", "largest von Mises stress of the mean stress in a cell", averaged, "cell"),
-        "outline": value("m", "corners of every element", system.mesh.p.T[system.mesh.t.T], "element", "side", "axis"),
-        "stress_peak": value("N/m2", "von Mises stress of every element at the peak", then["elements"], "element"),
-        "stress_envelope": value("N/m2", "largest von Mises stress of every element", largest["elements"], "element"),
+        "step": to_variable("s", "time step", end / steps),
+        "freedoms": to_variable("1", "degrees of freedom", float(system.M.size)),
+        "time_of_peak": to_variable("s", "instant of the largest stress of an element", at_peak),
+        "cell_height": to_variable("m", "height of a cell at the struck face", system.cell_height, "cell"),
+        "cell_stress": to_variable("N/m2", "largest von Mises stress of the mean stress in a cell", averaged, "cell"),
+        "outline": to_variable("m", "corners of every element",
+                               system.mesh.p.T[system.mesh.t.T], "element", "side", "axis"),
+        "stress_peak": to_variable("N/m2", "von Mises stress of every element at the peak",
+                               then["elements"], "element"),
+        "stress_envelope": to_variable("N/m2", "largest von Mises stress of every element",
+                               largest["elements"], "element"),
     }  # fmt: skip
-    found |= {name: value(*HISTORIES[name], values, "instant") for name, values in run.items()}
-    return xr.Dataset(found, attrs={"notes": notes})
+    values_by_name |= {name: to_variable(*HISTORIES[name], values, "instant") for name, values in run.items()}
+    return xr.Dataset(values_by_name, attrs={"notes": notes})
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
@@ -120,14 +133,15 @@ def reach(distance: np.ndarray, stress: np.ndarray) -> float:
     return max(ends)
 
 
-def separation(time: np.ndarray, force: np.ndarray) -> float:
+def find_separation_time(time: np.ndarray, force: np.ndarray) -> float:
     """First time the force is positive no more [s], on a straight line between steps; NaN if it stays so."""
     pushed = np.flatnonzero(force > 0)
     free = np.flatnonzero(force[pushed[0] :] <= 0) if pushed.size else pushed
     if free.size == 0:
         return math.nan
     n = pushed[0] + free[0]
-    before, after = force[n - 1], force[n]
+    before = force[n - 1]
+    after = force[n]
     # Cut off at zero, the force goes on falling as in the step before, but not beyond the step.
     fall = before - after if after < 0 else max(force[n - 2] - before, before)
     return float(time[n - 1] + (time[n] - time[n - 1]) * before / fall)
@@ -151,7 +165,8 @@ def natural_step(system: System, study: Study) -> float:
     wall has mass of its own, waves cross no more than half an element in a step.
     docs/wall.md has the errors against the step.
     """
-    s, concrete = 0.0, study.concrete
+    s = 0.0
+    concrete = study.concrete
     for _ in range(3):
         give = float(system.p @ factorise(system.K + sp.diags_array(s**2 * system.M)).solve(system.p))
         s = 1 / math.sqrt(study.striker.mass * give)
@@ -162,7 +177,7 @@ def natural_step(system: System, study: Study) -> float:
     return step
 
 
-def integrate(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
+def integrate_impact(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
     """Values of HISTORIES and displacements at the beginning and after every step.
 
     Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step:
@@ -176,11 +191,15 @@ def integrate(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[
     is one scalar equation: no state to switch, no second factorisation. The struck freedoms carry no mass,
     so the force begins at zero and nothing is lost when the contact closes.
     """
-    h, am = study.time.end / steps, (study.time.rho - 1) / (study.time.rho + 1)
-    gamma, beta = 0.5 - am, 0.25 * (1 - am) ** 2
+    h = study.time.end / steps
+    am = (study.time.rho - 1) / (study.time.rho + 1)
+    gamma = 0.5 - am
+    beta = 0.25 * (1 - am) ** 2
     inertia = (1 - am) / (beta * h**2)
-    stiffness, mass = sp.block_diag([system.K, [[0.0]]], format="csc"), np.append(system.M, study.striker.mass)
-    closing, force = np.append(-system.p, 1.0), 0.0
+    stiffness = sp.block_diag([system.K, [[0.0]]], format="csc")
+    mass = np.append(system.M, study.striker.mass)
+    closing = np.append(-system.p, 1.0)
+    force = 0.0
     factor = factorise(stiffness + sp.diags_array(inertia * mass))
     answer = factor.solve(closing)
     u, v, a = (np.zeros(mass.size) for _ in range(3))
@@ -226,12 +245,14 @@ class System:
     read: dict[str, sp.csr_matrix]
 
 
-def build(study: Study) -> System:
+def build_system(study: Study) -> System:
     """Couple the plane-stress wall and the frame at the floors; the base is fixed.  InputError: too many elements."""
-    (low, high), floors = study.patch, study.frame.floors
+    low, high = study.patch
+    floors = study.frame.floors
     breaks = sorted({0.0, *floors, low, high})
     breaks = [y for place, y in enumerate(breaks) if place == 0 or y - breaks[place - 1] > 1e-9]
-    x, y = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0)), _grid_lines(breaks, study, (low, high))
+    x = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0))
+    y = _grid_lines(breaks, study, (low, high))
     if x.size * y.size > MOST_ELEMENTS:
         raise InputError(
             Problem(f"a mesh of more than {MOST_ELEMENTS} elements", "give a larger `mesh.size`, or `growth: 0.2`")
@@ -239,8 +260,10 @@ def build(study: Study) -> System:
     mesh = MeshQuad.init_tensor(x, y)
     linear = study.mesh.element == "linear"
     basis = Basis(mesh, ElementVector(ElementQuad1() if linear else ElementQuad2()), intorder=2 if linear else 4)
-    wall, thickness = basis.N, study.wall.thickness
-    young, nu = study.concrete.young, study.concrete.poisson
+    wall = basis.N
+    thickness = study.wall.thickness
+    young = study.concrete.young
+    nu = study.concrete.poisson
     # Plane stress has the Lame parameters E nu / (1 - nu^2) and E / (2 (1 + nu)).
     elasticity = linear_elasticity(young * nu / (1 - nu**2), young / (2 * (1 + nu)))
     frame, members, mass = _frame(study, basis)
@@ -291,7 +314,8 @@ def _contact(study: Study, basis: Basis, mass: np.ndarray) -> np.ndarray:
     to change its speed at once, the contact force would ring at every step and the energy would not close (Khenous,
     Laborde and Renard 2008). What is moved vanishes with the mesh.
     """
-    (low, high), horizontal = study.patch, basis.get_dofs(elements=np.arange(basis.mesh.nelements)).all(["u^1"])
+    low, high = study.patch
+    horizontal = basis.get_dofs(elements=np.arange(basis.mesh.nelements)).all(["u^1"])
     if study.contact.over == "node":
         nodes = basis.get_dofs(lambda at: at[0] < 1e-9).all(["u^1"])
         shares = np.zeros(basis.N)
@@ -313,14 +337,19 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
     weighted mean of the floor line (a distributing coupling): it carries force and moment into the whole line without
     stiffening it, so it has a limit as the mesh is refined.
     """
-    frame, length, lines = study.frame, study.wall.length, len(study.frame.bays)
-    x, y = length + np.concatenate([[0.0], np.cumsum(frame.bays)]), np.append(0.0, frame.floors)
+    frame = study.frame
+    length = study.wall.length
+    lines = len(study.frame.bays)
+    x = length + np.concatenate([[0.0], np.cumsum(frame.bays)])
+    y = np.append(0.0, frame.floors)
     # Every point of a floor belongs to the nearer end of its beam; the wall's own length to the wall.
     tributary = np.convolve(np.diff(x), [0.5, 0.5])
     tributary[0] += length
     floor_mass = frame.floor_mass * tributary / x[-1]
     total = basis.N + 3 * lines * frame.storeys
-    stiffness, stresses, mass = sp.csr_matrix((total, total)), [], np.zeros(total)
+    stiffness = sp.csr_matrix((total, total))
+    stresses = []
+    mass = np.zeros(total)
     # Motions (u, v, theta) of joints from all displacements, by floor and line: line 0 is the wall's, floor 0 is fixed.
     joints = {(0, line): sp.csr_matrix((3, total)) for line in range(1, lines + 1)}
     for floor in range(1, frame.storeys + 1):
@@ -343,7 +372,8 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
         deformed = sp.csr_matrix(deformation) @ sp.vstack([joints[one], joints[other]], format="csr")
         stiffness = stiffness + deformed.T @ sp.csr_matrix(resistance) @ deformed
         # Edge stresses N/A +- M/W at both ends: the moment of a member loaded at its ends alone is linear.
-        area, modulus = section.width * section.depth, section.width * section.depth**2 / 6
+        area = section.width * section.depth
+        modulus = section.width * section.depth**2 / 6
         axial, *moments = resistance / [[area], [modulus], [modulus]]
         edges = [axial + sign * moment for moment in moments for sign in (1, -1)]
         stresses.append(sp.csr_matrix(np.array(edges)) @ deformed)
@@ -351,10 +381,11 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
 
 
 def _member(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of an Euler-Bernoulli member that reaches `along` [m]: its elongation and the rotations of its ends against the
+    """Return, of an Euler-Bernoulli member that spans `along` [m], elongation and rotations of its ends against the
     chord, from their displacements (u, v, theta), shape (3, 6); axial force and end moments from those, (3, 3)."""
     length = float(np.hypot(*along))
-    area, inertia = section.width * section.depth, section.width * section.depth**3 / 12
+    area = section.width * section.depth
+    inertia = section.width * section.depth**3 / 12
     c, s = along / length
     chord = np.array([s, -c, 0.0, -s, c, 0.0]) / length
     deformation = np.vstack([[-c, -s, 0.0, c, s, 0.0], np.eye(6)[[2, 5]] - chord])
@@ -368,8 +399,10 @@ def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_m
     The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress
     at the centre, which NASTRAN's CQUAD4 prints.
     """
-    young, nu = study.concrete.young, study.concrete.poisson
-    factor, shear = young / (1 - nu**2), young / (2 * (1 + nu))
+    young = study.concrete.young
+    nu = study.concrete.poisson
+    factor = young / (1 - nu**2)
+    shear = young / (2 * (1 + nu))
     each = basis.with_element(ElementQuad0())
 
     def mean(stress) -> sp.csr_matrix:  # its integral over each element
@@ -381,29 +414,32 @@ def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_m
     bending = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]) * (study.wall.length / 2 - x[0]))
     area = LinearForm(lambda v, _: v).assemble(each)
 
-    def grouped(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
+    def group_rows(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
         rows = np.arange(len(parts) * parts[0].shape[0]).reshape(len(parts), -1).T.ravel()
         return sp.vstack(parts, format="csr")[rows]
 
-    elements = sp.kron(sp.diags_array(1 / area), sp.eye_array(3)) @ grouped([sx, sy, txy])
+    elements = sp.kron(sp.diags_array(1 / area), sp.eye_array(3)) @ group_rows([sx, sy, txy])
     middle = basis.mesh.p[1, basis.mesh.t].mean(axis=0)
-    row, count = np.searchsorted(y_lines, middle) - 1, middle.size
+    row = np.searchsorted(y_lines, middle) - 1
+    count = middle.size
     depth = study.wall.thickness / np.diff(y_lines)[row]
     gather = sp.csr_matrix((depth, (row, np.arange(count))), shape=(y_lines.size - 1, count))
     # Shear that pushes the part above away from the striker, moment that compresses the inner edge.
-    return elements, grouped([gather @ txy, gather @ bending])
+    return elements, group_rows([gather @ txy, gather @ bending])
 
 
 def _cells(study: Study, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
     """Square cells every quarter side up the face, one of them centred on the contact where there is room: heights of
     their centres [m], and the share of each cell's area that lies in each element [-], sparse (cells, elements)."""
-    side, top = study.averaging_length, study.frame.height
+    side = study.averaging_length
+    top = study.frame.height
     centre = np.clip(0.5 * sum(study.patch), side / 2, top - side / 2)
     below = np.arange(centre, side / 2 - 1e-9, -side / 4)[::-1]
     height = np.concatenate([below, np.arange(centre, top - side / 2 + 1e-9, side / 4)[1:]])
     near = np.flatnonzero(mesh.p[0, mesh.t].min(axis=0) < side)
     corners = mesh.p[:, mesh.t[:, near]]
-    (x0, y0), (x1, y1) = corners.min(axis=1), corners.max(axis=1)
+    x0, y0 = corners.min(axis=1)
+    x1, y1 = corners.max(axis=1)
     tall = np.minimum(y1, (height + side / 2)[:, None]) - np.maximum(y0, (height - side / 2)[:, None])
     share = (np.minimum(x1, side) - x0) * np.clip(tall, 0, None)
     pick = sp.eye_array(mesh.t.shape[1], format="csr")[near]

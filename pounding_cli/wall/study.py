@@ -86,7 +86,7 @@ class Striker(Model):
 
 
 class Contact(Model):
-    """What touches, and how. Under one node stress grows without bound as the mesh is refined."""
+    """The contact: its area and its bond. Under one node stress grows without bound as the mesh is refined."""
 
     over: Literal["patch", "node"] = key("patch", "patch of uniform pressure, or node", "patch")
     bond: Literal["unilateral", "glued"] = key("unilateral", "unilateral or glued", "unilateral")
@@ -125,7 +125,7 @@ class Study(Model):
 
     @property
     def height(self) -> float:
-        """Where the striker hits, above the base [m]."""
+        """Height at which the striker hits, above the base [m]."""
         if not isinstance(self.striker.height, str):
             return self.striker.height
         word, number = self.striker.height.split()
@@ -138,8 +138,9 @@ class Study(Model):
         return max(self.height - half, 0.0), min(self.height + half, self.frame.height)
 
     def wrong(self) -> Iterator[Wrong]:
-        """Where in the study, what cannot be, what to write."""
-        top, height = self.frame.height, self.height
+        """Yield what cannot be in a study: its place, a message and what to write."""
+        top = self.frame.height
+        height = self.height
         if not 0 <= height <= top:
             where = f"{height:g} m" if isinstance(self.striker.height, float) else self.striker.height
             message = f"the striker hits at {where}, beside the wall (0 to {top:g} m)"

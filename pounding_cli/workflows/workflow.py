@@ -14,7 +14,7 @@ from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import Unit
 from pounding_cli.results.tables import ANSWERS, Column, Table
 from pounding_cli.study.file import Problems, Steps
-from pounding_cli.variables import COORDINATES
+from pounding_cli.variables import COORDINATE_VARIABLES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -175,7 +175,7 @@ def tabled(
     shown = {key: axis.units[number] for axis in axes for number, key in enumerate(axis.names)} | dict(units or {})
     swept_keys, found = {key for axis in axes for key in axis.names}, {}
     first = next(tables[0] for tables in ANSWERS.values() if name in tables)
-    known = COORDINATES | columns_of(first) | columns_of(name) | dict(more or {})
+    known = COORDINATE_VARIABLES | columns_of(first) | columns_of(name) | dict(more or {})
     for key in map(str, frame.columns):
         if key in swept_keys:
             si, text = "" if frame[key].dtype == object else shown[key].si, f"swept: {key}"

@@ -14,7 +14,7 @@ import yaml
 from skfem import Basis
 from skfem.element import ElementQuad1, ElementQuad2, ElementVector
 
-from pounding_cli.wall.impact import build
+from pounding_cli.wall.impact import build_system
 from pounding_cli.wall.study import Study
 from tests.adapter import system
 
@@ -106,7 +106,7 @@ def test_stresses_of_the_wall(tmp_path: Path, element: str) -> None:
     of a cell the mean over its area, here of whole elements. Fails if components of two places are mixed."""
     mesh = {"size": 0.25, "growth": 0, "element": element}
     study = Study.model_validate({"title": "one", "mesh": mesh, "striker": {"height": 10.5}, "contact": {"patch": 0.5}})
-    read = build(study)
+    read = build_system(study)
     kind = ElementVector(ElementQuad1() if element == "linear" else ElementQuad2())
     basis = Basis(read.mesh, kind, intorder=6)
     fixed = basis.get_dofs(lambda at: at[1] < 1e-9).all()
