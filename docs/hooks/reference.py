@@ -53,8 +53,8 @@ API = {
     "Laws of links": (
         "pounding_cli.laws.law.LinkLaw",
         "pounding_cli.laws.law.Behaviour",
-        "pounding_cli.laws.law.line",
-        "pounding_cli.laws.law.opened",
+        "pounding_cli.laws.law.set_line",
+        "pounding_cli.laws.law.set_open",
         "pounding_cli.laws.law.parameter",
     ),
     "What a solution holds": (
