@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, put
-from pounding_cli.study.quantity import Quantity, lacks_unit, said_place, written_unit
+from pounding_cli.study.quantity import Quantity, format_location, lacks_unit, written_unit
 from pounding_cli.study.words import keys_at, quantity_at, value_at
 from pounding_cli.units import factor
 
@@ -123,7 +123,7 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
             sound = can_vary(name, there, root, problems, model=model)
             values = values_of(name, holder, problems, model) if sound else None
             if name in seen:
-                first = said_place(seen[name])
+                first = format_location(seen[name])
                 problems.add(there, f"'{name}' is an axis twice; first {first}", "remove one of the two")
             elif values is not None:
                 columns.append(values)
@@ -365,7 +365,7 @@ def read_numbers(
             problems.add(node.marks[key][1], context["message"], context["hint"])
         else:
             if isinstance(found[key], str):
-                problems.add(node.marks[key][1], f"'{node[key]}' is not a number", kinds[key].wanted)
+                problems.add(node.marks[key][1], f"'{node[key]}' is not a number", kinds[key].usage)
     refuse_bare([(node[key], node.marks[key][1], kinds[key]) for key in found], problems, needs_unit)
     return None if len(problems.found) > before else {key: found[key] for key in kinds if key in found}
 
@@ -396,7 +396,7 @@ def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Valu
         note("spacing", f"spacing: '{spacing}' is not known here", "write linear, or log beside `count:`")
     elif "count" in node and (type(count) is not int or not 2 <= count <= MOST_VALUES):
         note("count", f"count: {count}; a range has 2 to {MOST_VALUES} values", "write how many values, e.g. 15")
-    step = quantity.but(
+    step = quantity.replace(
         name=f"step of a {quantity.name}", low=-math.inf, high=math.inf, open_low=False, open_high=False
     )
     ends = read_numbers(node, {"from": quantity, "to": quantity, "step": step}, problems)
@@ -404,7 +404,7 @@ def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Valu
         return None
     for key, value in ends.items():
         if not isinstance(value, float):
-            note(key, f"'{node[key]}' is not a number: a range runs between numbers", quantity.wanted)
+            note(key, f"'{node[key]}' is not a number: a range runs between numbers", quantity.usage)
             return None
     first, last = ends["from"], ends["to"]
     steps = (last - first) / ends["step"] if ends.get("step") else -1.0

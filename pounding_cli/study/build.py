@@ -21,7 +21,7 @@ from pounding_cli.numbers import counted, listed
 from pounding_cli.study.file import Problems, Steps, nearest
 from pounding_cli.study.laws import own
 from pounding_cli.study.models import BaseShear, StiffnessAt
-from pounding_cli.study.quantity import Storey
+from pounding_cli.study.quantity import StoreyMultiple
 
 COLUMNS = (
     "or write `columns:`, what part of a storey's stiffness and yield shear the columns have that the other's slab "
@@ -201,7 +201,7 @@ class Group:
 
     def stiffness(self, given: Any) -> float:
         """A stiffness in N/m.  Raises KeyError for a building that is not defined."""
-        if not isinstance(given, Storey):
+        if not isinstance(given, StoreyMultiple):
             return given
         named = self.buildings if given.building is None else (self.types[given.building],)
         some = [b for b in named if not isinstance(b, Wall)] or named

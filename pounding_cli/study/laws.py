@@ -12,8 +12,8 @@ from pydantic import Discriminator, Tag, create_model
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import restitution_of
-from pounding_cli.study.base import Model, Wrong, key, one_or_many, tagged
-from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, Quantity, Text, Whole, refuse, said
+from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field, tagged_union
+from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, ParsedText, Quantity, WholeNumber, quote, refuse
 
 POUNDING, FORMULA = "pounding", "(formula)"
 SHARED = ("gap", "stiffness", "damping_ratio", "restitution", "tension_cut")
@@ -22,35 +22,35 @@ _ELSEWHERE = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stif
 RATIO = Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)
 RESTITUTION = Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)
 SHARED_KEYS: dict[str, tuple[Any, Any]] = {
-    "gap": (Annotated[float, GAP], key(..., "the distance d at rest [m], `0 cm` of floors in touch", "5 cm")),
+    "gap": (Annotated[float, GAP], spec_field(..., "the distance d at rest [m], `0 cm` of floors in touch", "5 cm")),
     "stiffness": (
         Annotated[Any, LINK_STIFFNESS] | None,
-        key(
+        spec_field(
             None,
             "s_imp, s_mat, s_con or k [N/m]; default: 1/5 mean storey of infill and connector, 1 x mean storey of "
             "maxwell and friction, else that of `impact`",
         ),
     ),
-    "restitution": (Annotated[float, RESTITUTION] | None, key(None, "coefficient of restitution e [-]")),
+    "restitution": (Annotated[float, RESTITUTION] | None, spec_field(None, "coefficient of restitution e [-]")),
     "damping_ratio": (
         Annotated[float, RATIO] | None,
-        key(
+        spec_field(
             None,
             "damping ratio of the dashpot [-], instead of restitution; also of an infill and a connector, which take "
             "that of the restitution of `impact` unless it is given: 0.215 of 0.5",
         ),
     ),
-    "tension_cut": (bool | None, key(None, "no force that pulls the floors together")),
+    "tension_cut": (bool | None, spec_field(None, "no force that pulls the floors together")),
 }  # fmt: skip
 
 
-_Floor = Annotated[int, Whole(1, 100, zero="base")]
+_Floor = Annotated[int, WholeNumber(1, 100, zero="base")]
 
 
 class Except(Model):
     """All floors but some."""
 
-    floors: tuple[_Floor, ...] = key(..., "floors that are left out", [1], alias="except")
+    floors: tuple[_Floor, ...] = spec_field(..., "floors that are left out", [1], alias="except")
 
 
 def _floors_kind(value: Any) -> str:
@@ -59,12 +59,12 @@ def _floors_kind(value: Any) -> str:
     return "word" if isinstance(value, str) and value != "base" else "floors"
 
 
-Floors: Any = tagged(
+Floors: Any = tagged_union(
     _floors_kind, word=Literal["all", "rest"], mapping=Except, floors=one_or_many(_Floor, as_list=True)
 )
 
 
-def _both_losses(owner: Any) -> Iterator[Wrong]:
+def _both_losses(owner: Any) -> Iterator[SpecIssue]:
     if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
         hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
         yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
@@ -73,24 +73,24 @@ def _both_losses(owner: Any) -> Iterator[Wrong]:
 class Link(Model):
     """A link between floors of neighbours."""
 
-    link: str = key(
+    link: str = spec_field(
         ..., f"its law: {', '.join(link_laws())}, or a name of `laws`; `none` keeps floors free", "pounding"
     )
-    floors: Floors = key(
+    floors: Floors = spec_field(
         "all",
         "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
         "link of the pair lists; `base`: the moving base of a building beside a wall",
     )
-    pair: Annotated[int, Whole(1, 19)] | None = key(
+    pair: Annotated[int, WholeNumber(1, 19)] | None = spec_field(
         None, "number of the pair of neighbours, from the left; default: every pair"
     )
-    at: Literal["columns"] | None = key(
+    at: Literal["columns"] | None = spec_field(
         None,
         "`columns`: this link stands where slabs strike columns, and no other there; without it links that list no "
         "floors stand there too",
     )
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         if self.at is not None and self.floors != "all":
             yield (
                 ("floors",),
@@ -140,7 +140,7 @@ def _kind(law: Any, name: str, declared: Any, words: tuple[str, ...]) -> Any:
     if given is bool:
         return bool
     if given is int:
-        return Annotated[int, Whole(int(declared.low), int(declared.high))]
+        return Annotated[int, WholeNumber(int(declared.low), int(declared.high))]
     if isinstance(given, type) and issubclass(given, StrEnum):
         return Literal[words or tuple(map(str, given))]
     if declared.unit == "N/m":
@@ -174,7 +174,7 @@ def law_keys(laws: dict[str, Any]) -> dict[str, tuple[Any, Any]]:
                 dict.fromkeys(str(w) for h in hints if isinstance(h, type) and issubclass(h, StrEnum) for w in h)
             )
             told = " and ".join(filter(None, (", ".join(one.name for one in owners[:-1]), owners[-1].name)))
-            found[name] = _kind(law, name, declared, words) | None, key(None, f"{told}: {declared.words}")
+            found[name] = _kind(law, name, declared, words) | None, spec_field(None, f"{told}: {declared.words}")
     return found
 
 
@@ -183,7 +183,7 @@ def _link_model(name: str, law: Any) -> Any:
     for n, declared in own(law).items():
         default = law.parameters()[n].default
         kind = _kind(law, n, declared, ())
-        fields[n] = kind, key(... if not isinstance(default, str | float | int) else default, declared.words)
+        fields[n] = kind, spec_field(... if not isinstance(default, str | float | int) else default, declared.words)
     about = (law.__doc__ or name).strip().split("\n\n")[0]
     return create_model(f"Link_{name}".replace("-", "_"), __base__=Link, __doc__=about, **fields)
 
@@ -191,7 +191,7 @@ def _link_model(name: str, law: Any) -> Any:
 class NoLink(Link):
     """Nothing between the floors."""
 
-    link: Literal["none"] = key("none", "no link")
+    link: Literal["none"] = spec_field("none", "no link")
 
 
 @functools.cache
@@ -222,7 +222,7 @@ AnyLink: Any = Annotated[functools.reduce(operator.or_, _LINKS), Discriminator(t
 def _contact(value: Any) -> str:
     if isinstance(value, str) and value.strip():
         return value.strip()
-    raise refuse(f"{said(value)} is not known", f"write {', '.join(contact_laws())} or a name of `laws`")
+    raise refuse(f"{quote(value)} is not known", f"write {', '.join(contact_laws())} or a name of `laws`")
 
 
 class _Impact(Model):
@@ -230,19 +230,23 @@ class _Impact(Model):
 
     law: Annotated[
         str,
-        Text(_contact, "; ".join([*(f"`{name}`" for name in contact_laws()), "NAME of `laws`"]), tuple(contact_laws())),
-    ] = key(KELVIN_VOIGT, "law of contact of every `link: pounding`; sweep it to compare laws")
-    stiffness: Annotated[Any, LINK_STIFFNESS] = key("20 x stiffest storey", "impact spring s_imp [N/m]")
-    restitution: Annotated[float, RESTITUTION] | None = key(None, "coefficient of restitution e [-]; default: 0.5")
-    damping_ratio: Annotated[float, RATIO] | None = key(
+        ParsedText(
+            _contact, "; ".join([*(f"`{name}`" for name in contact_laws()), "NAME of `laws`"]), tuple(contact_laws())
+        ),
+    ] = spec_field(KELVIN_VOIGT, "law of contact of every `link: pounding`; sweep it to compare laws")
+    stiffness: Annotated[Any, LINK_STIFFNESS] = spec_field("20 x stiffest storey", "impact spring s_imp [N/m]")
+    restitution: Annotated[float, RESTITUTION] | None = spec_field(
+        None, "coefficient of restitution e [-]; default: 0.5"
+    )
+    damping_ratio: Annotated[float, RATIO] | None = spec_field(
         None, "damping ratio of the dashpot [-], instead of restitution"
     )
-    tension_cut: bool = key(False, "no force that pulls the floors together at the end of a contact")
-    dashpot: Literal["reduced-mass", "printed"] = key(
+    tension_cut: bool = spec_field(False, "no force that pulls the floors together at the end of a contact")
+    dashpot: Literal["reduced-mass", "printed"] = spec_field(
         "reduced-mass", "mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
     )
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         yield from _both_losses(self)
 
 

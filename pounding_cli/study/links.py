@@ -21,7 +21,7 @@ from pounding_cli.study.build import Group
 from pounding_cli.study.file import Items, Map, Problems, Quoted, Steps, get, locate, nearest
 from pounding_cli.study.laws import FORMULA, LOSSES, keys_of, link_models, own, tag_of, typed
 from pounding_cli.study.models import Case
-from pounding_cli.study.quantity import LINK_STIFFNESS, Storey
+from pounding_cli.study.quantity import LINK_STIFFNESS, StoreyMultiple
 from pounding_cli.study.spell import GONE
 from pounding_cli.study.words import fields_of
 
@@ -158,7 +158,7 @@ def _check_multiple(root: Map, path: Steps, problems: Problems) -> None:
         value = LINK_STIFFNESS.read(get(root, *path))
     except PydanticCustomError:
         return  # told where it is read
-    if isinstance(value, Storey) and isinstance(buildings, Map) and value.building not in (None, *buildings):
+    if isinstance(value, StoreyMultiple) and isinstance(buildings, Map) and value.building not in (None, *buildings):
         problems.at(root, path, *refuse_building(str(value.building), buildings))
 
 
@@ -208,7 +208,9 @@ def find_losses(link: Any, kind: type[LinkLaw]) -> dict[str, float]:
 @functools.lru_cache(maxsize=500)
 def _multiples(case: Case) -> tuple[Any, ...]:
     """The stiffnesses of a case that are multiples of a storey's."""
-    given: list[Any] = [value for link in case.links for value in vars(link).values() if isinstance(value, Storey)]
+    given: list[Any] = [
+        value for link in case.links for value in vars(link).values() if isinstance(value, StoreyMultiple)
+    ]
     words = (law.stiffness_default for law in link_laws().values() if law.stiffness_default)
     return tuple(dict.fromkeys([*given, *map(LINK_STIFFNESS.read, words)]))
 

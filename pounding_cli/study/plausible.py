@@ -25,7 +25,15 @@ from pounding_cli.study.links import OwnLaw, build_law
 from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case, StiffnessAt
 from pounding_cli.study.motions import Used
-from pounding_cli.study.quantity import FORCES, NUMBER, RANGES, Plausible, Quantity, Text, lacks_unit
+from pounding_cli.study.quantity import (
+    FORCES,
+    NUMBER,
+    PLAUSIBLE_RANGES,
+    ParsedText,
+    PlausibleRange,
+    Quantity,
+    lacks_unit,
+)
 from pounding_cli.study.words import fields_of, leaves
 from pounding_cli.units import GRAVITY
 
@@ -275,7 +283,7 @@ class Comparison:
     than : what they are compared with, in words
     """
 
-    fits: Plausible
+    fits: PlausibleRange
     share: float
     name: str
     than: str
@@ -293,7 +301,7 @@ def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, 
         return
     _warn_period(spec, building, root, path, doubts)
     if isinstance(spec.yield_shear, tuple):
-        fits = RANGES["base yield shear over weight"]
+        fits = PLAUSIBLE_RANGES["base yield shear over weight"]
         compared = Comparison(fits, 1 / building.weight, "yield shear", "of the building's weight")
         shear = spec.yield_shear[0]
         share = compared.ratio_in_words(shear)
@@ -319,8 +327,8 @@ def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: Steps,
         at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAt) else 0)
         period = float(building.periods[0])
     assert period is not None  # a building has one or the other
-    compared = [(RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
-    compared.append((RANGES["period"], 1.0))
+    compared = [(PLAUSIBLE_RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
+    compared.append((PLAUSIBLE_RANGES["period"], 1.0))
     for fits, share in compared:
         if fits.holds(period * share):
             continue
@@ -336,7 +344,7 @@ def _warn_base(building: Building, root: Any, path: Steps, doubts: Doubts) -> No
     base = building.foundation
     if base is None or not base.sways:
         return
-    fits = RANGES["period on a moving base"]
+    fits = PLAUSIBLE_RANGES["period on a moving base"]
     weight = building.weight + base.mass * GRAVITY
     if base.isolation is None:
         at: Steps = (*path, "foundation", "sway_stiffness")
@@ -402,7 +410,9 @@ def _takes_impact_stiffness(law: LinkLaw, link: Any) -> bool:
 def _compare_contact(group: Group) -> Comparison:
     """Return what the spring of a contact is compared with."""
     than = "times that of the stiffest storey"
-    return Comparison(RANGES["contact stiffness"], 1 / _stiffest_storey(group), "stiffness of the contact", than)
+    return Comparison(
+        PLAUSIBLE_RANGES["contact stiffness"], 1 / _stiffest_storey(group), "stiffness of the contact", than
+    )
 
 
 def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
@@ -415,13 +425,15 @@ def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
         found["stiffness"] = _compare_contact(group)
         if law.stiffness_default:
             than = "times that of the stiffest storey"
-            found["stiffness"] = Comparison(RANGES["link stiffness"], 1 / stiffest, "stiffness of the link", than)
+            found["stiffness"] = Comparison(
+                PLAUSIBLE_RANGES["link stiffness"], 1 / stiffest, "stiffness of the link", than
+            )
     if "hertz_stiffness" in parameters:
         share = law.steepest[0] / law.hertz_stiffness / stiffest  # type: ignore[attr-defined]
         than = "times as stiff at 1 cm of penetration as the stiffest storey"
-        fits = RANGES["stiffness of a Hertz contact"]
+        fits = PLAUSIBLE_RANGES["stiffness of a Hertz contact"]
         found["hertz_stiffness"] = Comparison(fits, share, "hertz_stiffness", than)
-    force = RANGES["force of a damper"]
+    force = PLAUSIBLE_RANGES["force of a damper"]
     for key in ("damping_coefficient", "force_at_1_m_s"):
         if key in parameters:
             than = "times the weight of the heaviest floor at 1 m/s"
@@ -462,7 +474,7 @@ def _warn_compared(value: float, root: Any, path: Steps, compared: Comparison, d
     hint = f"write e.g. `20 x stiffest storey`; otherwise leave it, {AS_MEANT}"
     if is_bare:
         message = f"{path[-1]}: {text} has no unit: it is {size}{reason}"
-        wide = replace(fits, low=RANGES["link stiffness"].low)
+        wide = replace(fits, low=PLAUSIBLE_RANGES["link stiffness"].low)
         hint = _hint_for_bare(text, value, wide, compared.share, "N/m", "stiffest storey")
     doubts.add(root, path, path, message, hint, is_bare, fits.excess(ratio))
 
@@ -478,7 +490,7 @@ def warn_motions(study: Study, point: Point, root: Any, doubts: Doubts) -> None:
     at: Steps = ("records", "scale", "pga")
     asked = getattr(spec.scale, "pga", None)
     is_swept = any("records.scale.pga" in holder for holder in sweep_maps(study.root))
-    fits = RANGES["peak asked for"]
+    fits = PLAUSIBLE_RANGES["peak asked for"]
     if asked is not None and not is_swept:
         if at not in doubts.by_key and not fits.holds(asked):
             message = f"{fits.name} is {format_value(asked, fits.units)}: {fits.reason}"
@@ -490,7 +502,7 @@ def warn_motions(study: Study, point: Point, root: Any, doubts: Doubts) -> None:
 
 def _warn_peaks(used: Mapping[str, Used], root: Any, doubts: Doubts) -> None:
     """Note peaks of the ground that are implausible as used, or above 2 g both in the file and as used."""
-    fits = RANGES["peak of a motion"]
+    fits = PLAUSIBLE_RANGES["peak of a motion"]
     uses = [each.use for each in used.values()]
     unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
@@ -604,7 +616,7 @@ def _quantities(model: type[BaseModel]) -> dict[str, tuple[str, Quantity | None]
         kinds = list(leaves(hint))
         kinds += [one for kind in kinds if get_origin(kind) in (tuple, dict) for one in leaves(get_args(kind)[-1])]
         kinds += [one for kind in kinds if get_origin(kind) is tuple for one in leaves(get_args(kind)[0])]
-        quantities = (kind.quantity if isinstance(kind, Text) else kind for kind in kinds)
+        quantities = (kind.quantity if isinstance(kind, ParsedText) else kind for kind in kinds)
         found[key] = names[key], next((each for each in quantities if isinstance(each, Quantity)), None)
     return found
 
@@ -688,7 +700,7 @@ def format_value(value: float, units: Mapping[str, float]) -> str:
     return f"{_rounded(value / factor)} {unit}"
 
 
-def _meant(text: str, value: float, fits: Plausible, share: float) -> list[str]:
+def _meant(text: str, value: float, fits: PlausibleRange, share: float) -> list[str]:
     """Return the number of a text in the other units in which it would be plausible, the likeliest first."""
     parted = _NUMBER_AND_UNIT.match(text)
     written = parted[1] if parted else "0"
@@ -700,7 +712,7 @@ def _meant(text: str, value: float, fits: Plausible, share: float) -> list[str]:
     ]
 
 
-def _hint(text: str, value: float, fits: Plausible, share: float = 1.0, si: str = "") -> str:
+def _hint(text: str, value: float, fits: PlausibleRange, share: float = 1.0, si: str = "") -> str:
     """Return the same number in another unit, else with its decimal point elsewhere, `share` of which is plausible.
 
     si : the unit in which a number without one was read
@@ -711,7 +723,9 @@ def _hint(text: str, value: float, fits: Plausible, share: float = 1.0, si: str 
     return f"did you mean {meant[0]}? {otherwise}" if meant else f"leave it if meant, {AS_MEANT}"
 
 
-def _hint_for_bare(text: str, value: float, fits: Plausible | None, share: float, si: str, multiple: str = "") -> str:
+def _hint_for_bare(
+    text: str, value: float, fits: PlausibleRange | None, share: float, si: str, multiple: str = ""
+) -> str:
     """Return the units in which a number without one would be plausible.
 
     fits : plausible range of value * share; None where none is known

@@ -39,7 +39,7 @@ from pounding_cli.study.models import Building as BuildingSpec
 from pounding_cli.study.models import Case
 from pounding_cli.study.motions import MotionReader, Used, motions_of
 from pounding_cli.study.plan import check_keep
-from pounding_cli.study.quantity import Measured, Quantity, Storey, written_unit
+from pounding_cli.study.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
 from pounding_cli.study.spell import inherited, like_of, links_of, refuse_old
 from pounding_cli.units import GRAVITY
 
@@ -500,9 +500,9 @@ def _inherits(name: str, path: Sequence[str], buildings: Map) -> bool:
 
 def shown(value: Any) -> Any:
     """A value of a validated model as plain data: SI numbers, multiples of stiffnesses as text."""
-    if isinstance(value, Storey):
+    if isinstance(value, StoreyMultiple):
         return str(value)
-    if isinstance(value, Measured):
+    if isinstance(value, MeasuredValue):
         return value.text
     if isinstance(value, BaseModel):
         found = {info.alias or name: shown(getattr(value, name)) for name, info in type(value).model_fields.items()}

@@ -24,7 +24,7 @@ from pounding_cli.study.axes import (
     unit_of,
 )
 from pounding_cli.study.file import Items, Map, Mark, Problems
-from pounding_cli.study.quantity import Quantity, Storey, said_place
+from pounding_cli.study.quantity import Quantity, StoreyMultiple, format_location
 from pounding_cli.study.words import quantity_at
 
 MOTION = "motion"
@@ -77,7 +77,7 @@ class Distribution:
     name: str
     fields: Mapping[str, float] = field(default_factory=dict)
     is_log: bool = False
-    storey: Storey | None = None
+    storey: StoreyMultiple | None = None
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -175,7 +175,7 @@ class Factor:
         assert self.drawn is not None
         if _base(value) != self.drawn.storey:
             return None
-        value = value.factor if isinstance(value, Storey) else value
+        value = value.factor if isinstance(value, StoreyMultiple) else value
         return self.drawn.share_of(value) if isinstance(value, int | float) else None
 
 
@@ -193,7 +193,7 @@ def read_uncertain(root: Map, problems: Problems) -> list[Factor]:
         mine = list[Factor]()
         for key, mark in _keys("uncertain", entry, at, root, problems, distribution_example("uniform", None)):
             if key in seen:
-                problems.add(mark, f"'{key}' is also {said_place(seen[key])}", "remove one of the two")
+                problems.add(mark, f"'{key}' is also {format_location(seen[key])}", "remove one of the two")
             elif key == MOTION and entry[key] in (ANY, BOOTSTRAP):
                 mine.append(Factor(MOTION, mark, Unit(), options=DRAWN_SETS if entry[key] == BOOTSTRAP else 0))
             elif key == MOTION:
@@ -224,7 +224,7 @@ def _keys(section: str, node: Any, at: Mark, root: Map, problems: Problems, exam
     swept = {key: mark[0] for holder in sweep_maps(root) for key, mark in holder.marks.items()}
     for key, (mark, _) in node.marks.items():
         if key in swept:
-            message = f"'{key}' is also {said_place(swept[key])}, under `sweep:`"
+            message = f"'{key}' is also {format_location(swept[key])}, under `sweep:`"
             problems.add(mark, message, "vary it in one of the two")
         else:
             yield key, mark
@@ -328,7 +328,7 @@ def _distribution(
         return None
     if spacing not in ("linear", "log"):
         problems.add(node.marks["spacing"][1], f"spacing: '{spacing}' is not known", "write linear or log")
-    own = quantity.but(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
+    own = quantity.replace(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
     kinds = {"sd": own, "spread": Quantity("spread", "", "0.2", 0.0, open_low=True)}
     of_words = {word: kinds.get(word, quantity) for word in node if word != "spacing"}
     read = read_numbers(node, of_words, problems, needs_unit=True)
@@ -339,16 +339,16 @@ def _distribution(
         hint = "write each of them as a multiple of one storey's stiffness, or none"
         problems.add(at, f"'{key}': {', '.join(map(str, node.values()))} are not multiples of the same", hint)
         return None
-    fields = {word: value.factor if isinstance(value, Storey) else value for word, value in read.items()}
+    fields = {word: value.factor if isinstance(value, StoreyMultiple) else value for word, value in read.items()}
     found = Distribution(name, fields, spacing == "log", storey)
     for word, message, hint in _wrong(key, found, quantity if storey is None else _MULTIPLE):
         problems.add(node.marks[word][1] if word in node else at, message, hint)
     return found if len(problems.found) == before else None
 
 
-def _base(value: Any) -> Storey | None:
+def _base(value: Any) -> StoreyMultiple | None:
     """The storey whose stiffness a value is a multiple of."""
-    return replace(value, factor=1.0) if isinstance(value, Storey) else None
+    return replace(value, factor=1.0) if isinstance(value, StoreyMultiple) else None
 
 
 def _wrong(key: str, drawn: Distribution, quantity: Quantity) -> Iterator[tuple[str, str, str]]:

@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from pounding_cli.laws import link_laws
 from pounding_cli.study.file import Steps, dumped, get, nearest
 from pounding_cli.study.laws import Link, keys_of, kind_of, link_models, own, tag
-from pounding_cli.study.quantity import Quantity, Read, Text, said
+from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser, quote
 
 
 @functools.cache
@@ -28,7 +28,7 @@ def leaves(kind: Any) -> Iterator[Any]:
     """What a type comes to: models, tuples, dicts, literals and what is read."""
     origin, parts = get_origin(kind), get_args(kind)
     if origin is typing.Annotated:
-        read = next((part for part in parts[1:] if isinstance(part, Read)), None)
+        read = next((part for part in parts[1:] if isinstance(part, ValueParser)), None)
         yield from [read] if read is not None else leaves(parts[0])
     elif origin in (typing.Union, types.UnionType):
         for part in parts:
@@ -73,18 +73,18 @@ def keys_at(model: type[BaseModel], path: Sequence[Any], root: Any) -> list[str]
 
 
 @functools.lru_cache(maxsize=1000)
-def _readers(model: type[BaseModel], path: tuple[str, ...]) -> list[Read]:
+def _readers(model: type[BaseModel], path: tuple[str, ...]) -> list[ValueParser]:
     """What reads the value of a key; keys of links mean one thing wherever they stand."""
     kinds: list[Any] = at(model, path)[0]
     if path[0] == "cases" and len(path) > 2:
         hints = [fields_of(link)[path[-1]][0] for link in link_models().values() if path[-1] in fields_of(link)]
         kinds = [leaf for hint in hints for leaf in leaves(hint)]
-    return [kind for kind in kinds if isinstance(kind, Read)]
+    return [kind for kind in kinds if isinstance(kind, ValueParser)]
 
 
 def quantity_at(model: type[BaseModel], path: tuple[str, ...]) -> Quantity | None:
     """The quantity that may stand at a key, or None."""
-    read = (kind.quantity if isinstance(kind, Text) else kind for kind in _readers(model, path))
+    read = (kind.quantity if isinstance(kind, ParsedText) else kind for kind in _readers(model, path))
     return next((each for each in read if isinstance(each, Quantity)), None)
 
 
@@ -124,7 +124,7 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
     name = (words[-1] if words else "the study")[:60]
     if kind in _SAID:
         message, hint, at_key = _SAID[kind]
-        told = context | {"owner": owner, "shown": said(given)}
+        told = context | {"owner": owner, "shown": quote(given)}
         if kind == "too_long":  # pydantic does not always count
             told["actual_length"] = len(given or ())
         return message.format_map(told), hint.format_map(told), at_key
@@ -140,7 +140,7 @@ def in_words(item: dict[str, Any], path: Steps, model: type[BaseModel], root: An
             hint = f"write {{key: value}} with the keys {', '.join(keys)}"
             if not keys or keys == ["links"] or (len(path) == 1 and field is not None and field.examples):
                 hint = _example(model, path[:1] if keys == ["links"] else path, root)
-            return f"{owner}{said(given)} is not a mapping", hint, False
+            return f"{owner}{quote(given)} is not a mapping", hint, False
         case "too_short":
             # Pydantic counts sound entries only: what is wrong with the others is told.
             is_so = context.get("actual_length") == len(given or ())

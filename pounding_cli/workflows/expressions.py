@@ -16,7 +16,7 @@ from pounding_cli.study.expression import (
     FLOOR,
     LINK,
     Expression,
-    NotUnderstood,
+    ExpressionError,
     Quantity,
     Statement,
 )
@@ -115,7 +115,7 @@ def read_all(
 ) -> tuple[Said, ...]:
     """What the texts under a key of a question say over the tables of its study; what is wrong with them is noted.
 
-    read : `read_expression` or `read_statement`
+    read : `parse_expression` or `parse_statement`
     """
     study, found = asked.study, dict[str, Said]()
     names = places(study.model.group)
@@ -123,7 +123,7 @@ def read_all(
     for number, text in enumerate(texts):
         try:
             said = read(text, names)
-        except NotUnderstood as error:
+        except ExpressionError as error:
             asked.wrong((key, number), *error.args)
             continue
         if said.text in found:

@@ -17,7 +17,7 @@ from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
-from pounding_cli.study.expression import read_expression
+from pounding_cli.study.expression import parse_expression
 from pounding_cli.study.file import get, nearest
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
@@ -70,7 +70,7 @@ class Optimise(Workflow):
         self.sign = -1 if spec.least is None and spec.most is not None else 1
         texts = [text for text in (spec.least, spec.most) if text is not None]
         key = "least" if self.sign > 0 else "most"
-        expressions = read_all(read_expression, self, key, texts)
+        expressions = read_all(parse_expression, self, key, texts)
         if not texts:
             hint = f"write e.g. `optimise: {{least: largest V_ratio in {study.model.group[0]}}}`"
             self.wrong((), "`optimise:` lacks 'least' or 'most'", hint, key=True)

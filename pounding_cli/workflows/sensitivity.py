@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.expression import Expression, Statement, read_expression, read_statement
+from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
 from pounding_cli.workflows.expressions import at_points, distinct, key_columns, read_all, values_of
@@ -118,8 +118,8 @@ class Sensitivity(Workflow):
         if not (spec.outputs or spec.probabilities or spec.claims):
             hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
             self.wrong((), "`sensitivity:` lacks 'outputs'", hint, key=True)
-        self.outputs = read_all(read_expression, self, "outputs", spec.outputs)
-        self.statements = read_all(read_statement, self, "probabilities", spec.probabilities)
+        self.outputs = read_all(parse_expression, self, "outputs", spec.outputs)
+        self.statements = read_all(parse_statement, self, "probabilities", spec.probabilities)
         points = self.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
         if points > MOST_POINTS:
             what = f"{self.samples} samples make {points} points"
