@@ -96,10 +96,10 @@ def load(path: Path, name: str) -> Sweep:
     for places in product(*(range(len(axis)) for axis in axes)):
         tree, swept = root, dict[str, float | str]()
         for axis, at in zip(axes, places, strict=True):
-            for key, given, mark in zip(axis.paths, axis.given[at], axis.marks[at], strict=True):
+            for key, given, mark in zip(axis.paths, axis.written_values[at], axis.marks[at], strict=True):
                 tree = put(tree, key, given, mark)
             swept |= dict(zip(axis.names, axis.values[at], strict=True))
-        label = ", ".join(axis.told(at) for axis, at in zip(axes, places, strict=True))
+        label = ", ".join(axis.format_point(at) for axis, at in zip(axes, places, strict=True))
         try:
             study = asked.Study.model_validate(tree)
             points.append(Point(label, study, swept))

@@ -157,7 +157,7 @@ class _Expansion:
         """Take over what is wrong at the points asked so far.  Raises `InputError` where that is much."""
         for problem, point in self.study.problems.found.items():
             axes = zip(self.study.axes, point, strict=True)
-            told = ", ".join(axis.told(index) for axis, index in axes if index >= 0)
+            told = ", ".join(axis.format_point(index) for axis, index in axes if index >= 0)
             self._problems.setdefault(replace(problem, message=f"{problem.message} (where {told})"))
         self.study.problems.found.clear()
         if len(self._problems) >= MOST_PROBLEMS:

@@ -128,7 +128,7 @@ class Plan:
         return {
             name: text
             for axis, place in zip(self.axes, point, strict=True)
-            for name, text in zip(axis.names, axis.shown(place), strict=True)
+            for name, text in zip(axis.names, axis.display_values(place), strict=True)
         }
 
 
@@ -177,7 +177,7 @@ def _chosen(study: Study, model: Any, spec: Histories, problems: Problems) -> li
             kept.update(mine)
             if not mine:
                 at: Any = (*path, "where", key, *([place] if isinstance(words, list) else []))
-                told = ", ".join(dict.fromkeys(study.axes[number].shown(n)[column] for n in range(len(known))))
+                told = ", ".join(dict.fromkeys(study.axes[number].display_values(n)[column] for n in range(len(known))))
                 problems.at(root, at, f"keep: the axis '{key}' has no value {word}", f"known: {told}")
         chosen[number] = [place for place in chosen[number] if place in kept]
     named = {"cases": model.cases, "analyses": model.analyses, "records": study.motions(study.base)}

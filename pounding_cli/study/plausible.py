@@ -245,7 +245,7 @@ class _Warner:
             self.doubts = Doubts(alone.file, alone.needs_units, _keys=dict(alone._keys))
             self.look_at(point)
             axes = zip(self.study.axes, point, strict=True)
-            where = ", ".join(axis.told(index) for axis, index in axes if index >= 0)
+            where = ", ".join(axis.format_point(index) for axis, index in axes if index >= 0)
             for key, doubts in self.doubts.by_key.items():
                 for doubt in doubts if key not in alone.by_key else ():
                     message = f"{doubt.problem.message} (where {where})"

@@ -168,7 +168,7 @@ class Study:
         for place, axis in zip(point, self.axes, strict=True):
             if place < 0:
                 continue
-            for path, value, mark in zip(axis.paths, axis.given[place], axis.marks[place], strict=True):
+            for path, value, mark in zip(axis.paths, axis.written_values[place], axis.marks[place], strict=True):
                 if (not sections or path[0] in sections) and value is not UNWRITTEN:
                     root = put(root, path, value, mark)
         return root
@@ -402,7 +402,9 @@ class Study:
                         continue
                     is_here = {problem.line, problem.file} & {mark[0] for mark in axis.marks[place]}
                     if is_here or not as_written:
-                        message = problem.message if is_here else f"{problem.message} (where {axis.told(place)})"
+                        message = (
+                            problem.message if is_here else f"{problem.message} (where {axis.format_point(place)})"
+                        )
                         problems.found[replace(problem, message=message)] = None
                 if len(problems.found) > MOST_TOLD:
                     problems.check()

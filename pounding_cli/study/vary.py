@@ -13,13 +13,13 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.axes import (
     can_vary,
+    canonical_value,
     example_values,
     in_unit,
     range_example,
     read_numbers,
     refuse_bare,
     refuse_unknown,
-    same,
     sweep_maps,
     unit_of,
 )
@@ -168,9 +168,9 @@ class Factor:
 
     def place(self, written: Any) -> float | None:
         """The u of what the file says; None where it lies outside a range or among no options."""
-        value = same(written, self.quantity)
+        value = canonical_value(written, self.quantity)
         if self.options:
-            known = {same(option, self.quantity): number for number, option in enumerate(self.choices)}
+            known = {canonical_value(option, self.quantity): number for number, option in enumerate(self.choices)}
             return (known[value] + 0.5) / self.options if value in known else None
         assert self.drawn is not None
         if _base(value) != self.drawn.storey:
@@ -240,7 +240,7 @@ def _together(entry: Map, factors: list[Factor], problems: Problems) -> list[Fac
             what = "keys that move together need as many options each, or a range each; the motion moves by itself"
             problems.add(other.mark, what, "give as many of each, or write an entry of its own, `- motion: ...`")
             return []
-    columns = [[same(option, factor.quantity) for option in factor.choices] for factor in factors]
+    columns = [[canonical_value(option, factor.quantity) for option in factor.choices] for factor in factors]
     _refuse_equal_options(first.key, entry, list(zip(*columns, strict=True)), problems, "in every key of the entry")
     return [replace(first, together=tuple(others))]
 
@@ -304,7 +304,7 @@ def _chosen(key: str, holder: Map, quantity: Quantity | None, problems: Problems
         problems.add(holder[key].marks[CHOICE][1], what, f"write `{key}: {example}`")
         return []
     if not is_joined:
-        _refuse_equal_options(key, holder, [same(option, quantity) for option in options], problems)
+        _refuse_equal_options(key, holder, [canonical_value(option, quantity) for option in options], problems)
     if quantity is not None:
         refuse_bare([(*each, quantity) for each in zip(options, options.marks, strict=True)], problems)
     if len(problems.found) > before:
