@@ -155,8 +155,9 @@ class Search:
 
         try:
             found = differential_evolution(
-                lambda x: self._evaluate(x.T, SEARCH), [(0.0, 1.0)] * size, init=population, maxiter=self.spec.generations,
-                tol=_SPREAD, polish=False, updating="deferred", vectorized=True, callback=callback, rng=self.spec.seed,
+                lambda x: self._evaluate(x.T, SEARCH), [(0.0, 1.0)] * size, init=population,
+                maxiter=self.spec.generations, tol=_SPREAD, polish=False, updating="deferred", vectorized=True,
+                callback=callback, rng=self.spec.seed,
             )  # fmt: skip
         except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
             raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
