@@ -13,9 +13,9 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
 from pounding_cli.points import SweepPoint, to_variable
 from pounding_cli.report.style import finish, panels, styled
-from pounding_cli.study.base import Model, Wrong, key
+from pounding_cli.study.base import Model, SpecIssue, spec_field
 from pounding_cli.study.links import RESTITUTION
-from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, Quantity, Text, Whole
+from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,19 +32,19 @@ SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
 DAMPING_RATIO = damping_ratio(RESTITUTION)
 """Damping ratio of a connector whose dashpot the study does not give [-]."""
 
-_JOINT = STIFFNESS.but(example="0.2 k1", open_low=False)
+_JOINT = STIFFNESS.replace(example="0.2 k1", open_low=False)
 
 
 def _read_joint(given: Any) -> float | str:
     if not isinstance(given, str) or not given.strip().endswith("k1"):
         return _JOINT.read(given)
-    return f"{_JOINT.but(si='').read(given.strip().removesuffix('k1')):.15g} k1"
+    return f"{_JOINT.replace(si='').read(given.strip().removesuffix('k1')):.15g} k1"
 
 
 Mass = Annotated[float, MASS]
 Stiffness = Annotated[float, STIFFNESS]
-Period = Annotated[float, TIME.but(name="period", example="0.5 s", high=60.0)]
-Joint = Annotated[float | str, Text(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"), _JOINT)]
+Period = Annotated[float, TIME.replace(name="period", example="0.5 s", high=60.0)]
+Joint = Annotated[float | str, ParsedText(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"), _JOINT)]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
 Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
@@ -53,46 +53,46 @@ Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open
 class System(Model):
     """One of the two systems."""
 
-    mass: Mass = key(200e3, "mass", "200 t")
-    period: Period | None = key(None, "period alone; 0.5 s of the first unless stiffness is given", "0.5 s")
-    stiffness: Stiffness | None = key(None, "stiffness, in place of the period")
-    frequency_ratio: Ratio | None = key(None, "p = omega20 / omega10 of the second, in place of the period", 0.6)
-    damping: Damping | None = key(None, "damping ratio; the study's unless given", "5 %")
+    mass: Mass = spec_field(200e3, "mass", "200 t")
+    period: Period | None = spec_field(None, "period alone; 0.5 s of the first unless stiffness is given", "0.5 s")
+    stiffness: Stiffness | None = spec_field(None, "stiffness, in place of the period")
+    frequency_ratio: Ratio | None = spec_field(None, "p = omega20 / omega10 of the second, in place of the period", 0.6)
+    damping: Damping | None = spec_field(None, "damping ratio; the study's unless given", "5 %")
 
 
 class Connector(Model):
     """The connector between the two systems."""
 
-    stiffness: Joint = key("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
-    damping_ratio: Damping | None = key(
+    stiffness: Joint = spec_field("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
+    damping_ratio: Damping | None = spec_field(
         None,
         f"xi of its dashpot (eq. 7); default: {DAMPING_RATIO:.3g}, which follows from the restitution "
         f"{RESTITUTION:g} that connectors of `pound run` have unless a study gives another",
         0.1,
     )
-    dashpot: Dashpot | None = key(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
+    dashpot: Dashpot | None = spec_field(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
 
 
 class Frequencies(Model):
     """Frequencies at which the ratios are computed, in Omega / omega10."""
 
-    low: Ratio = key(0.2, "lowest Omega / omega10", 0.2)
-    high: Ratio = key(1.6, "highest Omega / omega10", 1.6)
-    points: Annotated[int, Whole(11, 1_000_000)] = key(1401, "number of frequencies", 1401)
+    low: Ratio = spec_field(0.2, "lowest Omega / omega10", 0.2)
+    high: Ratio = spec_field(1.6, "highest Omega / omega10", 1.6)
+    points: Annotated[int, WholeNumber(11, 1_000_000)] = spec_field(1401, "number of frequencies", 1401)
 
 
 class Study(Model):
     """A study of two connected oscillators (paper, Figs 4 and 5)."""
 
-    title: str = key(..., "one line that says what is studied", "Two connected oscillators")
+    title: str = spec_field(..., "one line that says what is studied", "Two connected oscillators")
     first: System = System(period=0.5)
     second: System = System(frequency_ratio=0.6)
     connector: Connector = Connector()
-    damping: Damping = key(0.05, "damping ratio of both systems", "5 %")
+    damping: Damping = spec_field(0.05, "damping ratio of both systems", "5 %")
     frequencies: Frequencies = Frequencies()
-    sweep: Any = key(None, "keys and the values they take", {"damping": ["5 %", "10 %"]})
+    sweep: Any = spec_field(None, "keys and the values they take", {"damping": ["5 %", "10 %"]})
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         """Keys that say one thing in two ways, or not at all, and a range without extent."""
         kinds = ("period", "stiffness", "frequency_ratio")
         for name, keys in {"first": kinds, "second": kinds, "connector": ("damping_ratio", "dashpot")}.items():

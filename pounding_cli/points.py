@@ -25,8 +25,9 @@ from pydantic import ValidationError
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.study.axes import Axis, read_axes
-from pounding_cli.study.file import Problems, put, read_study, refuse_other_kinds
-from pounding_cli.study.plausible import Doubts, warn_values
+from pounding_cli.study.file import Problems, read_study, refuse_other_kinds, with_value
+from pounding_cli.study.warnings import Doubts, warn_values
+from pounding_cli.study.words import describe_errors
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -97,16 +98,17 @@ def load_sweep(path: Path, name: str) -> Sweep:
         tree = root
         swept = dict[str, float | str]()
         for axis, index in zip(axes, places, strict=True):
-            for key, value, mark in zip(axis.paths, axis.given[index], axis.marks[index], strict=True):
-                tree = put(tree, key, value, mark)
+            for key, value, mark in zip(axis.paths, axis.written_values[index], axis.marks[index], strict=True):
+                tree = with_value(tree, key, value, mark)
             swept |= dict(zip(axis.names, axis.values[index], strict=True))
-        label = ", ".join(axis.told(index) for axis, index in zip(axes, places, strict=True))
+        label = ", ".join(axis.format_point(index) for axis, index in zip(axes, places, strict=True))
         try:
             study = module.Study.model_validate(tree)
             points.append(SweepPoint(label, study, swept))
             warn_values(study, tree, (), doubts)
         except ValidationError as error:
-            problems.validation(tree, error, (), module.Study)
+            for issue in describe_errors(error, (), module.Study, tree):
+                problems.add_issue(tree, issue)
     problems.check()
     warnings = sorted(doubts.merged(), key=lambda warning: (warning.line, warning.column))
     return Sweep(name, module, points[0].study.title, text, axes, tuple(points), tuple(warnings))

@@ -31,7 +31,7 @@ from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
 from pounding_cli.study import expand, load_study, study_of
-from pounding_cli.study.expression import read_limit as read_limit
+from pounding_cli.study.expression import parse_limit as parse_limit
 from pounding_cli.workflows import gap as gap
 from pounding_cli.workflows import search as search
 from pounding_cli.workflows.fragility import next_levels as next_levels

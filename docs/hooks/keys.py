@@ -11,7 +11,7 @@ from pydantic import BaseModel, create_model
 from pounding_cli.laws import link_laws
 from pounding_cli.study.laws import SHARED_KEYS, Link, law_keys
 from pounding_cli.study.models import Case
-from pounding_cli.study.quantity import Read
+from pounding_cli.study.quantity import ValueParser
 from pounding_cli.study.words import fields_of, leaves
 
 _LINK_KEYS: Any = {**SHARED_KEYS, **law_keys(link_laws())}
@@ -37,7 +37,7 @@ def row(name: str, hint: Any, info: Any) -> str:
 def _forms(hint: Any) -> Iterator[str]:
     """The values a key takes, in a few words."""
     for kind in leaves(hint):
-        if isinstance(kind, Read):
+        if isinstance(kind, ValueParser):
             yield from kind.form.split("; ")
         elif get_origin(kind) is typing.Literal:
             yield from (f"`{word}`" for word in get_args(kind))

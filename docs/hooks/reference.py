@@ -15,7 +15,7 @@ from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
 from pounding_cli.study import laws, models, motions, questions, schema
 from pounding_cli.study.plausible import format_value
-from pounding_cli.study.quantity import RANGES
+from pounding_cli.study.quantity import PLAUSIBLE_RANGES
 
 ROOT = Path(__file__).parents[2]
 _spec = importlib.util.spec_from_file_location("keys", Path(__file__).with_name("keys.py"))
@@ -125,7 +125,7 @@ def keys_page() -> str:
     for heading, model in MODELS.items():
         parts += [f"## {heading}", "\n".join(keys.table(model))]
     lines = ["| quantity | plausible | because |", "|---|---|---|"]
-    for name, fits in RANGES.items():
+    for name, fits in PLAUSIBLE_RANGES.items():
         ends = (f"{end:g}" if name in RATIOS else format_value(end, fits.units) for end in (fits.low, fits.high))
         lines.append(f"| {name} | {' to '.join(ends)} | {fits.reason} |")
     parts += [

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from pounding_cli.results.histories import History
 
 _SCALE = Quantity("scale", "", "1.5", 0.0, 1000.0, open_low=True)
-_TAIL = TIME.but(name="tail", example="5 s", open_low=False)
-_EVERY = TIME.but(name="output step", example="2 ms")
+_TAIL = TIME.replace(name="tail", example="5 s", open_low=False)
+_EVERY = TIME.replace(name="output step", example="2 ms")
 
 
 def building(name: str, **keys: Any) -> Building:

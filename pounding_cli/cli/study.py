@@ -171,7 +171,7 @@ def _lines(plan: Plan) -> list[str]:
     step = "" if plan.time_step is None else f"time step {study.unit('time step').text(plan.time_step)}"
     lines = [study.title, f"group      {' | '.join(plan.buildings)}"]
     for axis in plan.axes:
-        shown = [", ".join(axis.shown(place)) for place in range(len(axis.values))]
+        shown = [", ".join(axis.display_values(place)) for place in range(len(axis.values))]
         values = "; ".join(shown[:8]) + (f"; ... {len(shown)} in all" if len(shown) > 8 else "")
         lines.append(f"sweep      {', '.join(axis.names)}: {values}")
     lines += [

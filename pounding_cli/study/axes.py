@@ -14,11 +14,11 @@ from pydantic_core import PydanticCustomError
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, with_value
-from pounding_cli.study.quantity import Quantity, lacks_unit, said_place, written_unit
+from pounding_cli.study.quantity import Quantity, format_location, lacks_unit, written_unit
 from pounding_cli.study.words import keys_at, quantity_at, value_at
-from pounding_cli.units import find_unit_factor
+from pounding_cli.units import factor
 
-MOST_POINTS, MOST_AXES, MOST_VALUES = 2_000_000, 20, 10_000
+MAX_POINTS, MAX_AXES, MAX_VALUES = 2_000_000, 20, 10_000
 _RANGE = ("from", "to", "count", "step", "spacing")
 _BRACKET = ("values", "middle")
 
@@ -58,28 +58,30 @@ class Axis:
     """One dimension of a sweep.
 
     names : dotted keys as in the file, more than one when they move together
-    given, marks : what each takes at every point as the file says it, and where that stands
+    written_values, marks : what each takes at every point as the file says it, and where that stands
     units : the unit each key is written in; SI where none are given
     model : of the file
     """
 
     names: tuple[str, ...]
-    given: Sequence[tuple[Any, ...]]
+    written_values: Sequence[tuple[Any, ...]]
     marks: Sequence[tuple[Mark, ...]]
     units: tuple[Unit, ...]
     model: type[BaseModel] = schema.StudySpec
 
     def __len__(self) -> int:
-        return len(self.given)
+        return len(self.written_values)
 
     @property
     def paths(self) -> list[list[str]]:
         """The keys, step by step."""
         return [name.split(".") for name in self.names]
 
-    def told(self, place: int) -> str:
+    def format_point(self, place: int) -> str:
         """The values at a point in words."""
-        return ", ".join(f"{name} = {value}" for name, value in zip(self.names, self.given[place], strict=True))
+        return ", ".join(
+            f"{name} = {value}" for name, value in zip(self.names, self.written_values[place], strict=True)
+        )
 
     @cached_property
     def values(self) -> tuple[tuple[float | str, ...], ...]:
@@ -87,10 +89,10 @@ class Axis:
         paths = [tuple(path) for path in self.paths]
         return tuple(
             tuple(value_at(self.model, path, value) for path, value in zip(paths, row, strict=True))
-            for row in self.given
+            for row in self.written_values
         )
 
-    def shown(self, place: int) -> tuple[str, ...]:
+    def display_values(self, place: int) -> tuple[str, ...]:
         """The values at a point in the units of the study, e.g. ("0.7 g",)."""
         return tuple(unit.text(value) for unit, value in zip(self.units, self.values[place], strict=True))
 
@@ -112,8 +114,8 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
         problems.add(mark, "'sweep' is not a mapping of keys to values", hint)
         return ()
     entries = [(sweep, [name]) for name in sweep] if isinstance(sweep, Map) else [(node, list(node)) for node in maps]
-    if len(entries) > MOST_AXES:
-        problems.add(mark, f"the sweep has {len(entries)} axes", f"keep it to {MOST_AXES}")
+    if len(entries) > MAX_AXES:
+        problems.add(mark, f"the sweep has {len(entries)} axes", f"keep it to {MAX_AXES}")
         return ()
     axes, seen = list[Axis](), dict[str, Mark]()
     for holder, names in entries:
@@ -121,9 +123,9 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
         for name in names:
             there = holder.marks[name][0]
             sound = can_vary(name, there, root, problems, model=model)
-            values = values_of(name, holder, problems, model) if sound else None
+            values = read_axis_values(name, holder, problems, model) if sound else None
             if name in seen:
-                first = said_place(seen[name])
+                first = format_location(seen[name])
                 problems.add(there, f"'{name}' is an axis twice; first {first}", "remove one of the two")
             elif values is not None:
                 columns.append(values)
@@ -141,11 +143,11 @@ def read_axes(root: Map, problems: Problems, model: type[BaseModel] = schema.Stu
         places: dict[tuple[float | str, ...], int] = {}
         for place, point in enumerate(axis.values):
             if (twin := places.setdefault(point, place)) != place:
-                what = f"{axis.told(twin)} and {axis.told(place)} are the same point of this axis"
+                what = f"{axis.format_point(twin)} and {axis.format_point(place)} are the same point of this axis"
                 problems.add(axis.marks[place][0], what, "remove one of the two")
         axes.append(axis)
-    if (points := math.prod(map(len, axes))) > MOST_POINTS:
-        hint = f"keep it to {MOST_POINTS}: make axes shorter, or let keys move together in a list entry"
+    if (points := math.prod(map(len, axes))) > MAX_POINTS:
+        hint = f"keep it to {MAX_POINTS}: make axes shorter, or let keys move together in a list entry"
         problems.add(mark, f"the sweep has {points} points", hint)
         return ()
     return tuple(axes)
@@ -269,7 +271,9 @@ def _known(path: list[str], root: Map, model: type[BaseModel]) -> list[str]:
     return keys_at(model, path, root)
 
 
-def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel] = schema.StudySpec) -> Values | None:
+def read_axis_values(
+    name: str, holder: Map, problems: Problems, model: type[BaseModel] = schema.StudySpec
+) -> Values | None:
     """The values of a swept key; None where something is wrong, which is noted."""
     given, mark, quantity = holder[name], holder.marks[name][1], quantity_at(model, tuple(name.split(".")))
     if isinstance(given, Map) and not given.keys().isdisjoint(_RANGE):
@@ -277,9 +281,9 @@ def values_of(name: str, holder: Map, problems: Problems, model: type[BaseModel]
     if isinstance(given, Map) and "values" in given:
         refuse_unknown(given, _BRACKET, f"the axis '{name}'", problems)
         mark, given = given.marks["values"][1], given["values"]
-    if not isinstance(given, Items) or not 0 < len(given) <= MOST_VALUES:
+    if not isinstance(given, Items) or not 0 < len(given) <= MAX_VALUES:
         ranged = range_example(quantity, ", count: 5")
-        hint = f"write `{name}: [first, second]`, at most {MOST_VALUES} values, or a range: `{name}: {ranged}`"
+        hint = f"write `{name}: [first, second]`, at most {MAX_VALUES} values, or a range: `{name}: {ranged}`"
         problems.add(mark, f"the axis '{name}' has no list of values, or too long a one", hint)
         return None
     return given, given.marks, unit_of(given, quantity)
@@ -297,7 +301,9 @@ def with_middles(root: Map, problems: Problems) -> Map:
             quantity, own = quantity_at(schema.StudySpec, tuple(steps)), get(root, *steps)
             is_odd = isinstance(values, Items) and len(values) >= 3 and len(values) % 2 == 1
             others = [values[len(values) // 2], middle if own is None else own] if is_odd else []
-            if not others or any(same(other, quantity) != same(middle, quantity) for other in others):
+            if not others or any(
+                canonical_value(other, quantity) != canonical_value(middle, quantity) for other in others
+            ):
                 what = f"{middle} is not the middle of an odd number of values, or not what the study has there"
                 hint = f"write low, middle and high, e.g. `{name}: {{values: [low, middle, high], middle: middle}}`"
                 problems.add(mark, f"'{name}': {what}", hint)
@@ -307,7 +313,7 @@ def with_middles(root: Map, problems: Problems) -> Map:
     return root
 
 
-def same(value: Any, quantity: Quantity | None) -> Any:
+def canonical_value(value: Any, quantity: Quantity | None) -> Any:
     """What two spellings of one value have in common: 0.5 and 1/2."""
     try:
         return quantity.read(value) if quantity is not None else repr(value)
@@ -321,7 +327,7 @@ def unit_of(values: Sequence[Any], quantity: Quantity | None) -> Unit:
         return Unit()
     for value in values:
         try:
-            if (unit := written_unit(value)) and (one := find_unit_factor(unit, quantity.si)) is not None:
+            if (unit := written_unit(value)) and (one := factor(unit, quantity.si)) is not None:
                 return Unit(unit, one, quantity.si)
         except ValueError:
             continue
@@ -361,7 +367,7 @@ def read_numbers(
             problems.add(node.marks[key][1], context["message"], context["hint"])
         else:
             if isinstance(found[key], str):
-                problems.add(node.marks[key][1], f"'{node[key]}' is not a number", kinds[key].wanted)
+                problems.add(node.marks[key][1], f"'{node[key]}' is not a number", kinds[key].usage)
     refuse_bare([(node[key], node.marks[key][1], kinds[key]) for key in found], problems, needs_unit)
     return None if len(problems.found) > before else {key: found[key] for key in kinds if key in found}
 
@@ -390,9 +396,9 @@ def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Valu
         problems.add(node.mark, what, f"write e.g. `{name}: {range_example(quantity, ', count: 5')}`")
     elif spacing not in ("linear", "log") or (spacing == "log" and "step" in node):
         note("spacing", f"spacing: '{spacing}' is not known here", "write linear, or log beside `count:`")
-    elif "count" in node and (type(count) is not int or not 2 <= count <= MOST_VALUES):
-        note("count", f"count: {count}; a range has 2 to {MOST_VALUES} values", "write how many values, e.g. 15")
-    step = quantity.but(
+    elif "count" in node and (type(count) is not int or not 2 <= count <= MAX_VALUES):
+        note("count", f"count: {count}; a range has 2 to {MAX_VALUES} values", "write how many values, e.g. 15")
+    step = quantity.replace(
         name=f"step of a {quantity.name}", low=-math.inf, high=math.inf, open_low=False, open_high=False
     )
     ends = read_numbers(node, {"from": quantity, "to": quantity, "step": step}, problems)
@@ -400,7 +406,7 @@ def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Valu
         return None
     for key, value in ends.items():
         if not isinstance(value, float):
-            note(key, f"'{node[key]}' is not a number: a range runs between numbers", quantity.wanted)
+            note(key, f"'{node[key]}' is not a number: a range runs between numbers", quantity.usage)
             return None
     first, last = ends["from"], ends["to"]
     steps = (last - first) / ends["step"] if ends.get("step") else -1.0
@@ -408,9 +414,9 @@ def _range(name: str, node: Map, quantity: Quantity, problems: Problems) -> Valu
         note("to", "the range ends where it begins", "write `to:` apart from `from:`, or a single value")
     elif spacing == "log" and not first * last > 0:
         note("spacing", "a logarithmic range cannot reach zero", "begin above zero, e.g. `from: 0.1 s`")
-    elif count is None and (not 0.5 < steps < MOST_VALUES or not math.isclose(steps, round(steps), rel_tol=1e-9)):
+    elif count is None and (not 0.5 < steps < MAX_VALUES or not math.isclose(steps, round(steps), rel_tol=1e-9)):
         what = f"steps of {node['step']} do not lead from {node['from']} to {node['to']}: that is {steps:.4g} steps"
-        note("step", what, f"change an end or the step, at most {MOST_VALUES} values, or write `count:`")
+        note("step", what, f"change an end or the step, at most {MAX_VALUES} values, or write `count:`")
     if len(problems.found) > before:
         return None
     count = count or round(steps) + 1

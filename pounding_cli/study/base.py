@@ -23,16 +23,16 @@ from pydantic_core import InitErrorDetails
 from pounding_cli.study.quantity import refuse
 
 Name = Annotated[str, StringConstraints(pattern=r"^\w[\w +-]*$", max_length=60, strip_whitespace=True)]
-Wrong = tuple[tuple[str | int, ...], str, str] | tuple[tuple[str | int, ...], str, str, bool]
+SpecIssue = tuple[tuple[str | int, ...], str, str] | tuple[tuple[str | int, ...], str, str, bool]
 """Where in a mapping, what is wrong, what to write, whether it stands at the key."""
 
 
-def key(default: Any, description: str, example: Any = None, **more: Any) -> Any:
+def spec_field(default: Any, description: str, example: Any = None, **more: Any) -> Any:
     """A key of the file; `...` for one that must be given."""
     return Field(default=default, description=description, examples=None if example is None else [example], **more)
 
 
-def tagged(pick: Callable[[Any], str], **kinds: Any) -> Any:
+def tagged_union(pick: Callable[[Any], str], **kinds: Any) -> Any:
     """One of several kinds of values, which `pick` tells apart by name."""
     parts = [Annotated[kind, Tag(f"({name})")] for name, kind in kinds.items()]
     union = functools.reduce(operator.or_, parts)
@@ -47,38 +47,38 @@ def one_or_many(one: Any, least: int = 1, most: int = 100, as_list: bool = False
 
 def list_or(many: Any, one: Any) -> Any:
     """A list, or something else."""
-    return tagged(lambda value: "list" if isinstance(value, list | tuple) else "one", list=many, one=one)
+    return tagged_union(lambda value: "list" if isinstance(value, list | tuple) else "one", list=many, one=one)
 
 
 def word_or(word: Any, mapping: Any) -> Any:
     """A word, or a mapping."""
     is_word = str | int | float | None
-    return tagged(lambda v: "word" if isinstance(v, is_word) else "mapping", word=word, mapping=mapping)
+    return tagged_union(lambda v: "word" if isinstance(v, is_word) else "mapping", word=word, mapping=mapping)
 
 
-def form(*required: str, **properties: Any) -> dict[str, Any]:
+def mapping_schema(*required: str, **properties: Any) -> dict[str, Any]:
     """The JSON Schema of a mapping with these keys."""
     return {"type": "object", "properties": properties, "required": [*required], "additionalProperties": False}
 
 
 class Model(BaseModel):
-    """Base of every mapping in the file; `wrong` yields what is wrong with it as a whole."""
+    """Base of every mapping in the file; `issues` yields what is wrong with it as a whole."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, coerce_numbers_to_str=True, validate_default=True, defer_build=True
     )
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         yield from ()
 
     @model_validator(mode="after")
     def _check(self) -> Any:
-        if found := list(self.wrong()):
+        if found := list(self.issues()):
             raise errors(self, found)
         return self
 
 
-def errors(owner: Any, found: list[Wrong]) -> ValidationError:
+def errors(owner: Any, found: list[SpecIssue]) -> ValidationError:
     """Problems with their places inside a mapping, as pydantic collects them."""
     details = [
         InitErrorDetails(type=refuse(text, hint, bool(key and key[0]), whole=True), loc=path, input=None)

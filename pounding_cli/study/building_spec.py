@@ -10,20 +10,20 @@ from pydantic import Field, create_model
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
-from pounding_cli.numbers import counted
-from pounding_cli.study.base import Model, Wrong, key, list_or, one_or_many, tagged, word_or
+from pounding_cli.numbers import pluralize
+from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field, tagged_union, word_or
 from pounding_cli.study.link_specs import RATIO, law_fields, own_parameters
 from pounding_cli.study.quantity import (
     FORCE,
     LENGTH,
     MASS,
-    RANGES,
+    PLAUSIBLE_RANGES,
     STIFFNESS,
     TIME,
     WEIGHTS,
+    ParsedText,
     Quantity,
-    Text,
-    Whole,
+    WholeNumber,
 )
 
 Ratio = Annotated[float, RATIO]
@@ -42,15 +42,15 @@ Overstrength = Annotated[float, Quantity("overstrength", "", "2", 0.1, 20.0)]
 class CodeSpec(Model):
     """Yield shears equal to the storey shears of the Uniform Building Code."""
 
-    code: Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"] = key("UBC-1991", "edition")
-    zone: Zone = key(0.4, "zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given")
-    soil: Soil = key(1.2, "soil factor S [-]")
-    importance: Importance = key(1.0, "importance factor I [-]")
-    rw: SystemRw | None = key(None, "system factor of UBC 1988 to 1994 [-]; default: 12", alias="Rw")
-    k: SystemK | None = key(None, "system factor of UBC 1985 [-]; must be given there", alias="K")
-    overstrength: Overstrength = key(1.0, "factor on the yield shears [-]; the separation is unchanged")
+    code: Literal["UBC-1985", "UBC-1988", "UBC-1991", "UBC-1994"] = spec_field("UBC-1991", "edition")
+    zone: Zone = spec_field(0.4, "zone factor Z [-]; in UBC-1985 zone 4 has Z = 1 and the key must be given")
+    soil: Soil = spec_field(1.2, "soil factor S [-]")
+    importance: Importance = spec_field(1.0, "importance factor I [-]")
+    rw: SystemRw | None = spec_field(None, "system factor of UBC 1988 to 1994 [-]; default: 12", alias="Rw")
+    k: SystemK | None = spec_field(None, "system factor of UBC 1985 [-]; must be given there", alias="K")
+    overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]; the separation is unchanged")
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         old = self.code == "UBC-1985"
         wrong, right = ("Rw", "`K: 0.67`") if old else ("K", "`Rw: 12`")
         if (self.rw if old else self.k) is not None:
@@ -61,7 +61,7 @@ class CodeSpec(Model):
             yield (), "'zone' is missing: UBC-1985 needs it", "write Z, e.g. `zone: 1` for zone 4"
 
 
-_SHEAR = replace(RANGES["base yield shear over weight"], name="base shear", units=WEIGHTS)
+_SHEAR = replace(PLAUSIBLE_RANGES["base yield shear over weight"], name="base shear", units=WEIGHTS)
 _COEFFICIENT = Quantity("base shear over weight V/W", "", "0.10 W", 1e-4, 10.0, usual=_SHEAR)
 
 
@@ -69,7 +69,7 @@ def _read_base_shear(value: Any) -> float:
     return _COEFFICIENT.read(value.strip().removesuffix("W") if isinstance(value, str) else value)
 
 
-Coefficient = Annotated[float, Text(_read_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
+Coefficient = Annotated[float, ParsedText(_read_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
 Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
 ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
 Behaviour = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
@@ -78,14 +78,14 @@ Behaviour = Annotated[float, Quantity("displacement behaviour factor q_d", "", "
 class BaseShearSpec(Model):
     """Yield shears from a base-shear coefficient and a distribution of the forces over the height."""
 
-    base_shear: Coefficient = key(..., "base shear over weight V/W [-]", "0.10 W")
-    distribution: Literal["triangular", "uniform", "parabolic", "asce7", "ubc"] = key(
+    base_shear: Coefficient = spec_field(..., "base shear over weight V/W [-]", "0.10 W")
+    distribution: Literal["triangular", "uniform", "parabolic", "asce7", "ubc"] = spec_field(
         "triangular", "forces over the height: by w h, w, w h^2, w h^k of ASCE 7, or the UBC's with a force at the top"
     )
-    overstrength: Overstrength = key(1.0, "factor on the yield shears [-]")
-    cd: Amplification | None = key(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
-    ie: ImportanceIe | None = key(None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie")
-    qd: Behaviour | None = key(None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`")
+    overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]")
+    cd: Amplification | None = spec_field(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
+    ie: ImportanceIe | None = spec_field(None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie")
+    qd: Behaviour | None = spec_field(None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`")
 
 
 BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
@@ -100,8 +100,8 @@ def _yield_kind(value: Any) -> str:
 class RayleighSpec(Model):
     """Structural damping C = alpha M + beta K0 of the fixed-base building."""
 
-    alpha: Annotated[float, Quantity("alpha", "1/s", "0.5", 0.0)] = key(..., "mass factor [1/s]")
-    beta: Annotated[float, Quantity("beta", "s", "0.001 s", 0.0)] = key(..., "stiffness factor [s]")
+    alpha: Annotated[float, Quantity("alpha", "1/s", "0.5", 0.0)] = spec_field(..., "mass factor [1/s]")
+    beta: Annotated[float, Quantity("beta", "s", "0.001 s", 0.0)] = spec_field(..., "stiffness factor [s]")
 
 
 def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
@@ -109,7 +109,7 @@ def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> 
     declared = law.parameters()[name].metadata["parameter"]
     ends = declared.low, declared.high, declared.open_low and not absent, declared.open_high
     unit = "" if declared.unit == "-" else declared.unit.removesuffix("/rad")
-    usual = RANGES["floor mass"] if unit == "kg" else None
+    usual = PLAUSIBLE_RANGES["floor mass"] if unit == "kg" else None
     return Quantity(name.replace("_", " "), unit, example, *ends, usual=usual)
 
 
@@ -140,7 +140,7 @@ def _isolators_model(law: Any, **examples: str) -> Any:
         )
         fields[name] = (
             kind if is_needed else kind | None,
-            key(... if is_needed else None, _describe(law, name), example),
+            spec_field(... if is_needed else None, _describe(law, name), example),
         )
     model = create_model(law.__name__, __base__=_IsolatorsSpec, __doc__=law.__doc__, **fields)
     model.kind = law
@@ -163,29 +163,31 @@ def _isolation_kind(value: Any) -> str:
     return "rubber" if isinstance(value, _RUBBER) or "damping_ratio" in given else "bearings"
 
 
-Isolation: Any = tagged(_isolation_kind, pendulum=_PENDULUM, bearings=_BEARINGS, rubber=_RUBBER)
+Isolation: Any = tagged_union(_isolation_kind, pendulum=_PENDULUM, bearings=_BEARINGS, rubber=_RUBBER)
 
 
 class FoundationSpec(Model):
     """Sway and rocking of the base; a motion whose stiffness is absent does not take place."""
 
-    mass: Annotated[float, _build_quantity(Sway, "mass", "100 t", absent=True)] = key(0.0, _describe(Sway, "mass"))
-    sway_stiffness: Annotated[float, _build_quantity(Sway, "sway_stiffness", "200 kN/mm")] | None = key(
+    mass: Annotated[float, _build_quantity(Sway, "mass", "100 t", absent=True)] = spec_field(
+        0.0, _describe(Sway, "mass")
+    )
+    sway_stiffness: Annotated[float, _build_quantity(Sway, "sway_stiffness", "200 kN/mm")] | None = spec_field(
         None, f"{_describe(Sway, 'sway_stiffness')}; absent: no sway"
     )
-    isolation: Isolation | None = key(
+    isolation: Isolation | None = spec_field(
         None, "isolators under the base, instead of sway_stiffness; its displacement is the `sway` of the results"
     )
-    sway_damping: Annotated[float, _build_quantity(Sway, "sway_damping", "1e6 N s/m")] = key(
+    sway_damping: Annotated[float, _build_quantity(Sway, "sway_damping", "1e6 N s/m")] = spec_field(
         0.0, _describe(Sway, "sway_damping")
     )
-    inertia: Annotated[float, _build_quantity(Rocking, "inertia", "1000 t m2", absent=True)] = key(
+    inertia: Annotated[float, _build_quantity(Rocking, "inertia", "1000 t m2", absent=True)] = spec_field(
         0.0, _describe(Rocking, "inertia")
     )
-    rocking_stiffness: Annotated[float, _build_quantity(Rocking, "rocking_stiffness", "5e9 N m")] | None = key(
+    rocking_stiffness: Annotated[float, _build_quantity(Rocking, "rocking_stiffness", "5e9 N m")] | None = spec_field(
         None, f"{_describe(Rocking, 'rocking_stiffness')}; absent: no rocking"
     )
-    rocking_damping: Annotated[float, _build_quantity(Rocking, "rocking_damping", "1e7 N m s")] = key(
+    rocking_damping: Annotated[float, _build_quantity(Rocking, "rocking_damping", "1e7 N m s")] = spec_field(
         0.0, _describe(Rocking, "rocking_damping")
     )
 
@@ -194,7 +196,7 @@ class FoundationSpec(Model):
         """Whether it translates."""
         return self.sway_stiffness is not None or self.isolation is not None
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         if self.sway_stiffness is not None and self.isolation is not None:
             hint = "remove one of the two: isolators stand in place of the spring"
             yield ("sway_stiffness",), "'sway_stiffness' and 'isolation' both stand here", hint, True
@@ -226,20 +228,20 @@ def _list_or(quantity: Quantity, one: Any) -> Any:
     return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
 
 
-PERIOD_OF_BUILDING = Annotated[float, TIME.but(name="period", high=60.0)]
+PERIOD_OF_BUILDING = Annotated[float, TIME.replace(name="period", high=60.0)]
 Masses = _one_or_each(MASS)
 
 
 class StiffnessAtSpec(Model):
-    """Storey stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
+    """StoreyMultiple stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
 
-    period: PERIOD_OF_BUILDING = key(
+    period: PERIOD_OF_BUILDING = spec_field(
         ..., "fundamental period of the fixed-base building with these masses [s]", "0.42 s"
     )
-    mass: Masses = key(..., "floor masses at which the building has this period [kg], one or a list", "300 t")  # type: ignore[valid-type]
+    mass: Masses = spec_field(..., "floor masses at which the building has this period [kg], one or a list", "300 t")  # type: ignore[valid-type]
 
 
-Stiffnesses: Any = tagged(
+Stiffnesses: Any = tagged_union(
     lambda value: "mapping" if isinstance(value, dict | StiffnessAtSpec) else "list",
     list=Annotated[tuple[Annotated[float, STIFFNESS], ...], Field(min_length=1, max_length=100)],
     mapping=StiffnessAtSpec,
@@ -249,18 +251,24 @@ Stiffnesses: Any = tagged(
 class WallSpec(Model):
     """A wall beside a building: the wall of a moat, a rigid neighbour, the line of a property."""
 
-    height: Annotated[float, LENGTH.but(name="height of the wall", example="2 m", open_low=False)] | None = key(
-        None,
-        "height above the ground [m]: floors of a neighbour up to it can strike the wall, and its base if it moves; "
-        "`0 m` for a wall that meets the base alone; default: all floors",
+    height: Annotated[float, LENGTH.replace(name="height of the wall", example="2 m", open_low=False)] | None = (
+        spec_field(
+            None,
+            "height above the ground [m]: floors of a neighbour up to it can strike the wall, and its base if it moves; "
+            "`0 m` for a wall that meets the base alone; default: all floors",
+        )
     )
-    stiffness: Annotated[float, STIFFNESS] | None = key(
+    stiffness: Annotated[float, STIFFNESS] | None = spec_field(
         None, "spring of the soil behind it [N/m]; absent: it moves as the ground does"
     )
-    mass: Annotated[float, MASS] | None = key(None, "mass of the wall and of the soil that moves with it [kg]", "50 t")
-    damping: Annotated[float, Quantity("dashpot", "N s/m", "1e6 N s/m", 0.0)] = key(0.0, "dashpot of the soil [N s/m]")
+    mass: Annotated[float, MASS] | None = spec_field(
+        None, "mass of the wall and of the soil that moves with it [kg]", "50 t"
+    )
+    damping: Annotated[float, Quantity("dashpot", "N s/m", "1e6 N s/m", 0.0)] = spec_field(
+        0.0, "dashpot of the soil [N s/m]"
+    )
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         if self.stiffness is not None and self.mass is None:
             yield (), "'mass' is missing: 'stiffness' needs it", "write what moves on the soil, e.g. `mass: 50 t`"
         for name in ("mass", "damping"):
@@ -272,34 +280,38 @@ class WallSpec(Model):
 class _BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
-    like: str | None = key(None, "another building whose keys apply unless given here")
-    storeys: Annotated[int, Whole(1, 100)] | None = key(None, "number of storeys; default: the length of a list", 5)
-    period: PERIOD_OF_BUILDING | None = key(None, "fundamental period of the fixed-base building [s]", "0.36 s")
-    mass: Masses = key("200 t", "floor mass [kg], one or a list")  # type: ignore[valid-type]
-    height: _one_or_each(LENGTH.but(usual=RANGES["storey height"])) = key("3 m", "storey height [m], one or a list")  # type: ignore[valid-type]
-    taper: Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)] = key(
+    like: str | None = spec_field(None, "another building whose keys apply unless given here")
+    storeys: Annotated[int, WholeNumber(1, 100)] | None = spec_field(
+        None, "number of storeys; default: the length of a list", 5
+    )
+    period: PERIOD_OF_BUILDING | None = spec_field(None, "fundamental period of the fixed-base building [s]", "0.36 s")
+    mass: Masses = spec_field("200 t", "floor mass [kg], one or a list")  # type: ignore[valid-type]
+    height: _one_or_each(LENGTH.replace(usual=PLAUSIBLE_RANGES["storey height"])) = spec_field(
+        "3 m", "storey height [m], one or a list"
+    )  # type: ignore[valid-type]
+    taper: Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)] = spec_field(
         "1/3", "top over bottom storey stiffness [-], linear in between"
     )
-    stiffness: Stiffnesses | None = key(
+    stiffness: Stiffnesses | None = spec_field(
         None,
         "storey stiffnesses [N/m], instead of period and taper; or {period: 0.42 s, mass: 300 t}: those of a building "
         "with this period and these masses, which stay when the mass is varied",
     )
-    damping: Annotated[float, RATIO.but(usual=RANGES["damping ratio"])] = key(
+    damping: Annotated[float, RATIO.replace(usual=PLAUSIBLE_RANGES["damping ratio"])] = spec_field(
         "5 %", "damping ratio of the first two modes [-]"
     )
-    rayleigh: RayleighSpec | None = key(None, "Rayleigh factors, instead of damping")
-    hardening: _one_or_each(Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)) = key(  # type: ignore[valid-type]
+    rayleigh: RayleighSpec | None = spec_field(None, "Rayleigh factors, instead of damping")
+    hardening: _one_or_each(Quantity("hardening ratio", "", "0.05", 0.0, 1.0, open_high=True)) = spec_field(  # type: ignore[valid-type]
         0.05, "post-yield over initial stiffness [-], one or a list"
     )
-    yield_: tagged(_yield_kind, code=CodeSpec, shear=BaseShearSpec) = key(  # type: ignore[valid-type]
+    yield_: tagged_union(_yield_kind, code=CodeSpec, shear=BaseShearSpec) = spec_field(  # type: ignore[valid-type]
         CodeSpec(), "code or base-shear coefficient that sets the yield shears", alias="yield"
     )
-    yield_shear: _list_or(FORCE, Literal["never"]) | None = key(  # type: ignore[valid-type]
+    yield_shear: _list_or(FORCE, Literal["never"]) | None = spec_field(  # type: ignore[valid-type]
         None, "storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
-    storey_law: Literal[tuple(storey_laws())] = key("bilinear", "how storeys yield and unload")  # type: ignore[valid-type]
-    p_delta: _list_or(FORCE.but(name="weight on a storey", example="9000 kN", open_low=False), bool) = key(  # type: ignore[valid-type]
+    storey_law: Literal[tuple(storey_laws())] = spec_field("bilinear", "how storeys yield and unload")  # type: ignore[valid-type]
+    p_delta: _list_or(FORCE.replace(name="weight on a storey", example="9000 kN", open_low=False), bool) = spec_field(  # type: ignore[valid-type]
         False,
         "P-Delta, the push of the weight on a storey that drifts: `true` for the weight of the floors above, or the "
         "weight on every storey [N], a list",
@@ -309,21 +321,23 @@ class _BuildingSpec(Model):
             float | str, Quantity("drift ratio of collapse", "", "10 %", 0.0, 1.0, open_low=True, words=("never",))
         ]
         | None
-    ) = key(
+    ) = spec_field(
         None,
         "drift over storey height at which a storey counts as collapsed and the run ends [-]; default: 10 % if a "
         "storey may lose all resistance; `never`: not checked",
     )
-    foundation: word_or(Literal["fixed"], FoundationSpec) = key("fixed", "springs under the base; `fixed`: none")  # type: ignore[valid-type]
-    slab: Annotated[float, LENGTH.but(name="slab thickness", example="25 cm", open_low=False)] = key(
+    foundation: word_or(Literal["fixed"], FoundationSpec) = spec_field("fixed", "springs under the base; `fixed`: none")  # type: ignore[valid-type]
+    slab: Annotated[float, LENGTH.replace(name="slab thickness", example="25 cm", open_low=False)] = spec_field(
         "0 cm", "thickness of the floor slabs [m]; slabs whose heights overlap meet"
     )
-    columns: Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)] | None = key(
-        None,
-        "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; without it "
-        "such blows are left out",
+    columns: Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)] | None = (
+        spec_field(
+            None,
+            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; without it "
+            "such blows are left out",
+        )
     )
-    wall: word_or(Literal["fixed"], WallSpec) | None = key(  # type: ignore[valid-type]
+    wall: word_or(Literal["fixed"], WallSpec) | None = spec_field(  # type: ignore[valid-type]
         None,
         "a wall in place of a building, without further keys; `fixed`: as high as its neighbours, moving as the ground "
         "does",
@@ -344,7 +358,7 @@ class _BuildingSpec(Model):
             return 1
         return self.storeys if self.storeys is not None else next(iter(self.lengths.values()), None)
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         if self.wall is not None:
             for name in sorted(self.model_fields_set - {"wall", "like"}):
                 shown = type(self).model_fields[name].alias or name
@@ -359,8 +373,8 @@ class _BuildingSpec(Model):
             yield (), "'storeys' is missing", "write the number of storeys, e.g. `storeys: 5`"
         for name, length in self.lengths.items():
             if self.count is not None and length != self.count:
-                what = f"{name} has {counted(length, 'value')} for {counted(self.count, 'storey')}"
-                hint = f"write {counted(self.count, 'value')} from the ground up"
+                what = f"{name} has {pluralize(length, 'value')} for {pluralize(self.count, 'storey')}"
+                hint = f"write {pluralize(self.count, 'value')} from the ground up"
                 yield tuple(name.split(".")), what, hint
         if self.period is None and self.stiffness is None:
             yield (), "this building has neither 'period' nor 'stiffness'", "write e.g. `period: 0.36 s`"

@@ -12,7 +12,7 @@ from pounding_cli.model.building import Building, Foundation, UnstableError, wei
 from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
 from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
-from pounding_cli.model.wall import ENDLESS, Wall
+from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.building_spec import BaseShearSpec, BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.issues import Issue, IssuesFound
 from pounding_cli.study.link_specs import own_parameters
@@ -104,11 +104,11 @@ def _build_foundation(base: Any) -> Foundation:
 
 def _build_wall(name: str, spec: Any) -> Wall:
     if spec == "fixed":
-        return Wall.of(name)
-    height = ENDLESS if spec.height is None else spec.height
+        return Wall.build(name)
+    height = UNLIMITED_HEIGHT if spec.height is None else spec.height
     if spec.stiffness is None:
-        return Wall.of(name, height)
-    return Wall.of(name, height, spec.mass, spec.stiffness, spec.damping)
+        return Wall.build(name, height)
+    return Wall.build(name, height, spec.mass, spec.stiffness, spec.damping)
 
 
 def _fill_storeys(value: Any, storeys: int) -> np.ndarray:

@@ -32,7 +32,7 @@ from pounding_cli.study.links import (
 from pounding_cli.study.quantity import Quantity
 from pounding_cli.study.study import Study, build_study
 from pounding_cli.study.written import read_spec
-from pounding_cli.texts import file_name
+from pounding_cli.texts import to_file_name
 
 
 def study_of(data: Mapping[str, Any]) -> Study:
@@ -47,7 +47,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     """
     root = tree_of(data)
     title = str(root.get("title") or "study")
-    path = Path(file_name(title).replace(" ", "-").lower() + ".yaml")
+    path = Path(to_file_name(title).replace(" ", "-").lower() + ".yaml")
     return build_study(path, dump_yaml(root, flow=False) + "\n", root)
 
 

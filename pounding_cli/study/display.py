@@ -16,7 +16,7 @@ from pounding_cli.study.group import unique_names
 from pounding_cli.study.issues import IssuesFound
 from pounding_cli.study.link_specs import LOSSES, link_keys
 from pounding_cli.study.links import complete_links, find_losses
-from pounding_cli.study.quantity import Measured, Quantity, Storey, written_unit
+from pounding_cli.study.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
 from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ def _iter_scalars(node: Any, keys: Sequence[str], inside: bool) -> Iterator[Any]
 
 def to_plain_data(value: Any) -> Any:
     """Return a value of a validated model as plain data: SI numbers, multiples of stiffnesses as text."""
-    if isinstance(value, Storey):
+    if isinstance(value, StoreyMultiple):
         return str(value)
-    if isinstance(value, Measured):
+    if isinstance(value, MeasuredValue):
         return value.text
     if isinstance(value, BaseModel):
         fields = type(value).model_fields.items()

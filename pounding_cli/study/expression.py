@@ -16,8 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from pounding_cli import variables
 from pounding_cli.study.file import nearest
-from pounding_cli.study.quantity import ACCELERATION, LENGTH, refuse, written_unit
-from pounding_cli.study.quantity import Quantity as Measure
+from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, written_unit
 
 STOREY, FLOOR, LINK = (
     {
@@ -43,7 +42,7 @@ def expression_hint(buildings: Sequence[str]) -> str:
     )
 
 
-_LONGEST = 500
+MAX_LENGTH = 500
 _FUNCTIONS: Mapping[str, Callable[..., np.ndarray]] = {
     "max": np.maximum, "min": np.minimum, "abs": np.abs, "sqrt": np.sqrt, "log": np.log, "exp": np.exp,
 }  # fmt: skip
@@ -59,7 +58,7 @@ _PHRASE = (
 
 
 @dataclass(frozen=True)
-class Quantity:
+class TableQuantity:
     """One number of the tables.
 
     name : of QUANTITIES
@@ -74,7 +73,7 @@ class Quantity:
     level: int = 0
 
 
-Value = Callable[[Quantity], np.ndarray]
+Value = Callable[[TableQuantity], np.ndarray]
 Work = Callable[[Value], np.ndarray]
 
 
@@ -89,7 +88,7 @@ class Expression:
 
     text: str
     unit: str
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[TableQuantity, ...]
     _work: Work
 
     def __call__(self, value: Value) -> np.ndarray:
@@ -101,77 +100,79 @@ class Expression:
         return self.text
 
 
-class NotUnderstood(ValueError):
+class ExpressionError(ValueError):
     """What is wrong with an expression; the second argument says what to write."""
 
 
-def read_expression(text: str, buildings: Sequence[str]) -> Expression:
+def parse_expression(text: str, buildings: Sequence[str]) -> Expression:
     """An expression over the tables of a study.
 
     buildings : names of the group by place, left to right
 
     Raises
     ------
-    NotUnderstood : what is wrong, and what to write
+    ExpressionError : what is wrong, and what to write
     """
-    if len(text) > _LONGEST:
-        raise NotUnderstood(f"{len(text)} characters are not an expression", expression_hint(buildings))
-    text, quantities = " ".join(text.split()), list[Quantity]()
+    if len(text) > MAX_LENGTH:
+        raise ExpressionError(f"{len(text)} characters are not an expression", expression_hint(buildings))
+    text, quantities = " ".join(text.split()), list[TableQuantity]()
     names = "|".join(map(re.escape, sorted(buildings, key=len, reverse=True)))
 
-    def noted(found: re.Match[str]) -> str:
+    def replace_phrase(found: re.Match[str]) -> str:
         """A name, `_0`, `_1`, in place of every quantity."""
         if found["name"] in _FUNCTIONS and found["how"] is None:
             return found[0]
         try:
-            quantities.append(_quantity(found, buildings))
-        except NotUnderstood as error:
-            raise NotUnderstood(f"'{text}': {error.args[0]}", error.args[1]) from None
+            quantities.append(_parse_quantity(found, buildings))
+        except ExpressionError as error:
+            raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
         return f"_{len(quantities) - 1}"
 
-    said = re.sub(_PHRASE.format(buildings=names), noted, text)
+    arithmetic = re.sub(_PHRASE.format(buildings=names), replace_phrase, text)
     try:
-        unit, work = _part(ast.parse(said.strip(), mode="eval").body, quantities)
+        unit, work = _compile_node(ast.parse(arithmetic.strip(), mode="eval").body, quantities)
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        open_bracket = said.count("(") > said.count(")")
+        open_bracket = arithmetic.count("(") > arithmetic.count(")")
         what = "a bracket is not closed" if open_bracket else "this is not arithmetic with the numbers of the tables"
-        raise NotUnderstood(
-            f"'{text}': {error if isinstance(error, NotUnderstood) else what}", expression_hint(buildings)
+        raise ExpressionError(
+            f"'{text}': {error if isinstance(error, ExpressionError) else what}", expression_hint(buildings)
         ) from None
-    if not quantities or "#" in said:
-        raise NotUnderstood(f"'{text}': it takes nothing from the tables", expression_hint(buildings))
+    if not quantities or "#" in arithmetic:
+        raise ExpressionError(f"'{text}': it takes nothing from the tables", expression_hint(buildings))
     return Expression(text, unit, tuple(quantities), work)
 
 
-def _quantity(found: re.Match[str], buildings: Sequence[str]) -> Quantity:
-    """The quantity of a phrase: `mean mu in soft storey 2`.  Raises NotUnderstood."""
+def _parse_quantity(found: re.Match[str], buildings: Sequence[str]) -> TableQuantity:
+    """The quantity of a phrase: `mean mu in soft storey 2`.  Raises ExpressionError."""
     name, building, level = found["name"], found["building"], 0
     if name not in QUANTITIES:
-        raise NotUnderstood(f"no quantity '{name}' is known", nearest(name, (*QUANTITIES, *_FUNCTIONS)))
+        raise ExpressionError(f"no quantity '{name}' is known", nearest(name, (*QUANTITIES, *_FUNCTIONS)))
     if found["in"] is not None:
         if name in LINK:
-            raise NotUnderstood(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
+            raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
         if building is None and found["kind"] is None:
             wrong = re.split(r"[-+*/(),]", found.string[found.end() :])[0].strip()[:40]
-            raise NotUnderstood(f"no building '{wrong}' in the group", nearest(wrong, buildings))
-        level = _level(found, name in FLOOR, name)
-    return Quantity(name, found["how"] or REDUCTIONS[0], None if building is None else buildings.index(building), level)
+            raise ExpressionError(f"no building '{wrong}' in the group", nearest(wrong, buildings))
+        level = _parse_level(found, name in FLOOR, name)
+    return TableQuantity(
+        name, found["how"] or REDUCTIONS[0], None if building is None else buildings.index(building), level
+    )
 
 
-def _level(found: re.Match[str], of_floors: bool, what: str) -> int:
-    """The number of a storey or floor; 0 for all.  Raises NotUnderstood: it is the other of the two, or 0."""
+def _parse_level(found: re.Match[str], of_floors: bool, what: str) -> int:
+    """The number of a storey or floor; 0 for all.  Raises ExpressionError: it is the other of the two, or 0."""
     if found["kind"] is None:
         return 0
     own = "floor" if of_floors else "storey"
     if found["kind"] != own:
-        raise NotUnderstood(f"{what} belongs to a {own}", f"write `{own} {found['level']}`")
+        raise ExpressionError(f"{what} belongs to a {own}", f"write `{own} {found['level']}`")
     if int(found["level"]) < 1:
-        raise NotUnderstood(f"there is no {own} 0", f"the lowest is `{own} 1`")
+        raise ExpressionError(f"there is no {own} 0", f"the lowest is `{own} 1`")
     return int(found["level"])
 
 
-def _part(node: ast.expr, quantities: Sequence[Quantity]) -> tuple[str, Work]:
-    """Unit and work of a part.  Raises NotUnderstood."""
+def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[str, Work]:
+    """Unit and work of a part.  Raises ExpressionError."""
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
             return "", lambda value: np.asarray(float(number))
@@ -179,27 +180,27 @@ def _part(node: ast.expr, quantities: Sequence[Quantity]) -> tuple[str, Work]:
             quantity = quantities[int(name[1:])]
             return QUANTITIES[quantity.name], lambda value: value(quantity)
         case ast.UnaryOp(op=ast.USub(), operand=inner):
-            unit, work = _part(inner, quantities)
+            unit, work = _compile_node(inner, quantities)
             return unit, lambda value: -work(value)
         case ast.BinOp(op=sign, left=left, right=right) if type(sign) in _SIGNS:
-            return _joined(_SIGNS[type(sign)], [left, right], quantities, type(sign) in _KEEP_UNIT)
+            return _compile_operation(_SIGNS[type(sign)], [left, right], quantities, type(sign) in _KEEP_UNIT)
         case ast.Call(func=ast.Name(id=name), args=inner, keywords=[]) if name in _FUNCTIONS:
             if (len(inner) > 1) != (name in _SEVERAL):
-                raise NotUnderstood(f"{name} takes {'two values or more' if name in _SEVERAL else 'one value'}")
-            return _joined(_FUNCTIONS[name], inner, quantities, name in _KEEP_UNIT)
-    raise NotUnderstood(
+                raise ExpressionError(f"{name} takes {'two values or more' if name in _SEVERAL else 'one value'}")
+            return _compile_operation(_FUNCTIONS[name], inner, quantities, name in _KEEP_UNIT)
+    raise ExpressionError(
         "only numbers of the tables, + - * /, brackets, max, min, abs, sqrt, log and exp are understood"
     )
 
 
-def _joined(
-    work: Callable[..., np.ndarray], nodes: Sequence[ast.expr], quantities: Sequence[Quantity], keeps_unit: bool
+def _compile_operation(
+    work: Callable[..., np.ndarray], nodes: Sequence[ast.expr], quantities: Sequence[TableQuantity], keeps_unit: bool
 ) -> tuple[str, Work]:
     """Unit and work of parts that are joined, two at a time where there are several."""
-    parts = [_part(node, quantities) for node in nodes]
+    parts = [_compile_node(node, quantities) for node in nodes]
     units = {unit for unit, _ in parts}
 
-    def joined(value: Value) -> np.ndarray:
+    def operate(value: Value) -> np.ndarray:
         first, *others = (part(value) for _, part in parts)
         if not others:
             return work(first)
@@ -207,7 +208,7 @@ def _joined(
             first = work(first, other)
         return first
 
-    return units.pop() if keeps_unit and len(units) == 1 else "", joined
+    return units.pop() if keeps_unit and len(units) == 1 else "", operate
 
 
 # Statements
@@ -237,7 +238,7 @@ class Statement:
     value: float
 
     @property
-    def quantities(self) -> tuple[Quantity, ...]:
+    def quantities(self) -> tuple[TableQuantity, ...]:
         """What it takes from the tables."""
         return self.expression.quantities
 
@@ -250,28 +251,28 @@ class Statement:
         return self.text
 
 
-def read_statement(text: str, buildings: Sequence[str]) -> Statement:
-    """A statement over the tables of a study; arguments and errors as those of `read_expression`."""
-    text = " ".join(text[: _LONGEST + 1].split())
+def parse_statement(text: str, buildings: Sequence[str]) -> Statement:
+    """A statement over the tables of a study; arguments and errors as those of `parse_expression`."""
+    text = " ".join(text[: MAX_LENGTH + 1].split())
     found = _STATEMENT.match(text)
     if found is None:
-        raise NotUnderstood(f"'{text}' is not compared with a value by < or >", statement_hint(buildings))
-    expression, written = read_expression(found["expression"], buildings), found["value"].strip()
+        raise ExpressionError(f"'{text}' is not compared with a value by < or >", statement_hint(buildings))
+    expression, written = parse_expression(found["expression"], buildings), found["value"].strip()
     unit, example = expression.unit, f"{expression} {found['sign']} {_VALUES[expression.unit]}"
     if unit == "m" and written.endswith("%"):
         example = text.replace("drift", DRIFT_RATIO)  # of the storey height
-    value = _number(text, Measure("value", unit, _VALUES[unit]), written, f"write e.g. `{example}`")
+    value = _parse_number(text, Quantity("value", unit, _VALUES[unit]), written, f"write e.g. `{example}`")
     return Statement(text, expression, found["sign"] == ">", value)
 
 
-def _number(text: str, measure: Measure, written: str, hint: str) -> float:
-    """A value with its unit in SI.  Raises NotUnderstood."""
+def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> float:
+    """A value with its unit in SI.  Raises ExpressionError."""
     try:
         number = float(measure.read(written))
     except PydanticCustomError as error:
-        raise NotUnderstood(f"'{text}': {(error.context or {})['message']}", hint) from None
+        raise ExpressionError(f"'{text}': {(error.context or {})['message']}", hint) from None
     if measure.si and not written_unit(written):
-        raise NotUnderstood(f"'{text}': the value has no unit", hint)
+        raise ExpressionError(f"'{text}': the value has no unit", hint)
     return number
 
 
@@ -282,16 +283,16 @@ CONTACT, COLLAPSE, SHEAR_DEMAND, DRIFT_RATIO = "contact", "collapse", "shear_dem
 LIMITS = ("mu", "drift", DRIFT_RATIO, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE)
 """What may be limited."""
 
-TAKES_NEIGHBOUR = (CONTACT, SHEAR_DEMAND)
+LIMITS_OF_PAIRS = (CONTACT, SHEAR_DEMAND)
 """Limits that a building alone cannot pass."""
 
 LIMIT_FORM = "write e.g. `mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `shear_demand > 1`, `contact` or `collapse`"
 _MEASURES = {
-    "mu": Measure("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
-    SHEAR_DEMAND: Measure("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
-    "acceleration": ACCELERATION.but(example="acceleration > 1 g"),
-    "drift": LENGTH.but(name="drift", example="drift > 6 cm"),
-    DRIFT_RATIO: Measure("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
+    "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
+    SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
+    "acceleration": ACCELERATION.replace(example="acceleration > 1 g"),
+    "drift": LENGTH.replace(name="drift", example="drift > 6 cm"),
+    DRIFT_RATIO: Quantity("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
 }
 _WHERE = re.compile(r"(?P<what>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
 _PLACE = re.compile(r"(?P<building>.*?)\s*(?:\b(?P<kind>storey|floor)\s+(?P<level>[0-9]{1,3}))?\Z")
@@ -334,7 +335,7 @@ class Target:
         return names[self.building]
 
 
-def read_limit(value: Any) -> Limit:
+def parse_limit(value: Any) -> Limit:
     """A limit as the file says it.  Raises PydanticCustomError saying what to write."""
     text = " ".join(value.split())[:200] if isinstance(value, str) else ""
     parted = _WHERE.match(text)
@@ -351,9 +352,9 @@ def read_limit(value: Any) -> Limit:
     of_height = quantity == DRIFT_RATIO or (quantity == "drift" and written_unit(written) in ("%", "percent", "pct"))
     measure = _MEASURES.get(DRIFT_RATIO if of_height else quantity)
     try:
-        level = _level(place, quantity == "acceleration", f"'{text}': {quantity}")
-        number = 0.0 if measure is None else _number(text, measure, written, LIMIT_FORM)
-    except NotUnderstood as error:
+        level = _parse_level(place, quantity == "acceleration", f"'{text}': {quantity}")
+        number = 0.0 if measure is None else _parse_number(text, measure, written, LIMIT_FORM)
+    except ExpressionError as error:
         raise refuse(*error.args) from None
     if measure is None and (level or (where and quantity == CONTACT)):
         concerns = "two buildings, not one of them" if quantity == CONTACT else "a building, not one of its storeys"

@@ -14,9 +14,9 @@ from typing import Any, cast
 import yaml
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.reading import begins_with, read_bytes, shortened
+from pounding_cli.reading import has_signature, read_bytes, shorten_path
 from pounding_cli.study.issues import Issue, KeyPath
-from pounding_cli.texts import CONTROL, plain
+from pounding_cli.texts import CONTROL, escape_controls
 
 Mark = tuple[Any, int]
 """Line and column; of Python data the dotted key and 0."""
@@ -146,8 +146,8 @@ def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
 
 def read_study(path: Path) -> tuple[str, Map]:
     """The text of a file and its tree.  Raises `InputError` at its place for what is no YAML mapping."""
-    shown = shortened(path)
-    if begins_with(path, b"\x89HDF"):
+    shown = shorten_path(path)
+    if has_signature(path, b"\x89HDF"):
         hint = "name the study that it was made from; `pound show` prints results"
         raise InputError(Problem("this is a results file, not a study", hint, shown))
     raw = read_bytes(path, MAX_BYTES, "study file")
@@ -207,9 +207,9 @@ class _Reader:
                 hint = "put quotes around a value that begins with * or &"
                 self.refuse(mark, f"this is not YAML: found undefined alias '{event.anchor}'", hint, last=True)
             value, mark, size, height = self.anchors[str(event.anchor)]
-            self.counted(size, mark, depth + height)
+            self.count_values(size, mark, depth + height)
             return value, mark
-        self.counted(1, mark, depth)
+        self.count_values(1, mark, depth)
         before = self.count
         if event.tag not in _TAGS:
             self.refuse(mark, f"the tag {event.tag} is not used here", "write the plain value")
@@ -230,7 +230,7 @@ class _Reader:
             self.anchors[event.anchor] = value, mark, self.count - before + 1, _height(value)
         return value, mark
 
-    def counted(self, values: int, mark: Mark, depth: int) -> None:
+    def count_values(self, values: int, mark: Mark, depth: int) -> None:
         self.count += values
         if self.count > MAX_VALUES:
             hint = "write fewer aliases (*name)" if self.anchors else "a study is far shorter: motions stand in files"
@@ -293,7 +293,9 @@ class _Reader:
     def scalar(self, event: Any, mark: Mark) -> Any:
         word = event.value
         if CONTROL.search(word):
-            self.refuse(mark, f"'{plain(word)[:60]}' holds a control character", "write letters, digits and signs")
+            self.refuse(
+                mark, f"'{escape_controls(word)[:60]}' holds a control character", "write letters, digits and signs"
+            )
         if not _is_plain(event):
             return Quoted(word) if event.style in ("'", '"') else word
         if word.lower() in _WORDS:

@@ -9,12 +9,12 @@ from itertools import pairwise
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE
-from pounding_cli.model.meetings import Strike, column_flexibility, meetings
+from pounding_cli.model.meetings import Strike, column_flexibility, find_meetings
 from pounding_cli.model.wall import Wall
-from pounding_cli.numbers import counted, listed
+from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.file import nearest
 from pounding_cli.study.issues import Issue, IssuesFound
-from pounding_cli.study.quantity import Storey
+from pounding_cli.study.quantity import StoreyMultiple
 
 MAX_IN_GROUP = 20
 
@@ -55,7 +55,7 @@ class Meeting:
     @classmethod
     def of(cls, left: Building, right: Building) -> Meeting:
         """Return where two neighbours meet."""
-        floors, strikes = meetings(left, right)
+        floors, strikes = find_meetings(left, right)
         pair = (left, right)
         known = [strike for strike in strikes if pair[strike.side].columns is not None]
         return cls(left.name, right.name, floors, tuple(_build_column_strike(pair[s.side], s) for s in known))
@@ -82,9 +82,9 @@ class Group:
         """Where every two neighbours meet."""
         return tuple(Meeting.of(*pair) for pair in pairwise(self.buildings))
 
-    def stiffness(self, given: float | Storey) -> float:
+    def stiffness(self, given: float | StoreyMultiple) -> float:
         """Return a stiffness, or a multiple of that of a storey, in N/m.  Raises KeyError: no such building."""
-        if not isinstance(given, Storey):
+        if not isinstance(given, StoreyMultiple):
             return given
         named = self.buildings if given.building is None else (self.types[given.building],)
         frames = [building for building in named if not isinstance(building, Wall)] or named
@@ -108,7 +108,7 @@ def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
         for name, label in zip(names, unique_names(names), strict=True)
     ]
     roof = max((float(each.elevation[-1]) for each in placed if not isinstance(each, Wall)), default=0.0)
-    placed = [each.up_to(roof) if isinstance(each, Wall) else each for each in placed]
+    placed = [each.raise_to(roof) if isinstance(each, Wall) else each for each in placed]
     group = Group(tuple(placed), types)
     check_meetings(group)
     return group
@@ -128,7 +128,7 @@ def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[
     if not 2 <= len(names) <= MAX_IN_GROUP:
         example = ", ".join((*defined, *defined)[:2])
         hint = f"name 2 to {MAX_IN_GROUP}, e.g. `group: [{example}]`; each alone is computed anyway"
-        message = f"the group has {counted(len(names), 'building')}: pounding takes two"
+        message = f"the group has {pluralize(len(names), 'building')}: pounding takes two"
         raise IssuesFound([Issue(("group",), message, hint)])
     issues = []
     for place, (name, label) in enumerate(zip(names, labels, strict=True)):
@@ -148,7 +148,7 @@ def check_meetings(group: Group) -> None:
     for place, meeting in enumerate(group.meetings):
         if not meeting.floors and not meeting.strikes:
             pair = group.buildings[place : place + 2]
-            levels = (listed(f"{elevation:g}" for elevation in each.elevation) for each in pair)
+            levels = (join_limited(f"{elevation:g}" for elevation in each.elevation) for each in pair)
             names = f"{meeting.left} and {meeting.right}"
             message = f"{names} have no floor at one elevation: {' against '.join(levels)} m"
             issues.append(Issue(("group", place + 1), message, f"let the storey heights agree somewhere; {COLUMNS}"))
@@ -160,12 +160,12 @@ def find_ignored_blows(group: Group) -> list[Issue]:
     """Return a warning for every pair of neighbours whose slabs strike columns of which nothing is known."""
     issues = []
     for place, pair in enumerate(pairwise(group.buildings)):
-        floors, strikes = meetings(*pair)
+        floors, strikes = find_meetings(*pair)
         unknown = [strike for strike in strikes if pair[strike.side].columns is None]
         if unknown:
-            slabs = listed(f"floor {strike.slab} of {pair[1 - strike.side].name}" for strike in unknown)
+            slabs = join_limited(f"floor {strike.slab} of {pair[1 - strike.side].name}" for strike in unknown)
             struck = " and ".join(sorted({pair[strike.side].name for strike in unknown}))
-            where = f"meet at {counted(len(floors), 'floor')} only" if floors else "meet at no floor"
+            where = f"meet at {pluralize(len(floors), 'floor')} only" if floors else "meet at no floor"
             message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {slabs}"
             hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {struck}"
             issues.append(Issue(("group", place + 1), message, hint))
@@ -180,7 +180,7 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
     """
     lines = []
     for left, right in pairwise(group):
-        pair, (floors, strikes) = f"{left.name}|{right.name}  ", meetings(left, right)
+        pair, (floors, strikes) = f"{left.name}|{right.name}  ", find_meetings(left, right)
         if isinstance(left, Wall) or isinstance(right, Wall):
             named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors)
             lines.append(f"{pair}the wall meets {named}")

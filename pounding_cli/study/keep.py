@@ -97,7 +97,7 @@ def _find_places(key: str, axis: Axis, tree: Map) -> tuple[set[int], list[Issue]
         places.update(equal)
         if not equal:
             path = (*PATH, "where", key, *([number] if is_list else []))
-            values = ", ".join(dict.fromkeys(axis.shown(place)[column] for place in range(len(swept))))
+            values = ", ".join(dict.fromkeys(axis.display_values(place)[column] for place in range(len(swept))))
             issues.append(Issue(path, f"keep: the axis '{key}' has no value {word}", f"known: {values}"))
     return places, issues
 

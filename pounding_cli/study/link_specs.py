@@ -12,8 +12,17 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.study.base import Model, Name, Wrong, key, one_or_many, tagged
-from pounding_cli.study.quantity import GAP, LINK_STIFFNESS, Measured, Quantity, Text, Whole, measured, refuse, said
+from pounding_cli.study.base import Model, Name, SpecIssue, one_or_many, spec_field, tagged_union
+from pounding_cli.study.quantity import (
+    GAP,
+    LINK_STIFFNESS,
+    MeasuredValue,
+    ParsedText,
+    Quantity,
+    WholeNumber,
+    parse_measured,
+    refuse,
+)
 
 POUNDING = Pounding.name
 NO_LINK = "none"
@@ -35,25 +44,28 @@ _DERIVED = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffn
 RATIO = Quantity("damping ratio", "", "5 %", 0.0, 1.0, open_high=True)
 RESTITUTION = Quantity("coefficient of restitution", "", "0.5", 0.0, 1.0, open_low=True)
 SHARED_KEYS: dict[str, tuple[Any, Any]] = {
-    "gap": (Annotated[float, GAP] | None, key(None, "the distance d at rest [m], `0 cm` of floors in touch", "5 cm")),
+    "gap": (
+        Annotated[float, GAP] | None,
+        spec_field(None, "the distance d at rest [m], `0 cm` of floors in touch", "5 cm"),
+    ),
     "stiffness": (
         Annotated[Any, LINK_STIFFNESS] | None,
-        key(
+        spec_field(
             None,
             "s_imp, s_mat, s_con or k [N/m]; default: 1/5 mean storey of infill and connector, 1 x mean storey of "
             "maxwell and friction, else that of `impact`",
         ),
     ),
-    "restitution": (Annotated[float, RESTITUTION] | None, key(None, "coefficient of restitution e [-]")),
+    "restitution": (Annotated[float, RESTITUTION] | None, spec_field(None, "coefficient of restitution e [-]")),
     "damping_ratio": (
         Annotated[float, RATIO] | None,
-        key(
+        spec_field(
             None,
             "damping ratio of the dashpot [-], instead of restitution; also of an infill and a connector, which take "
             "that of the restitution of `impact` unless it is given: 0.215 of 0.5",
         ),
     ),
-    "tension_cut": (bool | None, key(None, "no force that pulls the floors together")),
+    "tension_cut": (bool | None, spec_field(None, "no force that pulls the floors together")),
 }
 
 
@@ -103,14 +115,14 @@ def _value_type(law: Any, name: str, declared: Any, words: tuple[str, ...]) -> A
     if hint is bool:
         return bool
     if hint is int:
-        return Annotated[int, Whole(int(declared.low), int(declared.high))]
+        return Annotated[int, WholeNumber(int(declared.low), int(declared.high))]
     if isinstance(hint, type) and issubclass(hint, StrEnum):
         return Literal[words]
     if declared.unit == "N/m":
         return Annotated[Any, LINK_STIFFNESS]
     unit = "" if declared.unit == "-" else declared.unit
     default = law.parameters()[name].default
-    example = default if declared.refusal(1.0) and isinstance(default, float) else 1.0
+    example = default if declared.describe_issue(1.0) and isinstance(default, float) else 1.0
     ends = declared.low, declared.high, declared.open_low, declared.open_high
     return Annotated[float, Quantity(name.replace("_", " "), unit, f"{example:g} {unit}".strip(), *ends)]
 
@@ -128,20 +140,20 @@ def law_fields(laws: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
             others = ", ".join(owner.name for owner in owners[:-1])
             names = f"{others} and {owners[-1].name}" if others else owners[-1].name
             value_type = _value_type(law, name, declared, words)
-            fields[name] = value_type | None, key(None, f"{names}: {declared.words}")
+            fields[name] = value_type | None, spec_field(None, f"{names}: {declared.description}")
     return fields
 
 
 # Links
 
 
-_Floor = Annotated[int, Whole(1, 100, zero="base")]
+_Floor = Annotated[int, WholeNumber(1, 100, zero="base")]
 
 
 class ExceptSpec(Model):
     """All floors but some."""
 
-    floors: tuple[_Floor, ...] = key(..., "floors that are left out", [1], alias="except")
+    floors: tuple[_Floor, ...] = spec_field(..., "floors that are left out", [1], alias="except")
 
 
 def _floors_kind(value: Any) -> str:
@@ -150,12 +162,12 @@ def _floors_kind(value: Any) -> str:
     return "word" if isinstance(value, str) and value != "base" else "floors"
 
 
-Floors: Any = tagged(
+Floors: Any = tagged_union(
     _floors_kind, word=Literal["all", "rest"], mapping=ExceptSpec, floors=one_or_many(_Floor, as_list=True)
 )
 
 
-def _both_losses(owner: Any) -> Iterator[Wrong]:
+def _both_losses(owner: Any) -> Iterator[SpecIssue]:
     if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
         hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
         yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
@@ -164,24 +176,24 @@ def _both_losses(owner: Any) -> Iterator[Wrong]:
 class LinkSpec(Model):
     """A link between floors of neighbours."""
 
-    link: str = key(
+    link: str = spec_field(
         ..., f"its law: {', '.join(link_laws())}, or a name of `laws`; `none` keeps floors free", "pounding"
     )
-    floors: Floors = key(
+    floors: Floors = spec_field(
         "all",
         "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
         "link of the pair lists; `base`: the moving base of a building beside a wall",
     )
-    pair: Annotated[int, Whole(1, 19)] | None = key(
+    pair: Annotated[int, WholeNumber(1, 19)] | None = spec_field(
         None, "number of the pair of neighbours, from the left; default: every pair"
     )
-    at: Literal["columns"] | None = key(
+    at: Literal["columns"] | None = spec_field(
         None,
         "`columns`: this link stands where slabs strike columns, and no other there; without it links that list no "
         "floors stand there too",
     )
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         if self.at is not None and self.floors != "all":
             yield (
                 ("floors",),
@@ -192,7 +204,7 @@ class LinkSpec(Model):
         yield from _refuse_both_losses(self)
 
 
-def _refuse_both_losses(owner: Any) -> Iterator[Wrong]:
+def _refuse_both_losses(owner: Any) -> Iterator[SpecIssue]:
     if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
         hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
         yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
@@ -222,14 +234,14 @@ def _own_fields(law: Any) -> dict[str, Any]:
         default = law.parameters()[name].default
         words = tuple(map(str, _enumerations(law).get(name, ())))
         value_type = _value_type(law, name, declared, words)
-        fields[name] = value_type | None, key(None if needs_key(law, name) else default, declared.words)
+        fields[name] = value_type | None, spec_field(None if needs_key(law, name) else default, declared.description)
     return fields
 
 
 class NoLinkSpec(LinkSpec):
     """Nothing between the floors; the keys of other links have no meaning beside it."""
 
-    link: Literal["none"] = key(NO_LINK, "no link")
+    link: Literal["none"] = spec_field(NO_LINK, "no link")
 
 
 class OwnLinkSpec(LinkSpec):
@@ -278,11 +290,11 @@ ListedLink = Annotated[AnyLink, BeforeValidator(_to_mapping)]
 class SeveralLinksSpec(Model):
     """A case of several links; each takes the keys beside them that its law has."""
 
-    links: Annotated[tuple[ListedLink, ...], Field(min_length=1, max_length=500)] = key(
+    links: Annotated[tuple[ListedLink, ...], Field(min_length=1, max_length=500)] = spec_field(
         ..., "links between the floors; one may stand in the case itself"
     )
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         yield from _refuse_both_losses(self)
 
 
@@ -291,7 +303,7 @@ _CASE_KEYS |= law_fields(link_laws())
 SeveralLinks: Any = create_model(
     "Case_links", __base__=SeveralLinksSpec, __doc__=SeveralLinksSpec.__doc__, **_CASE_KEYS
 )
-CaseSpec: Any = tagged(
+CaseSpec: Any = tagged_union(
     lambda case: (
         "links" if isinstance(case, SeveralLinksSpec) or (isinstance(case, dict) and "links" in case) else "link"
     ),
@@ -304,21 +316,24 @@ CaseSpec: Any = tagged(
 class OwnLawSpec(Model):
     """A law of links of the study's own."""
 
-    force: str = key(
+    force: str = spec_field(
         ...,
         "its force [N]: a formula of v closing [m], r its rate [m/s], m reduced mass of the floors [kg], d gap [m] "
         "and the parameters; + - * / **, brackets and sqrt()",
         "k*v + c*r",
     )
     parameters: dict[
-        Name, Annotated[Measured, Text(measured, "number with any unit, or a plain number", ("20 kN/mm", 0.2))]
-    ] = key({}, "constants of the formula by name", {"k": "20 kN/mm"})
-    acts: Literal["beyond gap", "compression", "always"] = key(
+        Name,
+        Annotated[
+            MeasuredValue, ParsedText(parse_measured, "number with any unit, or a plain number", ("20 kN/mm", 0.2))
+        ],
+    ] = spec_field({}, "constants of the formula by name", {"k": "20 kN/mm"})
+    acts: Literal["beyond gap", "compression", "always"] = spec_field(
         "beyond gap",
         "`beyond gap`: once the gap has closed, with v = closing - gap; `compression`: while the closing v is above "
         "zero, as for material that fills the gap; `always`: as for a damper",
     )
-    tension_cut: bool = key(False, "no force that pulls the floors together")
+    tension_cut: bool = spec_field(False, "no force that pulls the floors together")
 
 
 # The impact element
@@ -327,7 +342,7 @@ class OwnLawSpec(Model):
 def _read_contact(value: Any) -> str:
     if isinstance(value, str) and value.strip():
         return value.strip()
-    raise refuse(f"{said(value)} is not known", f"write {', '.join(contact_laws())} or a name of `laws`")
+    raise refuse(f"{quote(value)} is not known", f"write {', '.join(contact_laws())} or a name of `laws`")
 
 
 class _ImpactSpec(Model):
@@ -335,23 +350,25 @@ class _ImpactSpec(Model):
 
     law: Annotated[
         str,
-        Text(
+        ParsedText(
             _read_contact,
             "; ".join([*(f"`{name}`" for name in contact_laws()), "NAME of `laws`"]),
             tuple(contact_laws()),
         ),
-    ] = key(KELVIN_VOIGT, "law of contact of every `link: pounding`; sweep it to compare laws")
-    stiffness: Annotated[Any, LINK_STIFFNESS] = key("20 x stiffest storey", "impact spring s_imp [N/m]")
-    restitution: Annotated[float, RESTITUTION] | None = key(None, "coefficient of restitution e [-]; default: 0.5")
-    damping_ratio: Annotated[float, RATIO] | None = key(
+    ] = spec_field(KELVIN_VOIGT, "law of contact of every `link: pounding`; sweep it to compare laws")
+    stiffness: Annotated[Any, LINK_STIFFNESS] = spec_field("20 x stiffest storey", "impact spring s_imp [N/m]")
+    restitution: Annotated[float, RESTITUTION] | None = spec_field(
+        None, "coefficient of restitution e [-]; default: 0.5"
+    )
+    damping_ratio: Annotated[float, RATIO] | None = spec_field(
         None, "damping ratio of the dashpot [-], instead of restitution"
     )
-    tension_cut: bool = key(False, "no force that pulls the floors together at the end of a contact")
-    dashpot: Literal["reduced-mass", "printed"] = key(
+    tension_cut: bool = spec_field(False, "no force that pulls the floors together at the end of a contact")
+    dashpot: Literal["reduced-mass", "printed"] = spec_field(
         "reduced-mass", "mass in eq. (7); `printed` is its form in the paper, whose unit is wrong"
     )
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         yield from _refuse_both_losses(self)
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_of
+from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_from_damping
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike
-from pounding_cli.numbers import counted
+from pounding_cli.numbers import pluralize
 from pounding_cli.study.file import nearest
 from pounding_cli.study.group import ColumnStrike, Group, Meeting
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
@@ -29,7 +29,7 @@ from pounding_cli.study.link_specs import (
     to_enum,
 )
 from pounding_cli.study.own_laws import OwnLaw
-from pounding_cli.study.quantity import LINK_STIFFNESS, Storey
+from pounding_cli.study.quantity import LINK_STIFFNESS, StoreyMultiple
 
 RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
@@ -160,7 +160,7 @@ def _find_missing_keys(link: CompleteLink) -> list[Issue]:
     for key, declared in own_parameters(law).items() if law is not None else ():
         if needs_key(law, key) and key not in link.values:
             contact = " here or under `impact`" if law.subtracts_gap else ""
-            message = f"a {law.name} needs it{contact}: {declared.words}"
+            message = f"a {law.name} needs it{contact}: {declared.description}"
             issues.append(Issue(link.path, f"'{key}' is missing", message))
     return issues
 
@@ -175,7 +175,7 @@ def _find_idle_keys(link: CompleteLink) -> list[Issue]:
     ratio = link.values.get("damping_ratio")
     if law is not None and ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:
         message = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
-        hint = f"write `restitution: {restitution_of(ratio):.3g}`, the e of that ratio there"
+        hint = f"write `restitution: {restitution_from_damping(ratio):.3g}`, the e of that ratio there"
         issues.append(Issue(link.paths["damping_ratio"], message, hint, at_key=True))
     return issues
 
@@ -188,7 +188,7 @@ def find_losses(values: Mapping[str, Any], law: Any) -> dict[str, float]:
     ratio = values.get("damping_ratio")
     restitution = values.get("restitution")
     if ratio is not None:
-        return {"damping_ratio": ratio, "restitution": restitution_of(ratio)}
+        return {"damping_ratio": ratio, "restitution": restitution_from_damping(ratio)}
     if restitution is None:
         if not link_keys(law) & {*LOSSES}:
             return {}
@@ -239,7 +239,7 @@ def check_impact_names(impact: Any, names: Names) -> Any:
 
 def _find_unknown_building(stiffness: Any, path: KeyPath, names: Names) -> list[Issue]:
     """Return what is wrong with a stiffness that is a multiple of a storey of a building that is not defined."""
-    if not isinstance(stiffness, Storey) or stiffness.building in (None, *names.buildings):
+    if not isinstance(stiffness, StoreyMultiple) or stiffness.building in (None, *names.buildings):
         return []
     building = str(stiffness.building)
     return [Issue(path, f"no building '{building}' is defined", nearest(building, names.buildings))]
@@ -266,7 +266,7 @@ def refuse_contact(word: str, laws: Iterable[str]) -> tuple[str, str]:
 
 def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
     """Return what is wrong with the number of a pair of neighbours that a group lacks, and what to write."""
-    message = f"pair: {pair}, but the group has {counted(pairs, 'pair')} of neighbours"
+    message = f"pair: {pair}, but the group has {pluralize(pairs, 'pair')} of neighbours"
     return message, f"write a number from 1 to {pairs}, or leave it out"
 
 
@@ -335,9 +335,11 @@ def _choose_floors(link: LinkSpec, meeting: Meeting, listed: Collection[int]) ->
 # Laws
 
 
-def find_multiples(links: Sequence[CompleteLink], impact: Any, group: Group) -> tuple[tuple[Storey, float], ...]:
+def find_multiples(
+    links: Sequence[CompleteLink], impact: Any, group: Group
+) -> tuple[tuple[StoreyMultiple, float], ...]:
     """Return the stiffnesses that are multiples of a storey's, each with what it comes to [N/m]."""
-    multiples: dict[Storey, None] = {}
+    multiples: dict[StoreyMultiple, None] = {}
     for link in links:
         law = link.law_class
         if law is None:
@@ -345,7 +347,7 @@ def find_multiples(links: Sequence[CompleteLink], impact: Any, group: Group) -> 
         needed = [link.values.get("stiffness") or _default_stiffness(law, impact)]
         needed += [impact.stiffness] if "impact_stiffness" in law.parameters() else []
         needed += [value for key, value in link.values.items() if key != "stiffness"]
-        multiples |= {each: None for each in needed if isinstance(each, Storey)}
+        multiples |= {each: None for each in needed if isinstance(each, StoreyMultiple)}
     return tuple((multiple, group.stiffness(multiple)) for multiple in multiples)
 
 
@@ -355,7 +357,10 @@ def _default_stiffness(law: Any, impact: Any) -> Any:
 
 
 def build_laws(
-    links: Sequence[CompleteLink], impact: Any, laws: Mapping[str, OwnLaw], multiples: Sequence[tuple[Storey, float]]
+    links: Sequence[CompleteLink],
+    impact: Any,
+    laws: Mapping[str, OwnLaw],
+    multiples: Sequence[tuple[StoreyMultiple, float]],
 ) -> tuple[LinkLaw | None, ...]:
     """Return the law of every link of a case; None of no link.
 
@@ -395,9 +400,11 @@ def _build_law(
         **find_losses(link.values, law),
     }
     parameters = {name: to_enum(law, name, values[name]) for name in law.parameters() if name in values}
-    parameters = {name: multiples[value] if isinstance(value, Storey) else value for name, value in parameters.items()}
+    parameters = {
+        name: multiples[value] if isinstance(value, StoreyMultiple) else value for name, value in parameters.items()
+    }
     numbers = {name: value for name, value in parameters.items() if isinstance(value, float)}
-    if conflict := law.conflict(**numbers):
+    if conflict := law.find_conflict(**numbers):
         key, message, hint = conflict
         raise IssuesFound([Issue(link.paths.get(key, (*link.path, key)), message, hint)])
     built: LinkLaw = law(**parameters)

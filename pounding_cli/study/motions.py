@@ -15,8 +15,8 @@ from typing import Any
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import listed
-from pounding_cli.reading import LONGEST_PATH, shortened
+from pounding_cli.numbers import join_limited
+from pounding_cli.reading import MAX_PATH_LENGTH, shorten_path
 from pounding_cli.records import Motion
 from pounding_cli.study.file import nearest
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath, to_issues
@@ -116,13 +116,13 @@ class MotionReader:
 
     def _used_motion(self, use: MotionUse) -> Motion:
         """Return a motion cut to its window and scaled."""
-        motion = self.whole_motion(use.item).windowed(use.window)
-        return motion.scaled(use.scale) if use.scale != 1.0 else motion
+        motion = self.whole_motion(use.item).cut_to(use.window)
+        return motion.scale_by(use.scale) if use.scale != 1.0 else motion
 
     def _read(self, item: MotionItem) -> records.Reading | Motion:
         """Return the whole motion, with how it was read where it is a file.  Raises InputError: it cannot be read."""
         if item.file is None or item.spec is None:
-            return records.find(item.name)
+            return records.load_motion(item.name)
         options: dict[str, Any] = item.spec.model_dump(exclude={"file", "name"})
         return records.read_file(item.file, name=item.name, **options)
 
@@ -134,18 +134,18 @@ class MotionReader:
     def _find_items(self, record: str | RecordFileSpec) -> tuple[MotionItem, ...]:
         """The motions an entry of `use` stands for.  Raises `InputError` where there is none."""
         if isinstance(record, str):
-            if record in records.names():
+            if record in records.list_names():
                 return (MotionItem(record),)
             is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
             if not is_path:
-                records.entry(record)  # refuses the name, with the nearest one
+                records.get_entry(record)  # refuses the name, with the nearest one
             record = RecordFileSpec(file=record)
-        if len(record.file) > LONGEST_PATH:
+        if len(record.file) > MAX_PATH_LENGTH:
             raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
         written = os.path.expanduser(record.file)
         files = self._find_files(written)
         if not files:
-            message = f"there exists no motion {shortened(self.folder / written)}"
+            message = f"there exists no motion {shorten_path(self.folder / written)}"
             raise InputError(Problem(message, "paths are relative to the study file"))
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"
@@ -167,7 +167,7 @@ class MotionReader:
         found = list(islice(visited, MAX_FILES + 1))
         if len(found) > MAX_FILES:
             hint = "begin the pattern nearer to the motions, e.g. `motions/**/*.AT2`"
-            raise InputError(Problem(f"{shortened(path)}: more than {MAX_FILES} files and folders", hint))
+            raise InputError(Problem(f"{shorten_path(path)}: more than {MAX_FILES} files and folders", hint))
         fits = (self.folder / name for name in found if not deep or PurePath(name).match(tail))
         return sorted(each for each in fits if os.path.isfile(each))
 
@@ -233,15 +233,15 @@ class _Sources:
     def has_table1(self, name: str) -> bool:
         """Return whether Table 1 has duration and scale of a motion; a file of that name is not the motion of it."""
         item = self.items.get(name)
-        return name in records.names() if item is None else item.file is None
+        return name in records.list_names() if item is None else item.file is None
 
     def find_other(self, name: str, key: str) -> Motion:
         """Return a motion that others are scaled to, whole: of the study or of the catalogue."""
         if name in self.motions:
             return self.motions[name]
-        if name in records.names():
+        if name in records.list_names():
             return self.reader.whole_motion(MotionItem(name))
-        names = dict.fromkeys((*self.motions, *records.names()))
+        names = dict.fromkeys((*self.motions, *records.list_names()))
         raise IssuesFound([Issue(("records", "scale", key), f"no record '{name}'", nearest(name, names))])
 
 
@@ -266,10 +266,10 @@ class _Scaler:
             seconds = self.find_seconds(duration, name, motion, "duration")
             if isinstance(duration, float) and seconds > motion.duration + motion.dt:
                 short.append(f"{name} ({motion.duration:g} s)")
-            cut[name] = motion.windowed(seconds)
+            cut[name] = motion.cut_to(seconds)
         doubts = [*self.sources.doubts]
         if short:
-            message = f"shorter than the {duration:g} s asked for: {listed(short)}"
+            message = f"shorter than the {duration:g} s asked for: {join_limited(short)}"
             hint = "the whole length is used; `tail:` adds free vibration"
             doubts.append(Issue(("records", "duration"), message, hint))
         target = self._find_target(cut) if isinstance(self.spec.scale, SpectrumSpec) else None
@@ -278,7 +278,7 @@ class _Scaler:
         return Suite(uses, target, tuple(doubts))
 
     def _build_use(self, name: str, cut: Motion, factor: float) -> MotionUse:
-        motion = cut.scaled(factor) if factor != 1.0 else cut
+        motion = cut.scale_by(factor) if factor != 1.0 else cut
         arias = float(records.arias(motion))
         item = self.sources.items[name]
         return MotionUse(item, motion.source, motion.digest, factor, motion.duration, motion.pga, arias)
@@ -294,7 +294,7 @@ class _Scaler:
         if window not in ("auto", "table1"):
             return float(window)
         if has_table1:
-            return float(records.entry(name).duration)
+            return float(records.get_entry(name).duration)
         path = ("records", key) if key == "duration" else ("records", "scale", key)
         hint = "write `whole` or a time, e.g. `duration: 10 s`"
         raise IssuesFound([Issue(path, f"table1 has no duration for '{name}'", hint)])
@@ -310,7 +310,7 @@ class _Scaler:
         motion = cut.get(name)
         if motion is None:
             whole = self.sources.find_other(name, "target")
-            motion = whole.windowed(self.find_seconds(self.spec.duration, name, whole, "duration"))
+            motion = whole.cut_to(self.find_seconds(self.spec.duration, name, whole, "duration"))
         return records.TargetSpectrum.of(motion, *ends)
 
     def _find_factors(self, cut: Mapping[str, Motion], target: records.TargetSpectrum | None) -> dict[str, float]:
@@ -342,14 +342,14 @@ class _Scaler:
             if not self.sources.has_table1(name):
                 hint = "write a factor, {arias: NAME}, {pga: 0.35 g}, {sa: 0.8 g, period: 0.5 s} or {spectrum: ...}"
                 raise IssuesFound([Issue(("records", "scale"), f"table1 has no scale for '{name}'", hint)])
-        return {name: float(records.entry(name).scale) for name in cut}
+        return {name: float(records.get_entry(name).scale) for name in cut}
 
     def _find_arias_factors(self, scale: AriasSpec) -> dict[str, float]:
         """Return the factors that give every motion the Arias intensity of one of them, over their windows."""
         reference = self.sources.find_other(scale.arias, "arias")
         window = self.spec.duration if scale.window == "duration" else scale.window
         measured = {
-            name: motion.windowed(self.find_seconds(window, name, motion, "window"))
+            name: motion.cut_to(self.find_seconds(window, name, motion, "window"))
             for name, motion in {scale.arias: reference, **self.sources.motions}.items()
         }
         target = measured[scale.arias]
@@ -364,8 +364,8 @@ def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -
     other than the study's that the files state."""
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
-        yield f"named like vertical components, will shake the buildings sideways: {listed(vertical)}", hint
-    doubts: dict[records.Doubt, list[str]] = {}
+        yield f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}", hint
+    doubts: dict[records.MotionWarning, list[str]] = {}
     against: dict[tuple[str, str], list[str]] = {}
     for each in readings:
         for doubt in each.doubts:
@@ -373,7 +373,7 @@ def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -
         if each.stated:
             against.setdefault((each.unit, each.stated), []).append(each.motion.name)
     for doubt, names in doubts.items():
-        yield f"{listed(names)}: {doubt.message}", doubt.hint
+        yield f"{join_limited(names)}: {doubt.message}", doubt.hint
     for (unit, stated), names in against.items():
-        message = f"{listed(names)}: read in {unit}, as the study says, although the file says {stated}"
+        message = f"{join_limited(names)}: read in {unit}, as the study says, although the file says {stated}"
         yield message, "remove `unit:` if the file is right"

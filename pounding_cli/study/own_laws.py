@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws import link_laws
-from pounding_cli.laws.formula import GIVEN, WRITTEN, FormulaError, WrittenLaw
+from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN, FormulaError, WrittenLaw
 from pounding_cli.model.links import APART
 from pounding_cli.study.file import Map, Quoted, get, locate
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
@@ -75,8 +75,8 @@ def _find_bad_parameters(spec: Any, path: KeyPath) -> list[Issue]:
     """Return an issue for every parameter that a formula cannot name."""
     issues = []
     for parameter in spec.parameters:
-        if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*GIVEN, "sqrt"):
-            hint = f"write a name of letters, digits and _ other than {', '.join(GIVEN)} and sqrt"
+        if not parameter.isidentifier() or keyword.iskeyword(parameter) or parameter in (*FORMULA_VARIABLES, "sqrt"):
+            hint = f"write a name of letters, digits and _ other than {', '.join(FORMULA_VARIABLES)} and sqrt"
             at = (*path, "parameters", parameter)
             issues.append(Issue(at, f"'{parameter}' cannot be a parameter", hint, at_key=True))
     return issues

@@ -136,7 +136,7 @@ class Plan:
         return {
             name: text
             for axis, place in zip(self.axes, point, strict=True)
-            for name, text in zip(axis.names, axis.shown(place), strict=True)
+            for name, text in zip(axis.names, axis.display_values(place), strict=True)
         }
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic_core import PydanticCustomError, core_schema
@@ -24,7 +25,7 @@ ACCELERATIONS = {"g": GRAVITY, "m/s2": 1.0}
 
 
 @dataclass(frozen=True, eq=False)
-class Plausible:
+class PlausibleRange:
     """A range outside of which a value is more likely a slip than meant.
 
     low, high : the range, in SI
@@ -80,7 +81,7 @@ _RANGES = (
         "few motions were ever recorded with more than 2 g; below 0.001 g they are not felt",
     ),
 )  # fmt: skip
-RANGES = {name: Plausible(low, high, reason, units, name) for low, high, units, name, reason in _RANGES}
+PLAUSIBLE_RANGES = {name: PlausibleRange(low, high, reason, units, name) for low, high, units, name, reason in _RANGES}
 """What is plausible, one row a quantity."""
 
 NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
@@ -112,7 +113,7 @@ def refuse(message: str, hint: str = "", key: bool = False, whole: bool = False)
     return PydanticCustomError("refused", "{message}", {"message": message, "hint": hint, "key": key, "whole": whole})
 
 
-def said(value: Any) -> str:
+def quote(value: Any) -> str:
     """A value as messages quote it."""
     if isinstance(value, list | tuple | dict):
         return "a mapping" if isinstance(value, dict) else "a list"
@@ -121,12 +122,12 @@ def said(value: Any) -> str:
     return f"'{str(value)[:60]}'"
 
 
-def said_place(mark: tuple[Any, int]) -> str:
+def format_location(mark: tuple[Any, int]) -> str:
     """A place of the study in words."""
     return f"at {mark[0]}" if isinstance(mark[0], str) else f"in line {mark[0]}"
 
 
-class Read:
+class ValueParser:
     """What stands in `Annotated[...]`: `read` gives the value or raises; `form` and `examples` say how it looks."""
 
     form: str = ""
@@ -148,7 +149,7 @@ class Read:
 
 
 @dataclass(frozen=True)
-class Quantity(Read):
+class Quantity(ValueParser):
     """A number with a unit.
 
     name, si, example : what it is, its SI unit ("" for a plain number), how to write one
@@ -166,10 +167,11 @@ class Quantity(Read):
     open_high: bool = False
     words: tuple[str, ...] = ()
     percent: bool = False
-    usual: Plausible | None = None
+    usual: PlausibleRange | None = None
 
-    def but(self, **changes: Any) -> Quantity:
-        return replace(self, **changes)
+    def replace(self, **changes: Any) -> Quantity:
+        """Return the quantity with other values of some fields."""
+        return dataclasses.replace(self, **changes)
 
     @property
     def range(self) -> str:
@@ -182,7 +184,7 @@ class Quantity(Read):
         return " and ".join(parts)
 
     @property
-    def wanted(self) -> str:
+    def usage(self) -> str:
         """What to write, in words."""
         what = f"{'an' if self.name[0] in 'aeio' else 'a'} {self.name}" + (f" [{self.si}]" if self.si else "")
         words = "".join(f" or {word}" for word in self.words)
@@ -200,41 +202,41 @@ class Quantity(Read):
             return value.strip()
         number = self._number(value)
         if not math.isfinite(number):
-            raise refuse(f"{value} is not a finite number", self.wanted)
+            raise refuse(f"{value} is not a finite number", self.usage)
         at_end = (self.open_low and number == self.low) or (self.open_high and number == self.high)
         if at_end or not self.low <= number <= self.high:
             shown = f"{100 * number:g} %" if self.percent else f"{number:g}{f' {self.si}' if self.si else ''}"
-            raise refuse(f"the {self.name} is {shown}; it must be {self.range}", self.wanted)
+            raise refuse(f"the {self.name} is {shown}; it must be {self.range}", self.usage)
         return number
 
     def _number(self, value: Any) -> float:
         if isinstance(value, list | tuple | dict):
-            hint = f"{self.wanted}; several values to run one after the other stand under `sweep:`"
-            raise refuse(f"{said(value)} stands where one {self.name} belongs", hint)
+            hint = f"{self.usage}; several values to run one after the other stand under `sweep:`"
+            raise refuse(f"{quote(value)} stands where one {self.name} belongs", hint)
         if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise refuse(f"{said(value)} is not a {self.name}", self.wanted)
+            raise refuse(f"{quote(value)} is not a {self.name}", self.usage)
         if self.percent and not str(value).strip().endswith("%"):
-            raise refuse(f"{said(value)} is not a {self.name}: it lacks its %", self.wanted)
+            raise refuse(f"{quote(value)} is not a {self.name}: it lacks its %", self.usage)
         if not isinstance(value, str):
             return float(value)
         value = value.strip()
         found = _QUANTITY.match(value) if len(value) <= LONGEST else None
         if not found:
-            raise refuse(f"{said(value)} is not a number with a unit{_slip(value[:LONGEST])}", self.wanted)
+            raise refuse(f"{quote(value)} is not a number with a unit{_slip(value[:LONGEST])}", self.usage)
         number = float(found[1])
         if found[2] is not None:
             if float(found[2]) == 0:
-                raise refuse(f"'{value}' divides by zero", self.wanted)
+                raise refuse(f"'{value}' divides by zero", self.usage)
             number /= float(found[2])
         if found[3] is None:
             return number
         try:
             one = find_unit_factor(found[3], self.si)
         except ValueError:
-            hint = f"{self.wanted}; the units are {KNOWN_UNITS}, and products such as kN/mm"
+            hint = f"{self.usage}; the units are {KNOWN_UNITS}, and products such as kN/mm"
             raise refuse(f"'{found[3]}' is not a unit this program knows{_slip(value)}", hint) from None
         if one is None:
-            hint = self._meant_by(number, found[3]) or self.wanted
+            hint = self._meant_by(number, found[3]) or self.usage
             raise refuse(f"'{value}' is no {self.name}: expected {self.si or 'a plain number'}", hint)
         return number * one
 
@@ -267,7 +269,7 @@ def _slip(value: str) -> str:
 
 
 @dataclass(frozen=True)
-class Storey:
+class StoreyMultiple:
     """A stiffness as a multiple of the stiffest or the mean storey of a building, or of all of the group."""
 
     factor: float
@@ -288,8 +290,8 @@ _RULE = re.compile(
 class Stiffness(Quantity):
     """A stiffness [N/m], or a multiple of a storey's: `20 x stiffest storey`, `1/5 mean storey of stiff`."""
 
-    def read(self, value: Any) -> float | Storey:
-        if isinstance(value, Storey):
+    def read(self, value: Any) -> float | StoreyMultiple:
+        if isinstance(value, StoreyMultiple):
             return value
         if not isinstance(value, str) or "stor" not in value:
             return super().read(value)
@@ -300,7 +302,7 @@ class Stiffness(Quantity):
         multiple = float(found["top"] or 1) / float(found["bottom"] or 1) / (100 if found["percent"] else 1)
         if not 0 < multiple < 1e12:
             raise refuse(f"the factor in '{value}' is {multiple:g}; it must be above 0", hint)
-        return Storey(multiple, "mean" if found["which"] == "average" else found["which"], found["building"])
+        return StoreyMultiple(multiple, "mean" if found["which"] == "average" else found["which"], found["building"])
 
     @property
     def form(self) -> str:  # type: ignore[override]
@@ -308,7 +310,7 @@ class Stiffness(Quantity):
 
 
 @dataclass(frozen=True)
-class Whole(Read):
+class WholeNumber(ValueParser):
     """A whole number, in digits; `zero`: a word that stands for 0."""
 
     low: int
@@ -328,7 +330,7 @@ class Whole(Read):
         if is_digits or (isinstance(value, float) and value.is_integer() and abs(value) < 1e15):
             value = int(value)
         if isinstance(value, bool) or not isinstance(value, int):
-            raise refuse(f"{said(value)} is not a whole number", hint)
+            raise refuse(f"{quote(value)} is not a whole number", hint)
         if not self.low <= value <= self.high:
             raise refuse(f"'{value}' is not allowed", hint)
         return value
@@ -339,7 +341,7 @@ class Whole(Read):
 
 
 @dataclass(frozen=True)
-class Text(Read):
+class ParsedText(ValueParser):
     """A value read by a function of its own."""
 
     reader: Callable[[Any], Any]
@@ -352,7 +354,7 @@ class Text(Read):
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredValue:
     """A number with a unit of any dimension, in SI, with its powers of kg, m and s, as written."""
 
     value: float
@@ -360,7 +362,7 @@ class Measured:
     text: str
 
 
-def measured(value: Any) -> Measured:
+def parse_measured(value: Any) -> MeasuredValue:
     """A number with any unit, or none."""
     unit = written_unit(value)
     try:
@@ -369,12 +371,12 @@ def measured(value: Any) -> Measured:
         hint = f"write e.g. 20 kN/mm or 5e12 N/m^3; the units are {KNOWN_UNITS}"
         raise refuse(f"'{unit}' is not a unit this program knows", hint) from None
     bare = value.strip().removesuffix(unit) if unit else value
-    return Measured(Quantity("parameter", "", "20 kN/mm").read(bare) * one, dimension, str(value))
+    return MeasuredValue(Quantity("parameter", "", "20 kN/mm").read(bare) * one, dimension, str(value))
 
 
 LENGTH = Quantity("length", "m", "3 m", 0.0, open_low=True)
-GAP = Quantity("gap", "m", "5 cm", 0.0, 10.0, usual=RANGES["gap"])
-MASS = Quantity("mass", "kg", "200 t", 0.0, open_low=True, usual=RANGES["floor mass"])
+GAP = Quantity("gap", "m", "5 cm", 0.0, 10.0, usual=PLAUSIBLE_RANGES["gap"])
+MASS = Quantity("mass", "kg", "200 t", 0.0, open_low=True, usual=PLAUSIBLE_RANGES["floor mass"])
 TIME = Quantity("time", "s", "0.36 s", 0.0, open_low=True)
 STIFFNESS = Quantity("stiffness", "N/m", "200 kN/mm", 0.0, open_low=True)
 LINK_STIFFNESS = Stiffness("stiffness", "N/m", "200 kN/mm", 0.0, open_low=True)

@@ -80,7 +80,7 @@ def tree_at(tree: Map, axes: Sequence[Axis], point: Point) -> Map:
 
 def _set_columns(tree: Map, axis: Axis, place: int, columns: Sequence[int]) -> Map:
     """Return the file with some of the keys of an axis at one of their values."""
-    values = axis.given[place]
+    values = axis.written_values[place]
     for column in columns:
         if values[column] is not UNWRITTEN:
             tree = with_value(tree, axis.paths[column], values[column], axis.marks[place][column])
@@ -137,7 +137,7 @@ def sweep_part(
 
 def _format_rows(axis: Axis, columns: Sequence[int]) -> list[str]:
     """Return the values of some keys of an axis at every point of it as text, which tells them apart."""
-    return [repr([values[column] for column in columns]) for values in axis.given]
+    return [repr([values[column] for column in columns]) for values in axis.written_values]
 
 
 def resolve(specs: Specs, tree: Map, axes: Sequence[Axis], reader: MotionReader, issues: Issues) -> Resolved:

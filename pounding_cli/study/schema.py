@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, WithJsonSchema
 
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
-from pounding_cli.study.base import Model, Name, Wrong, form, key, word_or
+from pounding_cli.study.base import Model, Name, SpecIssue, mapping_schema, spec_field, word_or
 from pounding_cli.study.building_spec import BuildingSpec
 from pounding_cli.study.link_specs import NO_LINK, OWN_LAW, CaseSpec, ImpactSpec, OwnLawSpec, link_models
 from pounding_cli.study.quantity import TIME, Quantity
@@ -35,34 +35,34 @@ _FILLED = Field(min_length=1, max_length=10_000)
 class ReportSpec(Model):
     """What the report shows first."""
 
-    plot: tuple[str, ...] | None = key(None, "cases in the main figure; default: all")
-    building: str | None = key(None, "building of the main figure; default: the stiffest")
+    plot: tuple[str, ...] | None = spec_field(None, "cases in the main figure; default: all")
+    building: str | None = spec_field(None, "building of the main figure; default: the stiffest")
 
 
 class HistoriesSpec(Model):
     """Scenes whose histories are kept."""
 
-    cases: Annotated[tuple[str, ...], _FILLED] | None = key(None, "cases; default: all")
-    analyses: Annotated[tuple[Analysis, ...], _FILLED] | None = key(None, "analyses; default: all")
-    records: Annotated[tuple[str, ...], _FILLED] | None = key(None, "motions; default: all")
-    where: dict[str, Any] = key({}, "swept keys with the value or the list of values to keep; default: all")
-    every: Annotated[float, TIME.but(name="output step", example="2 ms", low=1e-6, high=1.0, open_low=False)] = key(
-        0.002, "output step [s]"
+    cases: Annotated[tuple[str, ...], _FILLED] | None = spec_field(None, "cases; default: all")
+    analyses: Annotated[tuple[Analysis, ...], _FILLED] | None = spec_field(None, "analyses; default: all")
+    records: Annotated[tuple[str, ...], _FILLED] | None = spec_field(None, "motions; default: all")
+    where: dict[str, Any] = spec_field({}, "swept keys with the value or the list of values to keep; default: all")
+    every: Annotated[float, TIME.replace(name="output step", example="2 ms", low=1e-6, high=1.0, open_low=False)] = (
+        spec_field(0.002, "output step [s]")
     )
 
 
 class KeepSpec(Model):
     """What is kept besides peaks."""
 
-    histories: word_or(Literal["all"], HistoriesSpec) = key(
+    histories: word_or(Literal["all"], HistoriesSpec) = spec_field(
         ..., "scenes kept over time, or `all`", {"cases": ["touching"]}
     )  # type: ignore[valid-type]
 
 
 _VALUE, _SPACING = {"type": ["number", "string"]}, {"enum": ["linear", "log"]}
 _STEPS = {"count": {"type": "integer", "minimum": 2}, "step": _VALUE, "spacing": _SPACING}
-_RANGE = form("from", "to", **{"from": _VALUE, "to": _VALUE}, **_STEPS)
-_BRACKET = form("values", "middle", values={"type": "array", "minItems": 3}, middle=_VALUE)
+_RANGE = mapping_schema("from", "to", **{"from": _VALUE, "to": _VALUE}, **_STEPS)
+_BRACKET = mapping_schema("values", "middle", values={"type": "array", "minItems": 3}, middle=_VALUE)
 _AXES = {"type": "object", "additionalProperties": {"anyOf": [{"type": "array", "minItems": 1}, _RANGE, _BRACKET]}}
 _SWEEP_FORM = {
     "anyOf": [_AXES, {"type": "array", "items": _AXES}],
@@ -83,62 +83,66 @@ class StudySpec(Model):
 
     model_config = ConfigDict(title="pound study")
 
-    title: str = key("", "title of figures and tables; default: the file's name")
-    records: RecordsSpec = key(..., "ground motions", {"use": ["elcentro", "taft"]})
-    buildings: _Buildings[BuildingSpec] = key(
+    title: str = spec_field("", "title of figures and tables; default: the file's name")
+    records: RecordsSpec = spec_field(..., "ground motions", {"use": ["elcentro", "taft"]})
+    buildings: _Buildings[BuildingSpec] = spec_field(
         ..., "building types by name", {"stiff": {"storeys": 5, "period": "0.36 s"}}
     )
-    group: Annotated[tuple[str, ...], Field(max_length=100)] = key(
+    group: Annotated[tuple[str, ...], Field(max_length=100)] = spec_field(
         ..., "buildings from left to right", ["stiff", "soft"]
     )
-    impact: ImpactSpec = key(ImpactSpec(), "impact element")
-    laws: _Laws[OwnLawSpec] = key({}, "the study's own laws of links, by name")
-    cases: _Cases[CaseSpec] = key(..., "cases by name", {"near": {"link": "pounding", "gap": "5 cm"}})
-    analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = key(
+    impact: ImpactSpec = spec_field(ImpactSpec(), "impact element")
+    laws: _Laws[OwnLawSpec] = spec_field({}, "the study's own laws of links, by name")
+    cases: _Cases[CaseSpec] = spec_field(..., "cases by name", {"near": {"link": "pounding", "gap": "5 cm"}})
+    analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = spec_field(
         ("elastic", "inelastic"), "whether storeys may yield"
     )
-    accuracy: Annotated[float, Quantity("accuracy", "", ACCURACY.example, 1e-14, 0.1)] = key(
+    accuracy: Annotated[float, Quantity("accuracy", "", ACCURACY.example, 1e-14, 0.1)] = spec_field(
         1e-6, "relative error of the peaks [-]"
     )
-    method: Literal[tuple(METHODS)] = key("taylor", "how the equations of motion are solved")  # type: ignore[valid-type]
-    time_step: Annotated[float, TIME.but(name=TIME_STEP.title, example=TIME_STEP.example)] | None = key(
+    method: Literal[tuple(METHODS)] = spec_field("taylor", "how the equations of motion are solved")  # type: ignore[valid-type]
+    time_step: Annotated[float, TIME.replace(name=TIME_STEP.title, example=TIME_STEP.example)] | None = spec_field(
         None, "time step of a fixed-step method [s]"
     )
-    estimate: Literal["none", "sample", "all"] = key(
+    estimate: Literal["none", "sample", "all"] = spec_field(
         "all", "scenes whose numerical error and sensitivity are estimated"
     )
-    tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = key(0.0, "free vibration after the motion [s]")
-    residual_drift: Annotated[bool, Field(strict=True)] = key(
+    tail: Annotated[float, Quantity("tail", "s", "5 s", 0.0, 1000.0)] = spec_field(
+        0.0, "free vibration after the motion [s]"
+    )
+    residual_drift: Annotated[bool, Field(strict=True)] = spec_field(
         False,
         "whether the drifts at rest, long after the motion, are found; they are wherever `sensitivity` or "
         "`optimise` names `residual_drift`",
         True,
     )
-    claims: Literal["fig6", "fig7"] | None = key(None, "figure of the paper that this study reproduces")
-    report: ReportSpec = key(ReportSpec(), "first figure of the report")
-    keep: word_or(Literal["histories"], KeepSpec) | None = key(None, "histories to keep; `histories`: of all scenes")  # type: ignore[valid-type]
-    sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = key(
+    claims: Literal["fig6", "fig7"] | None = spec_field(None, "figure of the paper that this study reproduces")
+    report: ReportSpec = spec_field(ReportSpec(), "first figure of the report")
+    keep: word_or(Literal["histories"], KeepSpec) | None = spec_field(
+        None, "histories to keep; `histories`: of all scenes"
+    )  # type: ignore[valid-type]
+    sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = spec_field(
         None,
         "axes: dotted keys with the values they take, a list, a range `{from: 1 cm, to: 5 cm, count: 5}`, or low, "
         "middle and high of an unknown value, `{values: [2 cm, 5 cm, 9 cm], middle: 5 cm}`: figures and the answer "
         "show the middle one; the keys of one list entry move together",
     )
-    uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = key(
+    uncertain: Annotated[Any, WithJsonSchema(_UNCERTAIN_FORM)] = spec_field(
         None,
         "dotted keys with the distribution of each: `uniform`, `normal`, `lognormal`, `triangular` or `choice`; "
         "`motion: any` chooses one of the motions, `motion: bootstrap` draws as many anew; the keys of one list entry "
         "move together",
     )
 
-    gap: GapSpec = key(
+    gap: GapSpec = spec_field(
         GapSpec(), "settings of `pound gap`; gaps stand in cases, `cases: {near: {link: pounding, gap: 5 cm}}`",
         {"percentiles": "84 %"},
     )  # fmt: skip
-    fragility: FragilitySpec = key(FragilitySpec(), "settings of `pound fragility`")
-    sensitivity: SensitivitySpec = key(SensitivitySpec(), "settings of `pound sensitivity`")
-    optimise: OptimiseSpec = key(OptimiseSpec(), "settings of `pound optimise`")
+    fragility: FragilitySpec = spec_field(FragilitySpec(), "settings of `pound fragility`")
+    sensitivity: SensitivitySpec = spec_field(SensitivitySpec(), "settings of `pound sensitivity`")
+    optimise: OptimiseSpec = spec_field(OptimiseSpec(), "settings of `pound optimise`")
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         timed, method = METHODS[self.method].takes_step, self.method
         if timed and self.time_step is None:
             yield ("method",), f"method: {method} needs 'time_step'", f"write e.g. `time_step: {TIME_STEP.example}`"

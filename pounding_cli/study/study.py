@@ -15,7 +15,7 @@ from pounding_cli.errors import Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.numbers import Unit
-from pounding_cli.reading import shortened
+from pounding_cli.reading import shorten_path
 from pounding_cli.records.motion import Motion
 from pounding_cli.study import keep, warnings
 from pounding_cli.study.axes import Axis, read_axes, with_middles
@@ -73,7 +73,7 @@ class Study:
     @property
     def file(self) -> str:
         """What messages call the file."""
-        return shortened(self.path)
+        return shorten_path(self.path)
 
     @property
     def first_point(self) -> Point:
@@ -182,7 +182,7 @@ def load_study(path: str | Path) -> Study:
 
 def build_study(path: Path, text: str, tree: Map) -> Study:
     """Return a validated study.  Raises InputError as `load_study`; text : as written; tree : what it holds."""
-    file = shortened(path)
+    file = shorten_path(path)
     refuse_other_kinds(tree, file)
     reader = MotionReader(path.resolve().parent)
     problems = Problems(file)
@@ -191,7 +191,7 @@ def build_study(path: Path, text: str, tree: Map) -> Study:
     from_data = isinstance(tree.mark[0], str)
     spec, resolved = _resolve_tree(tree, axes, reader, file, problems)
     first = tree_at(tree, axes, (0,) * len(axes))
-    title = spec.title or shortened(path.stem)
+    title = spec.title or shorten_path(path.stem)
     study = Study(path, text, title, tree, axes, spec, resolved, first, (), from_data, reader)
     return replace(study, warnings=warnings.find_warnings(study))
 
@@ -259,7 +259,7 @@ def _place_issue(
     marks = {mark[0] for number, place in deciding.items() for mark in axes[number].marks[place]}
     if not deciding or marks & {problem.line, problem.file}:
         return problem, False
-    where = ", ".join(axes[number].told(place) for number, place in sorted(deciding.items()))
+    where = ", ".join(axes[number].format_point(place) for number, place in sorted(deciding.items()))
     return replace(problem, message=f"{problem.message} (where {where})"), True
 
 

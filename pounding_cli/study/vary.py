@@ -13,18 +13,18 @@ from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
 from pounding_cli.study.axes import (
     can_vary,
+    canonical_value,
     example_values,
     in_unit,
     range_example,
     read_numbers,
     refuse_bare,
     refuse_unknown,
-    same,
     sweep_maps,
     unit_of,
 )
 from pounding_cli.study.file import Items, Map, Mark, Problems
-from pounding_cli.study.quantity import Quantity, Storey, said_place
+from pounding_cli.study.quantity import Quantity, StoreyMultiple, format_location
 from pounding_cli.study.words import quantity_at
 
 MOTION = "motion"
@@ -77,7 +77,7 @@ class Distribution:
     name: str
     fields: Mapping[str, float] = field(default_factory=dict)
     is_log: bool = False
-    storey: Storey | None = None
+    storey: StoreyMultiple | None = None
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -168,14 +168,14 @@ class Factor:
 
     def place(self, written: Any) -> float | None:
         """The u of what the file says; None where it lies outside a range or among no options."""
-        value = same(written, self.quantity)
+        value = canonical_value(written, self.quantity)
         if self.options:
-            known = {same(option, self.quantity): number for number, option in enumerate(self.choices)}
+            known = {canonical_value(option, self.quantity): number for number, option in enumerate(self.choices)}
             return (known[value] + 0.5) / self.options if value in known else None
         assert self.drawn is not None
         if _base(value) != self.drawn.storey:
             return None
-        value = value.factor if isinstance(value, Storey) else value
+        value = value.factor if isinstance(value, StoreyMultiple) else value
         return self.drawn.share_of(value) if isinstance(value, int | float) else None
 
 
@@ -193,7 +193,7 @@ def read_uncertain(root: Map, problems: Problems) -> list[Factor]:
         mine = list[Factor]()
         for key, mark in _keys("uncertain", entry, at, root, problems, distribution_example("uniform", None)):
             if key in seen:
-                problems.add(mark, f"'{key}' is also {said_place(seen[key])}", "remove one of the two")
+                problems.add(mark, f"'{key}' is also {format_location(seen[key])}", "remove one of the two")
             elif key == MOTION and entry[key] in (ANY, BOOTSTRAP):
                 mine.append(Factor(MOTION, mark, Unit(), options=DRAWN_SETS if entry[key] == BOOTSTRAP else 0))
             elif key == MOTION:
@@ -224,7 +224,7 @@ def _keys(section: str, node: Any, at: Mark, root: Map, problems: Problems, exam
     swept = {key: mark[0] for holder in sweep_maps(root) for key, mark in holder.marks.items()}
     for key, (mark, _) in node.marks.items():
         if key in swept:
-            message = f"'{key}' is also {said_place(swept[key])}, under `sweep:`"
+            message = f"'{key}' is also {format_location(swept[key])}, under `sweep:`"
             problems.add(mark, message, "vary it in one of the two")
         else:
             yield key, mark
@@ -240,7 +240,7 @@ def _together(entry: Map, factors: list[Factor], problems: Problems) -> list[Fac
             what = "keys that move together need as many options each, or a range each; the motion moves by itself"
             problems.add(other.mark, what, "give as many of each, or write an entry of its own, `- motion: ...`")
             return []
-    columns = [[same(option, factor.quantity) for option in factor.choices] for factor in factors]
+    columns = [[canonical_value(option, factor.quantity) for option in factor.choices] for factor in factors]
     _refuse_equal_options(first.key, entry, list(zip(*columns, strict=True)), problems, "in every key of the entry")
     return [replace(first, together=tuple(others))]
 
@@ -304,7 +304,7 @@ def _chosen(key: str, holder: Map, quantity: Quantity | None, problems: Problems
         problems.add(holder[key].marks[CHOICE][1], what, f"write `{key}: {example}`")
         return []
     if not is_joined:
-        _refuse_equal_options(key, holder, [same(option, quantity) for option in options], problems)
+        _refuse_equal_options(key, holder, [canonical_value(option, quantity) for option in options], problems)
     if quantity is not None:
         refuse_bare([(*each, quantity) for each in zip(options, options.marks, strict=True)], problems)
     if len(problems.found) > before:
@@ -328,7 +328,7 @@ def _distribution(
         return None
     if spacing not in ("linear", "log"):
         problems.add(node.marks["spacing"][1], f"spacing: '{spacing}' is not known", "write linear or log")
-    own = quantity.but(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
+    own = quantity.replace(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
     kinds = {"sd": own, "spread": Quantity("spread", "", "0.2", 0.0, open_low=True)}
     of_words = {word: kinds.get(word, quantity) for word in node if word != "spacing"}
     read = read_numbers(node, of_words, problems, needs_unit=True)
@@ -339,16 +339,16 @@ def _distribution(
         hint = "write each of them as a multiple of one storey's stiffness, or none"
         problems.add(at, f"'{key}': {', '.join(map(str, node.values()))} are not multiples of the same", hint)
         return None
-    fields = {word: value.factor if isinstance(value, Storey) else value for word, value in read.items()}
+    fields = {word: value.factor if isinstance(value, StoreyMultiple) else value for word, value in read.items()}
     found = Distribution(name, fields, spacing == "log", storey)
     for word, message, hint in _wrong(key, found, quantity if storey is None else _MULTIPLE):
         problems.add(node.marks[word][1] if word in node else at, message, hint)
     return found if len(problems.found) == before else None
 
 
-def _base(value: Any) -> Storey | None:
+def _base(value: Any) -> StoreyMultiple | None:
     """The storey whose stiffness a value is a multiple of."""
-    return replace(value, factor=1.0) if isinstance(value, Storey) else None
+    return replace(value, factor=1.0) if isinstance(value, StoreyMultiple) else None
 
 
 def _wrong(key: str, drawn: Distribution, quantity: Quantity) -> Iterator[tuple[str, str, str]]:

@@ -18,7 +18,7 @@ from pounding_cli.laws.joints import STABLE_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
-from pounding_cli.numbers import counted, listed
+from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.axes import UNWRITTEN, Axis, sweep_maps
 from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
@@ -29,7 +29,15 @@ from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_specs import ImpactSpec
 from pounding_cli.study.links import CompleteLink
 from pounding_cli.study.motions import MotionUse, Suite
-from pounding_cli.study.quantity import FORCES, NUMBER, RANGES, Plausible, Quantity, Text, lacks_unit
+from pounding_cli.study.quantity import (
+    FORCES,
+    NUMBER,
+    PLAUSIBLE_RANGES,
+    ParsedText,
+    PlausibleRange,
+    Quantity,
+    lacks_unit,
+)
 from pounding_cli.study.records_spec import RecordsSpec
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
@@ -273,7 +281,7 @@ class _Warner:
         for point in _corners(view.axes):
             self.doubts = Doubts(alone.file, alone.needs_units, _keys=dict(alone._keys))
             self.look_at(view, point)
-            where = ", ".join(axis.told(index) for axis, index in zip(view.axes, point, strict=True))
+            where = ", ".join(axis.format_point(index) for axis, index in zip(view.axes, point, strict=True))
             for key, doubts in self.doubts.by_key.items():
                 for doubt in doubts if key not in alone.by_key else ():
                     message = f"{doubt.problem.message} (where {where})"
@@ -335,7 +343,7 @@ class Comparison:
     than : what they are compared with, in words
     """
 
-    fits: Plausible
+    fits: PlausibleRange
     share: float
     name: str
     than: str
@@ -353,7 +361,7 @@ def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, 
         return
     _warn_period(spec, building, root, path, doubts)
     if isinstance(spec.yield_shear, tuple):
-        fits = RANGES["base yield shear over weight"]
+        fits = PLAUSIBLE_RANGES["base yield shear over weight"]
         compared = Comparison(fits, 1 / building.weight, "yield shear", "of the building's weight")
         shear = spec.yield_shear[0]
         share = compared.ratio_in_words(shear)
@@ -379,12 +387,12 @@ def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: KeyPat
         at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAtSpec) else 0)
         period = float(building.periods[0])
     assert period is not None  # a building has one or the other
-    compared = [(RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
-    compared.append((RANGES["period"], 1.0))
+    compared = [(PLAUSIBLE_RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
+    compared.append((PLAUSIBLE_RANGES["period"], 1.0))
     for fits, share in compared:
         if fits.holds(period * share):
             continue
-        message = f"a period of {_rounded(period)} s for {counted(storeys, 'storey')}: {fits.reason}"
+        message = f"a period of {_rounded(period)} s for {pluralize(storeys, 'storey')}: {fits.reason}"
         hint = _hint(_text_at(root, at), period, fits, share) if at[-1] == "period" else "check its unit"
         key = at if at[-1] == "period" else at[:-1]
         doubts.add(root, at, key, message, hint, excess=fits.excess(period * share))
@@ -396,7 +404,7 @@ def _warn_base(building: Building, root: Any, path: KeyPath, doubts: Doubts) -> 
     base = building.foundation
     if base is None or not base.sways:
         return
-    fits = RANGES["period on a moving base"]
+    fits = PLAUSIBLE_RANGES["period on a moving base"]
     weight = building.weight + base.mass * GRAVITY
     if base.isolation is None:
         at: KeyPath = (*path, "foundation", "sway_stiffness")
@@ -470,7 +478,9 @@ def _takes_impact_stiffness(law: LinkLaw, link: CompleteLink) -> bool:
 def _compare_contact(group: Group) -> Comparison:
     """Return what the spring of a contact is compared with."""
     than = "times that of the stiffest storey"
-    return Comparison(RANGES["contact stiffness"], 1 / _stiffest_storey(group), "stiffness of the contact", than)
+    return Comparison(
+        PLAUSIBLE_RANGES["contact stiffness"], 1 / _stiffest_storey(group), "stiffness of the contact", than
+    )
 
 
 def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
@@ -483,13 +493,15 @@ def _compare_link(law: LinkLaw, group: Group) -> dict[str, Comparison]:
         found["stiffness"] = _compare_contact(group)
         if law.stiffness_default:
             than = "times that of the stiffest storey"
-            found["stiffness"] = Comparison(RANGES["link stiffness"], 1 / stiffest, "stiffness of the link", than)
+            found["stiffness"] = Comparison(
+                PLAUSIBLE_RANGES["link stiffness"], 1 / stiffest, "stiffness of the link", than
+            )
     if "hertz_stiffness" in parameters:
         share = law.max_slopes[0] / law.hertz_stiffness / stiffest  # type: ignore[attr-defined]
         than = "times as stiff at 1 cm of penetration as the stiffest storey"
-        fits = RANGES["stiffness of a Hertz contact"]
+        fits = PLAUSIBLE_RANGES["stiffness of a Hertz contact"]
         found["hertz_stiffness"] = Comparison(fits, share, "hertz_stiffness", than)
-    force = RANGES["force of a damper"]
+    force = PLAUSIBLE_RANGES["force of a damper"]
     for key in ("damping_coefficient", "force_at_1_m_s"):
         if key in parameters:
             than = "times the weight of the heaviest floor at 1 m/s"
@@ -530,7 +542,7 @@ def _warn_compared(value: float, root: Any, path: KeyPath, compared: Comparison,
     hint = f"write e.g. `20 x stiffest storey`; otherwise leave it, {AS_MEANT}"
     if is_bare:
         message = f"{path[-1]}: {text} has no unit: it is {size}{reason}"
-        wide = replace(fits, low=RANGES["link stiffness"].low)
+        wide = replace(fits, low=PLAUSIBLE_RANGES["link stiffness"].low)
         hint = _hint_for_bare(text, value, wide, compared.share, "N/m", "stiffest storey")
     doubts.add(root, path, path, message, hint, is_bare, fits.excess(ratio))
 
@@ -543,7 +555,7 @@ def warn_motions(spec: RecordsSpec, suite: Suite, is_swept_pga: bool, root: Any,
     warn_values(spec, root, ("records",), doubts)
     at: KeyPath = ("records", "scale", "pga")
     asked = getattr(spec.scale, "pga", None)
-    fits = RANGES["peak asked for"]
+    fits = PLAUSIBLE_RANGES["peak asked for"]
     if asked is not None and not is_swept_pga:
         if at not in doubts.by_key and not fits.holds(asked):
             message = f"{fits.name} is {format_value(asked, fits.units)}: {fits.reason}"
@@ -555,11 +567,11 @@ def warn_motions(spec: RecordsSpec, suite: Suite, is_swept_pga: bool, root: Any,
 
 def _warn_peaks(uses: Sequence[MotionUse], root: Any, doubts: Doubts) -> None:
     """Note peaks of the ground that are implausible as used, or above 2 g both in the file and as used."""
-    fits = RANGES["peak of a motion"]
+    fits = PLAUSIBLE_RANGES["peak of a motion"]
     unlikely = [use for use in uses if not fits.holds(use.pga) or use.pga / max(use.scale, 1.0) > 2 * GRAVITY]
     if unlikely:
         hint = f"check `unit:` of its file and `scale:`; otherwise leave it, {AS_MEANT}"
-        peaks = listed(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
+        peaks = join_limited(f"{use.name} ({use.pga / GRAVITY:.3g} g)" for use in unlikely)
         at: KeyPath = ("records", "scale" if any(use.scale != 1 for use in unlikely) else "use")
         excess = max(fits.excess(use.pga) for use in unlikely)
         doubts.add(root, at, at, f"unlikely peaks: {peaks}: {fits.reason}", hint, excess=excess)
@@ -582,7 +594,7 @@ def warn_held_period(study: Study, notes: Problems) -> None:
         if not names:
             continue
         has_code_strength = "inelastic" in spec.analyses and spec.buildings[names[0]].yield_shear is None
-        held = f"the period of {names[0]} is" if len(names) == 1 else f"the periods of {listed(names)} are"
+        held = f"the period of {names[0]} is" if len(names) == 1 else f"the periods of {join_limited(names)} are"
         message = f"where the mass varies, {held} held: the stiffness follows the mass"
         if has_code_strength:
             message += ", and the yield shears follow the weight"
@@ -668,7 +680,7 @@ def _quantities(model: type[BaseModel]) -> dict[str, tuple[str, Quantity | None]
         kinds = list(leaf_types(hint))
         kinds += [one for kind in kinds if get_origin(kind) in (tuple, dict) for one in leaf_types(get_args(kind)[-1])]
         kinds += [one for kind in kinds if get_origin(kind) is tuple for one in leaf_types(get_args(kind)[0])]
-        quantities = (kind.quantity if isinstance(kind, Text) else kind for kind in kinds)
+        quantities = (kind.quantity if isinstance(kind, ParsedText) else kind for kind in kinds)
         found[key] = names[key], next((each for each in quantities if isinstance(each, Quantity)), None)
     return found
 
@@ -752,7 +764,7 @@ def format_value(value: float, units: Mapping[str, float]) -> str:
     return f"{_rounded(value / factor)} {unit}"
 
 
-def _meant(text: str, value: float, fits: Plausible, share: float) -> list[str]:
+def _meant(text: str, value: float, fits: PlausibleRange, share: float) -> list[str]:
     """Return the number of a text in the other units in which it would be plausible, the likeliest first."""
     parted = _NUMBER_AND_UNIT.match(text)
     written = parted[1] if parted else "0"
@@ -764,7 +776,7 @@ def _meant(text: str, value: float, fits: Plausible, share: float) -> list[str]:
     ]
 
 
-def _hint(text: str, value: float, fits: Plausible, share: float = 1.0, si: str = "") -> str:
+def _hint(text: str, value: float, fits: PlausibleRange, share: float = 1.0, si: str = "") -> str:
     """Return the same number in another unit, else with its decimal point elsewhere, `share` of which is plausible.
 
     si : the unit in which a number without one was read
@@ -775,7 +787,9 @@ def _hint(text: str, value: float, fits: Plausible, share: float = 1.0, si: str 
     return f"did you mean {meant[0]}? {otherwise}" if meant else f"leave it if meant, {AS_MEANT}"
 
 
-def _hint_for_bare(text: str, value: float, fits: Plausible | None, share: float, si: str, multiple: str = "") -> str:
+def _hint_for_bare(
+    text: str, value: float, fits: PlausibleRange | None, share: float, si: str, multiple: str = ""
+) -> str:
     """Return the units in which a number without one would be plausible.
 
     fits : plausible range of value * share; None where none is known

@@ -16,7 +16,7 @@ from pounding_cli.study.file import dump_yaml, get, nearest
 from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, SeveralLinks, link_models, union_tag
 from pounding_cli.study.links import refuse_beside_links, refuse_key
-from pounding_cli.study.quantity import Quantity, Read, Text, said
+from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser
 
 
 @functools.cache
@@ -30,7 +30,7 @@ def leaf_types(kind: Any) -> Iterator[Any]:
     """Yield what a type comes to: models, tuples, dicts, literals and parsers of values."""
     origin, parts = get_origin(kind), get_args(kind)
     if origin is typing.Annotated:
-        read = next((part for part in parts[1:] if isinstance(part, Read)), None)
+        read = next((part for part in parts[1:] if isinstance(part, ValueParser)), None)
         yield from [read] if read is not None else leaf_types(parts[0])
     elif origin in (typing.Union, types.UnionType):
         for part in parts:
@@ -76,14 +76,14 @@ def keys_at(model: type[BaseModel], path: Sequence[Any], tree: Any) -> list[str]
 
 
 @functools.lru_cache(maxsize=1000)
-def _parsers_at(model: type[BaseModel], path: tuple[str, ...]) -> list[Read]:
+def _parsers_at(model: type[BaseModel], path: tuple[str, ...]) -> list[ValueParser]:
     """Return what may parse the value of a key."""
-    return [kind for kind in types_at(model, path)[0] if isinstance(kind, Read)]
+    return [kind for kind in types_at(model, path)[0] if isinstance(kind, ValueParser)]
 
 
 def quantity_at(model: type[BaseModel], path: tuple[str, ...]) -> Quantity | None:
     """The quantity that may stand at a key, or None."""
-    read = (kind.quantity if isinstance(kind, Text) else kind for kind in _parsers_at(model, path))
+    read = (kind.quantity if isinstance(kind, ParsedText) else kind for kind in _parsers_at(model, path))
     return next((each for each in read if isinstance(each, Quantity)), None)
 
 
@@ -152,7 +152,7 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
     name = _last_key(path)
     if kind in _MESSAGES:
         message, hint, at_key = _MESSAGES[kind]
-        fields = context | {"owner": owner, "value": said(value)}
+        fields = context | {"owner": owner, "value": quote(value)}
         if kind == "too_long":  # pydantic does not always count
             fields["actual_length"] = len(value or ())
         return message.format_map(fields), hint.format_map(fields), at_key
@@ -164,7 +164,7 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
         case "missing":
             return _describe_missing(name, path, model, tree)
         case "model_type" | "model_attributes_type" | "dict_type":
-            return f"{owner}{said(value)} is not a mapping", _mapping_hint(path, model, tree), False
+            return f"{owner}{quote(value)} is not a mapping", _mapping_hint(path, model, tree), False
         case "too_short":
             # Pydantic counts sound entries only: what is wrong with the others is told.
             is_empty = context.get("actual_length") == len(value or ())

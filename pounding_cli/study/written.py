@@ -145,5 +145,5 @@ def build_study_spec(specs: dict[KeyPath, Any], issues: Issues) -> StudySpec | N
     for name in ENTRIES:
         sections[name] = {path[1]: spec for path, spec in specs.items() if path[0] == name}
     spec = StudySpec.model_construct(**sections)
-    issues.add_written(Issue(path, message, hint, bool(key and key[0])) for path, message, hint, *key in spec.wrong())
+    issues.add_written(Issue(path, message, hint, bool(key and key[0])) for path, message, hint, *key in spec.issues())
     return spec

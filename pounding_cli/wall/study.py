@@ -9,11 +9,11 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from pounding_cli.study.base import Model, Wrong, key
-from pounding_cli.study.quantity import LENGTH, MASS, RANGES, TIME, Quantity, Text, Whole
+from pounding_cli.study.base import Model, SpecIssue, spec_field
+from pounding_cli.study.quantity import LENGTH, MASS, PLAUSIBLE_RANGES, TIME, ParsedText, Quantity, WholeNumber
 
 _PLACE = re.compile(r"\s{0,9}(mid-storey|floor)\s{1,9}([0-9]{1,9})\s{0,9}\Z")
-_HEIGHT = LENGTH.but(name="height", example="13.5 m, `mid-storey 5` or `floor 4`", open_low=False)
+_HEIGHT = LENGTH.replace(name="height", example="13.5 m, `mid-storey 5` or `floor 4`", open_low=False)
 
 
 def _read_height(value: Any) -> float | str:
@@ -21,42 +21,44 @@ def _read_height(value: Any) -> float | str:
     return f"{found[1]} {int(found[2])}" if found else _HEIGHT.read(value)
 
 
-Height = Annotated[float | str, Text(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
+Height = Annotated[float | str, ParsedText(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
 Length = Annotated[float, LENGTH]
-Size = Annotated[float, LENGTH.but(low=1e-3, open_low=False)]
-Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True, usual=RANGES["modulus"])]
-Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0, usual=RANGES["density"])]
-Speed = Annotated[float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True, usual=RANGES["speed of a blow"])]
+Size = Annotated[float, LENGTH.replace(low=1e-3, open_low=False)]
+Modulus = Annotated[float, Quantity("modulus", "N/m2", "30 GPa", 0.0, open_low=True, usual=PLAUSIBLE_RANGES["modulus"])]
+Density = Annotated[float, Quantity("density", "kg/m3", "2500 kg/m3", 0.0, usual=PLAUSIBLE_RANGES["density"])]
+Speed = Annotated[
+    float, Quantity("speed", "m/s", "0.5 m/s", 0.0, open_low=True, usual=PLAUSIBLE_RANGES["speed of a blow"])
+]
 Poisson = Annotated[float, Quantity("Poisson's ratio", "", "0.2", 0.0, 0.5, open_high=True)]
 Share = Annotated[float, Quantity("number", "", "0.2", 0.0, 1.0)]
-Step = Annotated[float | str, TIME.but(name="time step", example="0.1 ms", words=("auto",))]
+Step = Annotated[float | str, TIME.replace(name="time step", example="0.1 ms", words=("auto",))]
 
 
 class Wall(Model):
     """The bumper wall."""
 
-    length: Length = key(2.0, "length of the wall, at right angles to the gap", "2 m")
-    thickness: Length = key(0.25, "thickness of the wall", "25 cm")
+    length: Length = spec_field(2.0, "length of the wall, at right angles to the gap", "2 m")
+    thickness: Length = spec_field(0.25, "thickness of the wall", "25 cm")
 
 
 class Section(Model):
     """A rectangular cross-section."""
 
-    width: Length = key(..., "width, out of the frame's plane", "25 cm")
-    depth: Length = key(..., "depth, in the frame's plane", "60 cm")
+    width: Length = spec_field(..., "width, out of the frame's plane", "25 cm")
+    depth: Length = spec_field(..., "depth, in the frame's plane", "60 cm")
 
 
 class Frame(Model):
     """The building behind the wall; the mass of a floor is shared over its length, the wall's part over its width."""
 
-    storeys: Annotated[int, Whole(1, 100)] = key(5, "number of storeys", 5)
-    storey_height: Length = key(3.0, "storey height", "3 m")
-    bays: tuple[Length, ...] = key(
+    storeys: Annotated[int, WholeNumber(1, 100)] = spec_field(5, "number of storeys", 5)
+    storey_height: Length = spec_field(3.0, "storey height", "3 m")
+    bays: tuple[Length, ...] = spec_field(
         (5.0, 5.0, 5.0), "spans from the wall's inner edge", ["5 m"], min_length=1, max_length=50
     )
-    beam: Section = key(Section(width=0.25, depth=0.60), "section of the beams")
-    column: Section = key(Section(width=0.60, depth=0.60), "section of the columns")
-    floor_mass: Annotated[float, MASS] = key(200e3, "mass of every floor", "200 t")
+    beam: Section = spec_field(Section(width=0.25, depth=0.60), "section of the beams")
+    column: Section = spec_field(Section(width=0.60, depth=0.60), "section of the columns")
+    floor_mass: Annotated[float, MASS] = spec_field(200e3, "mass of every floor", "200 t")
 
     @property
     def height(self) -> float:
@@ -72,47 +74,47 @@ class Frame(Model):
 class Concrete(Model):
     """Linear elastic concrete."""
 
-    young: Modulus = key(30e9, "Young's modulus", "30 GPa")
-    poisson: Poisson = key(0.2, "Poisson's ratio", 0.2)
-    density: Density = key(0.0, "density of the wall beyond the floor masses", "2500 kg/m3")
+    young: Modulus = spec_field(30e9, "Young's modulus", "30 GPa")
+    poisson: Poisson = spec_field(0.2, "Poisson's ratio", 0.2)
+    density: Density = spec_field(0.0, "density of the wall beyond the floor masses", "2500 kg/m3")
 
 
 class Striker(Model):
     """The floor that strikes, a rigid mass."""
 
-    mass: Annotated[float, MASS] = key(200e3, "mass of the striker", "200 t")
-    speed: Speed = key(0.5, "speed of the striker", "0.5 m/s")
-    height: Height = key("mid-storey 5", "where it strikes", "mid-storey 5")
+    mass: Annotated[float, MASS] = spec_field(200e3, "mass of the striker", "200 t")
+    speed: Speed = spec_field(0.5, "speed of the striker", "0.5 m/s")
+    height: Height = spec_field("mid-storey 5", "where it strikes", "mid-storey 5")
 
 
 class Contact(Model):
     """The contact: its area and its bond. Under one node stress grows without bound as the mesh is refined."""
 
-    over: Literal["patch", "node"] = key("patch", "patch of uniform pressure, or node", "patch")
-    bond: Literal["unilateral", "glued"] = key("unilateral", "unilateral or glued", "unilateral")
-    patch: Length = key(0.20, "height of the patch: the striking slab's thickness", "20 cm")
+    over: Literal["patch", "node"] = spec_field("patch", "patch of uniform pressure, or node", "patch")
+    bond: Literal["unilateral", "glued"] = spec_field("unilateral", "unilateral or glued", "unilateral")
+    patch: Length = spec_field(0.20, "height of the patch: the striking slab's thickness", "20 cm")
 
 
 class Mesh(Model):
     """The mesh of the wall: four-node (linear) or nine-node (quadratic) quadrilaterals."""
 
-    size: Size = key(0.05, "element size at the contact", "0.05 m")
-    growth: Share = key(0.2, "growth of the size per metre from the contact", 0.2)
-    element: Literal["linear", "quadratic"] = key("quadratic", "linear or quadratic", "quadratic")
+    size: Size = spec_field(0.05, "element size at the contact", "0.05 m")
+    growth: Share = spec_field(0.2, "growth of the size per metre from the contact", 0.2)
+    element: Literal["linear", "quadratic"] = spec_field("quadratic", "linear or quadratic", "quadratic")
 
 
 class Integration(Model):
     """The integration in time."""
 
-    end: Annotated[float, TIME] = key(0.060, "end of the analysis", "60 ms")
-    step: Step = key("auto", "time step, or auto", "0.1 ms")
-    rho: Share = key(0.9, "spectral radius at infinite frequency; 1: no damping", 0.9)
+    end: Annotated[float, TIME] = spec_field(0.060, "end of the analysis", "60 ms")
+    step: Step = spec_field("auto", "time step, or auto", "0.1 ms")
+    rho: Share = spec_field(0.9, "spectral radius at infinite frequency; 1: no damping", 0.9)
 
 
 class Study(Model):
     """A study of the bumper wall (paper, Fig. 8); everything not said is the paper's."""
 
-    title: str = key(..., "one line that says what is studied", "The bumper wall of Fig. 8")
+    title: str = spec_field(..., "one line that says what is studied", "The bumper wall of Fig. 8")
     wall: Wall = Wall()
     frame: Frame = Frame()
     concrete: Concrete = Concrete()
@@ -120,8 +122,8 @@ class Study(Model):
     contact: Contact = Contact()
     mesh: Mesh = Mesh()
     time: Integration = Integration()
-    averaging_length: Size = key(0.5, "side of the cell over which stress is averaged", "0.5 m")
-    sweep: Any = key(None, "keys and the values they take", {"wall.length": ["1 m", "2 m"]})
+    averaging_length: Size = spec_field(0.5, "side of the cell over which stress is averaged", "0.5 m")
+    sweep: Any = spec_field(None, "keys and the values they take", {"wall.length": ["1 m", "2 m"]})
 
     @property
     def height(self) -> float:
@@ -137,7 +139,7 @@ class Study(Model):
         half = self.contact.patch / 2 if self.contact.over == "patch" else 0.0
         return max(self.height - half, 0.0), min(self.height + half, self.frame.height)
 
-    def wrong(self) -> Iterator[Wrong]:
+    def issues(self) -> Iterator[SpecIssue]:
         """Yield what cannot be in a study: its place, a message and what to write."""
         top = self.frame.height
         height = self.height

@@ -16,9 +16,9 @@ from pounding_cli.study.expression import (
     FLOOR,
     LINK,
     Expression,
-    NotUnderstood,
-    Quantity,
+    ExpressionError,
     Statement,
+    TableQuantity,
 )
 from pounding_cli.study.file import get
 from pounding_cli.study.study import Study
@@ -27,7 +27,7 @@ from pounding_cli.variables import RATIOS, VARIABLES
 from pounding_cli.workflows.workflow import Workflow
 
 
-def values_of(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
+def evaluate_expression(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
     """The values of an expression; NaN where a scene that they rest on failed, or has no such number.  Shape (...).
 
     data : variables of a results file, shape (..., motions, building, storey) or (..., motions, links)
@@ -37,11 +37,11 @@ def values_of(expression: Expression, data: xr.Dataset, over_motions: str) -> np
     return np.where(np.isfinite(found), found, np.nan)
 
 
-def error_of(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
+def evaluate_error(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
     """The numerical error of an expression, at most: what it changes where each of its quantities moves by its own
-    error, all added up; NaN where no scene was solved more finely.  Shape (...), as `values_of`."""
+    error, all added up; NaN where no scene was solved more finely.  Shape (...), as `evaluate_expression`."""
 
-    def moved(part: Quantity, by: np.ndarray) -> np.ndarray:
+    def moved(part: TableQuantity, by: np.ndarray) -> np.ndarray:
         return expression(lambda each: _value(each, data, over_motions, by if each is part else 0.0))
 
     errors = ((part, _error(part.name, data)) for part in expression.quantities)
@@ -71,7 +71,7 @@ def _error(name: str, data: xr.Dataset) -> np.ndarray:
     return np.abs(values) * share.reshape(*share.shape, *(1,) * (values.ndim - share.ndim))
 
 
-def _value(quantity: Quantity, data: xr.Dataset, over_motions: str, error: np.ndarray | float = 0.0) -> np.ndarray:
+def _value(quantity: TableQuantity, data: xr.Dataset, over_motions: str, error: np.ndarray | float = 0.0) -> np.ndarray:
     """One quantity, moved by its error. A storey that a building does not have counts for nothing, nor does a wall that
     is not named; one whose number is missing makes the result NaN: what failed must not drop out of a mean."""
     name = quantity.name
@@ -110,12 +110,12 @@ Meanings = dict[str, tuple[str, str]]
 Said = TypeVar("Said", Expression, Statement)
 
 
-def read_all(
+def parse_all(
     read: Callable[[str, Sequence[str]], Said], asked: Workflow, key: str, texts: Sequence[str]
 ) -> tuple[Said, ...]:
     """What the texts under a key of a question say over the tables of its study; what is wrong with them is noted.
 
-    read : `read_expression` or `read_statement`
+    read : `parse_expression` or `parse_statement`
     """
     study, found = asked.study, dict[str, Said]()
     names = places(study.model.group)
@@ -123,7 +123,7 @@ def read_all(
     for number, text in enumerate(texts):
         try:
             said = read(text, names)
-        except NotUnderstood as error:
+        except ExpressionError as error:
             asked.wrong((key, number), *error.args)
             continue
         if said.text in found:
@@ -143,7 +143,7 @@ def read_all(
 # A study at chosen points: one more axis, on which all keys that vary move together
 
 
-def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_written: bool = False) -> Study:
+def study_at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_written: bool = False) -> Study:
     """The study with an axis, its last, of some points.
 
     factors : the keys that vary
@@ -155,7 +155,7 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
     InputError : the study is not sound at one of them
     """
     members = [member for factor in factors for member in factor.members]
-    given = values_at(factors, points)
+    given = key_values_at(factors, points)
     if and_written:
         written = [get(study.root, *member.key.split(".")) for member in members]
         given.append(tuple(UNWRITTEN if value is None else value for value in written))
@@ -164,15 +164,15 @@ def at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_w
     return Study(study.path, study.text, study.root, (*study.axes, axis), study.reader, written=study)
 
 
-def values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:
-    """What stands in the study at points, a value for every key; points as in `at_points`."""
+def key_values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:
+    """What stands in the study at points, a value for every key; points as in `study_at_points`."""
     columns = [member.values(u) for factor, u in zip(factors, points.T, strict=True) for member in factor.members]
     return list(zip(*columns, strict=True)) or [()] * len(points)
 
 
 def key_columns(factors: Sequence[Factor], points: np.ndarray) -> tuple[pd.DataFrame, Meanings, dict[str, Unit]]:
     """A column of every key at points, with unit and meaning of each, and the unit that people read numbers in; points
-    as in `at_points`."""
+    as in `study_at_points`."""
     columns, meant, units = dict[str, Any](), Meanings(), dict[str, Unit]()
     for factor, u in zip(factors, points.T, strict=True):
         for member in factor.members:
@@ -184,10 +184,10 @@ def key_columns(factors: Sequence[Factor], points: np.ndarray) -> tuple[pd.DataF
     return pd.DataFrame(columns), meant, units
 
 
-def distinct(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def find_distinct_points(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The points that differ in what stands in the study, in the order in which they come first, shape (n, factors);
     and of every point its place among them, shape (points,)."""
     first: dict[str, int] = {}
-    places = np.array([first.setdefault(repr(values), len(first)) for values in values_at(factors, points)])
+    places = np.array([first.setdefault(repr(values), len(first)) for values in key_values_at(factors, points)])
     _, kept = np.unique(places, return_index=True)
     return points[kept], places

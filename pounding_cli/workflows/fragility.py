@@ -14,7 +14,7 @@ from pounding_cli.model.links import LinkPlace, link_places
 from pounding_cli.numbers import Unit
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.build import places
-from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, TAKES_NEIGHBOUR, Limit, Target
+from pounding_cli.study.expression import COLLAPSE, CONTACT, LIMITS_OF_PAIRS, SHEAR_DEMAND, Limit, Target
 from pounding_cli.study.file import nearest
 from pounding_cli.study.questions import FragilitySpec, Measure
 from pounding_cli.study.study import Point
@@ -235,7 +235,7 @@ class Fragility(Workflow):
             for target in self.targets:
                 here = numbers[number, case, analysis]
                 scenes = {LINKED: here[..., 0]}
-                if target.limit.quantity not in TAKES_NEIGHBOUR:
+                if target.limit.quantity not in LIMITS_OF_PAIRS:
                     scenes[ALONE] = here[..., 1 + target.building]
                 yield Place(number, self.points[number], case, analysis, target, scenes)
 

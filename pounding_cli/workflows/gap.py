@@ -454,7 +454,7 @@ def _gaps(plan: Plan) -> pd.DataFrame:
 def _kept(axis: Axis) -> tuple[list[int], list[tuple[str, ...]], list[tuple[str, ...]]]:
     """Which keys of an axis change buildings or motions; their different values, and those at every point of it."""
     kept = [number for number, path in enumerate(axis.paths) if path[0] not in _BETWEEN]
-    values = [tuple(str(given[number]) for number in kept) for given in axis.given]
+    values = [tuple(str(given[number]) for number in kept) for given in axis.written_values]
     return kept, list(dict.fromkeys(values)), values
 
 
@@ -471,7 +471,7 @@ def _with_nothing_between(study: Study) -> Study:
         if kept:
             first = [values.index(each) for each in different]
             given, marks = (
-                [tuple(rows[place][n] for n in kept) for place in first] for rows in (axis.given, axis.marks)
+                [tuple(rows[place][n] for n in kept) for place in first] for rows in (axis.written_values, axis.marks)
             )
             units = tuple(axis.units[n] for n in kept)
             axes.append(Axis(tuple(axis.names[n] for n in kept), given, marks, units))

@@ -16,13 +16,19 @@ from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, expand
 from pounding_cli.study.edit import with_values
-from pounding_cli.study.expression import read_expression
+from pounding_cli.study.expression import parse_expression
 from pounding_cli.study.file import get, nearest
 from pounding_cli.study.questions import OptimiseSpec
 from pounding_cli.study.vary import Factor, read_searched
 from pounding_cli.variables import VARIABLES
-from pounding_cli.workflows.expressions import at_points, error_of, key_columns, read_all, values_of
-from pounding_cli.workflows.search import Point, Search, kink
+from pounding_cli.workflows.expressions import (
+    evaluate_error,
+    evaluate_expression,
+    key_columns,
+    parse_all,
+    study_at_points,
+)
+from pounding_cli.workflows.search import Point, Search, evaluate_kink
 from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, tabled
 
 if TYPE_CHECKING:
@@ -69,7 +75,7 @@ class Optimise(Workflow):
         self.sign = -1 if spec.least is None and spec.most is not None else 1
         texts = [text for text in (spec.least, spec.most) if text is not None]
         key = "least" if self.sign > 0 else "most"
-        expressions = read_all(read_expression, self, key, texts)
+        expressions = parse_all(parse_expression, self, key, texts)
         if not texts:
             hint = f"write e.g. `optimise: {{least: largest V_ratio in {study.model.group[0]}}}`"
             self.wrong((), "`optimise:` lacks 'least' or 'most'", hint, key=True)
@@ -110,7 +116,7 @@ class Optimise(Workflow):
         """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
         stands for it.  Raises InputError: the study is not sound at one of them."""
         plan = expand(
-            at_points(self.study, self.factors, np.array(points), and_written=self.written is None),
+            study_at_points(self.study, self.factors, np.array(points), and_written=self.written is None),
             asks=lambda _point, case, analysis, _record: (case, analysis) == (self.case, self.analysis),
         )
         return dataclasses.replace(plan, workflow="optimise", harder=True)
@@ -120,13 +126,13 @@ class Optimise(Workflow):
         """The scenes of the first points: the study as it is written, or else the middle of all ranges.  Raises
         InputError: the study is not sound there, or with both ends of every range and every option of every choice."""
         ends = [[(n + 0.5) / each.options for n in range(each.options)] or [0.0, 1.0] for each in self.factors]
-        at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
+        study_at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
         return self.plan_of([self.written or self.middle])
 
     @property
     def expected_count(self) -> int:
         """Number of time histories of the whole search, about: that of a search for the lowest point of a kink."""
-        search = Search(kink, [factor.options for factor in self.factors], self.spec, self.written)
+        search = Search(evaluate_kink, [factor.options for factor in self.factors], self.spec, self.written)
         search.run()
         points = list(search.tried)[:2]
         of_one = len(self.plan_of(points[:1]))
@@ -169,7 +175,8 @@ def _sought(question: Optimise, plan: Plan, data: xr.Dataset) -> pd.DataFrame:
     no meaning), its numerical error, and whether a link of a scene went where its law has no meaning."""
     spec, one = question.spec, data.sel(case=question.case, analysis=question.analysis)
     values, errors = (
-        _by_point(plan, each(question.expression, one, spec.over_motions)) for each in (values_of, error_of)
+        _by_point(plan, each(question.expression, one, spec.over_motions))
+        for each in (evaluate_expression, evaluate_error)
     )
     void = np.vectorize(is_void, otypes=[bool])(_by_point(plan, one["flags"].values)).any(axis=(0, 2))
     if spec.over_sweep == "mean":
@@ -196,7 +203,7 @@ def _optimum(
     first: dict[str, Any] = {
         "sought": f"{'least' if question.sign > 0 else 'most'} {question.expression}",
         "as_written": value[at["as_written"]],
-        "outcome": NOTHING if best is None else FOUND if search.is_settled else UNSETTLED,
+        "outcome": NOTHING if best is None else FOUND if search.is_converged else UNSETTLED,
         "points": len(tried),
         "failed": int((tried["value"].isna() & ~tried["meaningless"]).sum()),
         "meaningless": int(tried["meaningless"].sum()),

@@ -34,7 +34,7 @@ WRITTEN, SEARCH, POLISH, SLICES = "as written", "search", "polish", "slices"
 _DIGITS = 9
 """Of a coordinate: points closer than that are one."""
 
-_FEW_COMBINATIONS = 200
+_MAX_COMBINATIONS = 200
 """So many combinations of choices are all looked at."""
 
 _SPREAD = 1e-3
@@ -53,7 +53,7 @@ _RETURNS = 3
 """Times that the search goes on from a lower point along a coordinate."""
 
 
-def kink(points: list[Point], rough: bool) -> np.ndarray:
+def evaluate_kink(points: list[Point], rough: bool) -> np.ndarray:
     """Return a function with one kink, as the largest of several responses has; a search for its lowest point looks at
     about as many points as one for theirs."""
     x = np.array(points)
@@ -76,21 +76,21 @@ class Search:
     tried : the value of every point that was looked at, in that order; infinite where it has none
     stages : for which stage each was looked at
     best : the point of the least value, the first of several; None where no point has a value
-    is_settled : whether the population came together before its generations were spent
+    is_converged : whether the population came together before its generations were spent
     """
 
     def __init__(
         self, function: Function, options: Sequence[int], spec: OptimiseSpec | None = None, written: Point | None = None
     ) -> None:
         self.function, self.options, self.spec = function, tuple(options), spec or OptimiseSpec()
-        self.written = None if written is None else self.key(written)
+        self.written = None if written is None else self.snap(written)
         self.continuous = [number for number, many in enumerate(options) if not many]
         self.tried: dict[Point, float] = {}
         self.stages: list[str] = []
         self.best: Point | None = None
-        self.is_settled = True
+        self.is_converged = True
 
-    def key(self, point: Sequence[float]) -> Point:
+    def snap(self, point: Sequence[float]) -> Point:
         """The point as it is known: choices in the middle of their share."""
         return tuple(
             (min(int(u * options), options - 1) + 0.5) / options if options else round(float(u), _DIGITS)
@@ -100,13 +100,13 @@ class Search:
     def run(self) -> None:
         """Search."""
         if self.written is not None:
-            self._look([self.written], WRITTEN)
+            self._evaluate([self.written], WRITTEN)
         every = [  # values of the coordinates: every choice, or points from end to end
             [(each + 0.5) / options for each in range(options)] or np.linspace(0, 1, self.spec.slice_points).tolist()
             for options in self.options
         ]
-        if not self.continuous and np.prod(self.options) <= _FEW_COMBINATIONS:
-            self._look(list(product(*every)), SEARCH)
+        if not self.continuous and np.prod(self.options) <= _MAX_COMBINATIONS:
+            self._evaluate(list(product(*every)), SEARCH)
             self._take_lowest()
             return
         self._evolve()
@@ -117,7 +117,9 @@ class Search:
             if self.continuous:
                 self._polish(self.best)
                 self._take_lowest()
-            self._look([self._moved(self.best, {n: u}) for n, across in enumerate(every) for u in across], SLICES)
+            self._evaluate(
+                [self._with_coordinates(self.best, {n: u}) for n, across in enumerate(every) for u in across], SLICES
+            )
             if not self._take_lowest(_SAME):
                 return
 
@@ -129,18 +131,18 @@ class Search:
             self.best = lowest
         return is_lower
 
-    def _look(self, points: Sequence[Sequence[float]], stage: str) -> np.ndarray:
+    def _evaluate(self, points: Sequence[Sequence[float]], stage: str) -> np.ndarray:
         """The values at points, worked out where they are not known; infinite where there is none."""
-        keys = [self.key(point) for point in points]
+        keys = [self.snap(point) for point in points]
         if new := [key for key in dict.fromkeys(keys) if key not in self.tried]:
             values = self.function(new, stage == SEARCH and bool(self.continuous))
             self.tried |= zip(new, np.where(np.isnan(values), np.inf, values).tolist(), strict=True)
             self.stages += [stage] * len(new)
         return np.array([self.tried[key] for key in keys])
 
-    def _moved(self, point: Point, moves: dict[int, float]) -> Point:
+    def _with_coordinates(self, point: Point, moves: dict[int, float]) -> Point:
         """A point with other values of some coordinates."""
-        return self.key([moves.get(number, u) for number, u in enumerate(point)])
+        return self.snap([moves.get(number, u) for number, u in enumerate(point)])
 
     def _evolve(self) -> None:
         """Differential evolution until all points of a generation are nearly as good."""
@@ -153,12 +155,13 @@ class Search:
 
         try:
             found = differential_evolution(
-                lambda x: self._look(x.T, SEARCH), [(0.0, 1.0)] * size, init=population, maxiter=self.spec.generations,
-                tol=_SPREAD, polish=False, updating="deferred", vectorized=True, callback=callback, rng=self.spec.seed,
+                lambda x: self._evaluate(x.T, SEARCH), [(0.0, 1.0)] * size, init=population,
+                maxiter=self.spec.generations, tol=_SPREAD, polish=False, updating="deferred", vectorized=True,
+                callback=callback, rng=self.spec.seed,
             )  # fmt: skip
         except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
             raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
-        self.is_settled = bool(found.success)
+        self.is_converged = bool(found.success)
 
     def _polish(self, best: Point) -> None:
         """The simplex method from the best point, choices kept."""
@@ -170,11 +173,11 @@ class Search:
                 "maxfev": 60 * len(corners), "adaptive": len(corners) > 4,
             }  # fmt: skip
 
-            def at(x: np.ndarray, best: Point = best) -> float:
+            def evaluate_corner(x: np.ndarray, best: Point = best) -> float:
                 moves = dict(zip(self.continuous, x.tolist(), strict=True))
-                return float(self._look([self._moved(best, moves)], POLISH)[0])
+                return float(self._evaluate([self._with_coordinates(best, moves)], POLISH)[0])
 
-            minimize(at, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
+            minimize(evaluate_corner, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
             best = min(self.tried, key=self.tried.__getitem__)
             if before - self.tried[best] <= _GAIN * abs(before):
                 return

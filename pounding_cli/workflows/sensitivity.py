@@ -14,10 +14,16 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.expression import Expression, Statement, read_expression, read_statement
+from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
-from pounding_cli.workflows.expressions import at_points, distinct, key_columns, read_all, values_of
+from pounding_cli.workflows.expressions import (
+    evaluate_expression,
+    find_distinct_points,
+    key_columns,
+    parse_all,
+    study_at_points,
+)
 from pounding_cli.workflows.workflow import Found, Table, Workflow, swept, tabled
 
 if TYPE_CHECKING:
@@ -118,8 +124,8 @@ class Sensitivity(Workflow):
         if not (spec.outputs or spec.probabilities or spec.claims):
             hint = "write e.g. `sensitivity: {outputs: [largest mu]}`"
             self.wrong((), "`sensitivity:` lacks 'outputs'", hint, key=True)
-        self.outputs = read_all(read_expression, self, "outputs", spec.outputs)
-        self.statements = read_all(read_statement, self, "probabilities", spec.probabilities)
+        self.outputs = parse_all(parse_expression, self, "outputs", spec.outputs)
+        self.statements = parse_all(parse_statement, self, "probabilities", spec.probabilities)
         points = self.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
         if points > MOST_POINTS:
             what = f"{self.samples} samples make {points} points"
@@ -180,7 +186,7 @@ class Sensitivity(Workflow):
         keys); of every sample its point."""
         are_keys = np.array([factor.key != MOTION for factor in self.factors])
         factors = tuple(factor for factor in self.factors if factor.key != MOTION)
-        return factors, *distinct(factors, self.cube[:, are_keys])
+        return factors, *find_distinct_points(factors, self.cube[:, are_keys])
 
     @cached_property
     def drawn(self) -> np.ndarray | None:
@@ -194,7 +200,7 @@ class Sensitivity(Workflow):
     def plan(self) -> Plan:
         """The scenes of all samples.  Raises InputError: a sample at which the study is not sound."""
         factors, points, place = self.keys
-        sampled, asks = at_points(self.study, factors, points), None
+        sampled, asks = study_at_points(self.study, factors, points), None
         if self.drawn is not None:
             wanted = {(at, self.motions[n]) for at, n in np.broadcast(place[:, None], self.drawn)}
             asks = lambda point, _case, _analysis, name: (point[-1], name) in wanted  # noqa: E731
@@ -244,7 +250,7 @@ def _series(
     found = []
     for one in asked:
         expression = one.expression if isinstance(one, Statement) else one
-        values = np.moveaxis(values_of(expression, data, question.spec.over_motions), len(others), -1)
+        values = np.moveaxis(evaluate_expression(expression, data, question.spec.over_motions), len(others), -1)
         found.append((one.holds(values), "") if isinstance(one, Statement) else (values, one.unit))
     for *point, case, analysis in np.ndindex(*plan.shape[: len(others)], len(plan.cases), len(plan.analyses)):
         for one, (values, unit) in zip(asked, found, strict=True):

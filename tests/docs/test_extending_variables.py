@@ -32,7 +32,7 @@ import pounding_cli as pound
 from pounding_cli.report.evidence import nominal
 from pounding_cli.report.widgets import explored
 from pounding_cli.report.sweep import over_sweep
-from pounding_cli.study.expression import read_expression
+from pounding_cli.study.expression import parse_expression
 
 results = pound.run("study.yaml", engine="serial")
 link = results.link()
@@ -46,7 +46,7 @@ print(json.dumps({
     "dataset": results.dataset["mean_force"].attrs["units"],
     "worst": float(over_sweep(results, "mean_force", {"case": "touching"})["mean"]),
     "largest": float(link["mean_force"].max()),
-    "unit": read_expression("largest mean_force", ["stiff", "soft"]).unit,
+    "unit": parse_expression("largest mean_force", ["stiff", "soft"]).unit,
     "charted": "mean_force" in [each["key"] for each in explored(results, nominal(results))["quantities"]],
 }))
 """

@@ -363,7 +363,7 @@ def test_values_of_an_axis(key, values, shown):
     """In the unit in which they are written; a range gives 0.6 s, not 0.6000000000000001 s."""
     (axis,) = pound.load_study(study(impact={"restitution": 0.5}, sweep={key: yaml.safe_load(values)})).axes
     assert axis.names == (key,)
-    assert "; ".join(text for place in range(len(axis.values)) for text in axis.shown(place)) == shown
+    assert "; ".join(text for place in range(len(axis.values)) for text in axis.display_values(place)) == shown
 
 
 def test_axes_are_crossed_and_keys_of_one_axis_move_together():
@@ -408,7 +408,7 @@ def test_a_formula_counts_what_it_repeats_once():
 def test_an_unknown_value_stands_at_its_middle():
     values = {"values": [0.4, 0.45, 0.65], "middle": 0.45}
     read = pound.load_study(study(sweep={"impact.restitution": values}))
-    assert [read.axes[0].shown(place) for place in range(3)] == [("0.4",), ("0.45",), ("0.65",)]
+    assert [read.axes[0].display_values(place) for place in range(3)] == [("0.4",), ("0.45",), ("0.65",)]
     assert read.resolved()["impact"]["restitution"] == 0.45
 
 
@@ -454,7 +454,7 @@ def test_the_tool_rewrites_old_spellings(tmp_path):
     }
     connector, pounding = (link.law.stiffness for link in read.links((0,), "e"))
     assert connector < 1e9 < pounding == 9e9  # a stiffness of the pair's own law
-    assert [text for place in range(3) for text in read.axes[0].shown(place)] == [
+    assert [text for place in range(3) for text in read.axes[0].display_values(place)] == [
         f"{factor} x stiffest storey" for factor in (5, 20, 100)
     ]
 
