@@ -25,7 +25,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver.solve import solve
-from pounding_cli.study import expand, load_study
+from pounding_cli.study import load_study, make_plan
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "contact.md"
@@ -98,7 +98,7 @@ def run(study: Path | dict[str, Any]) -> dict[str, pd.DataFrame]:
 
 def laws() -> dict[str, LinkLaw]:
     """Every law as the study has it, between its two roofs."""
-    plan = expand(load_study(STUDY))
+    plan = make_plan(load_study(STUDY))
     found = dict.fromkeys(plan.scenes[row.scene].links[-1].law for row in plan.rows if row.case == "touching")
     return dict(zip(LOOKS, found, strict=True))
 
@@ -118,7 +118,7 @@ def blow(law: LinkLaw) -> tuple[float, float, float]:
 def stiffening() -> dict[str, Any]:
     """The study, with stiffer and stiffer contacts of every law, matched at each stiffness."""
     study = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
-    plan = expand(load_study(STUDY))
+    plan = make_plan(load_study(STUDY))
     storey = max(float(b.stiffness.max()) for b in plan.scenes[plan.rows[0].scene].buildings)
     pairs = [matched(multiple * storey) for multiple in MULTIPLES]
     study["estimate"] = "none"

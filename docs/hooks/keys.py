@@ -6,11 +6,11 @@ import typing
 from collections.abc import Iterator
 from typing import Any, get_args, get_origin
 
+from pounding_cli.study.laws import SHARED_KEYS, Link, law_keys
+from pounding_cli.study.models import Case
 from pydantic import BaseModel, create_model
 
 from pounding_cli.laws import link_laws
-from pounding_cli.study.laws import SHARED_KEYS, Link, law_keys
-from pounding_cli.study.models import Case
 from pounding_cli.study.quantity import ValueParser
 from pounding_cli.study.words import fields_of, leaves
 

@@ -14,6 +14,8 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from pounding_cli.study.laws import keys_of, link_models, own
+from pounding_cli.study.models import Building
 from pydantic import Field
 
 from pounding_cli.laws import link_laws, storey_laws
@@ -21,8 +23,6 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.report.references import REFERENCES
 from pounding_cli.report.style import RC
-from pounding_cli.study.laws import keys_of, link_models, own
-from pounding_cli.study.models import Building
 from pounding_cli.study.words import fields_of
 
 

@@ -14,8 +14,8 @@ from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
 from pounding_cli.study import laws, models, motions, questions, schema
-from pounding_cli.study.plausible import format_value
 from pounding_cli.study.quantity import PLAUSIBLE_RANGES
+from pounding_cli.study.warnings import format_value
 
 ROOT = Path(__file__).parents[2]
 _spec = importlib.util.spec_from_file_location("keys", Path(__file__).with_name("keys.py"))

@@ -220,6 +220,6 @@ def _failures(plan: Plan, solver: Solver) -> Iterator[Failure]:
     for number, digest in enumerate(plan.digests) if solver.failed else ():
         if (reason := solver.failed.get(digest.tobytes())) is not None:
             row = plan.row(int(rows[number]))
-            swept = [f"{name} = {value}" for name, value in plan.shown(row.point).items()]
+            swept = [f"{name} = {value}" for name, value in plan.display_values(row.point).items()]
             subject = f"{plan.buildings[columns[number] - 1]} alone" if columns[number] else row.case
             yield Failure(", ".join((*swept, subject, row.analysis, row.record)), *reason)

@@ -34,7 +34,7 @@ def compute_content_key(workflow: Workflow) -> str:
     plan = workflow.plan
     study = plan.study
     kept = (plan.kept, plan.every)
-    resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
+    resolved = json.dumps(study.to_plain_data(), default=str, sort_keys=True)
     text = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
     return hashlib.sha256(text.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
 
@@ -132,7 +132,9 @@ def _iter_reasons(
     elif before is None:
         yield f"{rest} not reached: the run before was stopped, or the study was changed since"
     else:
-        keys = [key for key, *_ in changed_keys(before, json.loads(json.dumps(plan.study.resolved(), default=str)))]
+        keys = [
+            key for key, *_ in changed_keys(before, json.loads(json.dumps(plan.study.to_plain_data(), default=str)))
+        ]
         names = join_limited(keys[:MAX_NAMED_KEYS]) + (
             f" and {len(keys) - MAX_NAMED_KEYS} more" if len(keys) > MAX_NAMED_KEYS else ""
         )

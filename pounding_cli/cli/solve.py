@@ -284,9 +284,9 @@ def accuracy(
 
 def _subjects(study: Study, cases: list[str], records: list[str]) -> list[Subject]:
     """The linked scenes of the study's first point, each once.  Raises `InputError` for names that it does not have."""
-    from pounding_cli.study import expand
+    from pounding_cli.study import make_plan
 
-    plan = expand(study)
+    plan = make_plan(study)
     for what, wanted, known in (("case", cases, plan.cases), ("record", records, plan.records)):
         for name in set(wanted) - set(known):
             raise InputError(Problem(f"the study has no {what} {name}", f"write one of {', '.join(known)}"))

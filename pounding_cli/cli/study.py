@@ -87,7 +87,7 @@ def check(study: Path, output: Path | None) -> None:
         click.echo(f"OK: {name}: a study of `pound {kind}`, {pluralize(len(sweep.points), 'point')} to compute")
         return
     read = load_study(study)
-    questions = _read_questions(read, [each for each in TITLES if each == "run" or read.root.get(each) is not None])
+    questions = _read_questions(read, [each for each in TITLES if each == "run" or read.tree.get(each) is not None])
     plan, *_ = [each.plan for each in questions]
     for warning in read.warnings:
         click.echo(f"warning: {warning}", err=True)
@@ -164,7 +164,7 @@ def _describe_duration(duration: Duration) -> str:
 def _lines(plan: Plan) -> list[str]:
     """What a run of a plan would solve and leave out."""
     from pounding_cli.batch.forecast import forecast
-    from pounding_cli.study.build import meetings_in_words
+    from pounding_cli.study.group import format_meetings
 
     study, first = plan.study, (0,) * len(plan.axes)
     found = forecast(plan)
@@ -179,17 +179,16 @@ def _lines(plan: Plan) -> list[str]:
         f"solves     {count_histories(len(plan))}",
         *(f"           {count:6d} {what}" for what, count in found.scenes.items()),
     ]
-    lines.append("meetings (at the first point of the sweep)" if any(study.touches("buildings")) else "meetings")
+    lines.append("meetings (at the first point of the sweep)" if study.axes_changing("buildings") else "meetings")
     group = [study.building(first, place) for place in range(len(plan.buildings))]
-    lines += [f"  {line}" for line in meetings_in_words(group)]
+    lines += [f"  {line}" for line in format_meetings(group)]
     lines += _isolators(group, study.unit("gap"))
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
     lines += ["effects    (in time histories of the group)", *_effects(found), "motions    (as used)"]
     unit = study.unit("acceleration")
-    for used in study.motions(first).values():
-        use = used.use
+    for use in study.motion_uses(first).values():
         measures = f"peak {unit.text(use.pga, 3)}, Arias {use.arias:.3f} m/s"
         lines.append(f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: {measures}")
     if (match := study.spectrum_match()) is not None:
@@ -230,7 +229,7 @@ def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
 def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
     """Return the law of a link with its gap, stiffness and parameters in words."""
     from pounding_cli.laws.pounding import restitution_from_damping
-    from pounding_cli.study.plausible import format_value, units_of_size
+    from pounding_cli.study.warnings import format_value, units_of_size
 
     law = link.law
     words = [f"{'slab against columns' if link.columns else link.kind}", f"gap {width.text(link.gap)}"]
@@ -272,9 +271,9 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
 
     if source.suffix in (".yaml", ".yml"):
         study = load_study(source)
-        uses = [used.use for used in study.motions((0,) * len(study.axes)).values()]
-        title, kind, resolved = study.title, "run", study.resolved()
-        methods: tuple[str, ...] = (study.model.method,)
+        uses = list(study.motion_uses(study.first_point).values())
+        title, kind, resolved = study.title, "run", study.to_plain_data()
+        methods: tuple[str, ...] = (study.spec.method,)
         sources = {use.name: use.source for use in uses}
     else:
         results = open_results(source)

@@ -85,7 +85,7 @@ class Scene:
     @cached_property
     def digest(self) -> str:
         """SHA-256 of the scene: two scenes with one digest have the same response (names are left out)."""
-        suffix = Digests.suffix(self.motion, self.analysis, self.tail, self.residual_drift)
+        suffix = Digests.suffix(self.motion.digest, self.analysis, self.tail, self.residual_drift)
         return Digests(self.buildings, self.links).finish(suffix).hex()
 
     def alone(self, place: int) -> Scene:
@@ -105,7 +105,7 @@ class Digests:
         self._prefix_hash = hashlib.sha256("\n".join(parts).encode())
 
     @staticmethod
-    def suffix(motion: Motion, analysis: Analysis, tail: float, follows_residual_drift: bool) -> bytes:
+    def suffix(motion_digest: str, analysis: Analysis, tail: float, follows_residual_drift: bool) -> bytes:
         """Return the last part of the hashed text: everything beside buildings and links.
 
         Parameters
@@ -114,7 +114,7 @@ class Digests:
         follows_residual_drift : whether the scene is followed until it is at rest
         """
         last_line = "\nresidual drift" if follows_residual_drift else ""
-        return f"\n{motion.digest}\n{analysis}\n{float(tail)!r}{last_line}".encode()
+        return f"\n{motion_digest}\n{analysis}\n{float(tail)!r}{last_line}".encode()
 
     def finish(self, suffix: bytes) -> bytes:
         """Return the digest of the scene with this `suffix`, 32 bytes."""

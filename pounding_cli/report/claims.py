@@ -397,7 +397,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
     alone_failed: Any = np.isfinite(scenes["drift"]) & ~np.isfinite(scenes["drift0"])
     failed = (scenes["status"] != DONE) | alone_failed.any(("building", "storey"))
     is_void = failed.any(("case", "analysis", "record")).transpose(*axes).values
-    found = evaluated(_with_motions(scenes, data), axes, plan.study.model.claims)
+    found = evaluated(_with_motions(scenes, data), axes, plan.study.spec.claims)
     for key, mine in found.groupby("claim", sort=False):
         columns = {f"claim {key}": "verdict"}
         if (mine["measure"] != "").any():

@@ -201,10 +201,11 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
 def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
     """Buildings and motions, over the axes that change them."""
     study, storeys = plan.study, most_storeys(plan)
+    separations = study.separations()
 
     def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> dict[str, Array]:
         """What `value` says at every combination of the values of the axes that touch a section of the study."""
-        touched = [k for k, mine in enumerate(study.touches(section)) if mine]
+        touched = study.axes_changing(section)
         sizes = [len(plan.axes[k].values) for k in touched]
         each, found = [value(at) for at in points(plan, section)], {}
         for v in declared:
@@ -220,14 +221,12 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
         return {v.name: Array((*changing, *v.dims), found[v.name]) for v in declared}
 
     def group(point: Any) -> dict[str, Any]:
-        placed = study.group(point)
-        assert placed is not None  # the study was validated at every point
-        row = placed.buildings
+        row = study.group(point).buildings
         found: dict[str, Any] = {
             "period": [building.periods[0] for building in row],
             "base_shear_ratio": [building.base_shear_ratio for building in row],
             "slab": [building.slab for building in row],
-            "separation": study.separations(point),
+            "separation": separations.at(point),
         }
         for name in ("mass", "height", "stiffness", "yield_shear"):
             found[name] = np.full((len(row), storeys), np.nan)
@@ -237,7 +236,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
         return found
 
     def motions(point: Any) -> dict[str, Any]:
-        uses = [study.motions(point)[name].use for name in plan.records]
+        uses = [study.motion_uses(point)[name] for name in plan.records]
         return {v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in variables.RECORDS}
 
     return over("buildings", variables.BUILDINGS, group) | over("records", variables.RECORDS, motions)
@@ -255,7 +254,7 @@ def _is_constant(array: np.ndarray, axis: int) -> bool:
 def _study(plan: Plan) -> dict[str, Array]:
     """The study in texts."""
     study, match = plan.study, plan.study.spectrum_match()
-    resolved = json.dumps(study.resolved(), default=str, sort_keys=True)
+    resolved = json.dumps(study.to_plain_data(), default=str, sort_keys=True)
     texts = {
         "study_text": (study.text, "study as written"),
         "study_resolved": (resolved, "study with every default, SI; JSON"),

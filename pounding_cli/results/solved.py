@@ -9,7 +9,7 @@ import sys
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -117,15 +117,15 @@ def most_storeys(plan: Plan) -> int:
     """Storeys of the highest building at any point of the sweep."""
     return max(
         plan.study.building(point, place).storeys
-        for place, name in enumerate(plan.study.model.group)
-        for point in points(plan, ("buildings", name))
+        for place, name in enumerate(plan.study.spec.group)
+        for point in points(plan, "buildings", name)
     )
 
 
-def points(plan: Plan, subject: Any) -> np.ndindex:
-    """A point of the sweep for every combination of the values that change something (`Study.touches`)."""
-    touched = plan.study.touches(subject)
-    return np.ndindex(*(len(axis.values) if mine else 1 for axis, mine in zip(plan.axes, touched, strict=True)))
+def points(plan: Plan, *path: str) -> np.ndindex:
+    """Return a point of the sweep for every combination of the values that change a section of the study, or an entry."""
+    changing = plan.study.axes_changing(*path)
+    return np.ndindex(*(len(axis) if number in changing else 1 for number, axis in enumerate(plan.axes)))
 
 
 # What a solution depends on besides its scene

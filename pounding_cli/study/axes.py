@@ -16,7 +16,7 @@ from pounding_cli.study import schema
 from pounding_cli.study.file import Items, Map, Mark, Problems, get, nearest, with_value
 from pounding_cli.study.quantity import Quantity, format_location, lacks_unit, written_unit
 from pounding_cli.study.words import keys_at, quantity_at, value_at
-from pounding_cli.units import factor
+from pounding_cli.units import find_unit_factor
 
 MAX_POINTS, MAX_AXES, MAX_VALUES = 2_000_000, 20, 10_000
 _RANGE = ("from", "to", "count", "step", "spacing")
@@ -327,7 +327,7 @@ def unit_of(values: Sequence[Any], quantity: Quantity | None) -> Unit:
         return Unit()
     for value in values:
         try:
-            if (unit := written_unit(value)) and (one := factor(unit, quantity.si)) is not None:
+            if (unit := written_unit(value)) and (one := find_unit_factor(unit, quantity.si)) is not None:
                 return Unit(unit, one, quantity.si)
         except ValueError:
             continue

@@ -232,6 +232,9 @@ PERIOD_OF_BUILDING = Annotated[float, TIME.replace(name="period", high=60.0)]
 Masses = _one_or_each(MASS)
 
 
+Heights: Any = _one_or_each(LENGTH.replace(usual=PLAUSIBLE_RANGES["storey height"]))
+
+
 class StiffnessAtSpec(Model):
     """StoreyMultiple stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
 
@@ -286,9 +289,7 @@ class _BuildingSpec(Model):
     )
     period: PERIOD_OF_BUILDING | None = spec_field(None, "fundamental period of the fixed-base building [s]", "0.36 s")
     mass: Masses = spec_field("200 t", "floor mass [kg], one or a list")  # type: ignore[valid-type]
-    height: _one_or_each(LENGTH.replace(usual=PLAUSIBLE_RANGES["storey height"])) = spec_field(
-        "3 m", "storey height [m], one or a list"
-    )  # type: ignore[valid-type]
+    height: Heights = spec_field("3 m", "storey height [m], one or a list")
     taper: Annotated[float, Quantity("taper", "", "1/3", 0.0, 10.0, open_low=True)] = spec_field(
         "1/3", "top over bottom storey stiffness [-], linear in between"
     )

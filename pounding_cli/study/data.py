@@ -107,10 +107,10 @@ def links_between(
         check_meetings(group)
         names = Names((), tuple(types), len(buildings) - 1)
         element = check_impact_names(read_spec(tree, ("impact",)), names)
-        spec = check_case_names(read_spec(tree, ("cases", name)), name, names)
-        links = check_links(spec, name, complete_links(spec, name, element))
+        spec = check_case_names(name, read_spec(tree, ("cases", name)), names)
+        links = check_links(name, spec, complete_links(name, spec, element))
         laws = build_laws(links, element, {}, find_multiples(links, element, group))
-        return build_links(links, laws, find_floors(spec, name, group.meetings), group.meetings)
+        return build_links(links, laws, find_floors(name, spec, group.meetings), group.meetings)
 
 
 @contextmanager

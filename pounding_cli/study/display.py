@@ -99,7 +99,7 @@ def describe_study(study: Study) -> dict[str, Any]:
 def _describe_links(case: Any, name: str, impact: Any) -> list[dict[str, Any]]:
     """Return the links of a case as plain data."""
     links = []
-    for link in complete_links(case, name, impact):
+    for link in complete_links(name, case, impact):
         spec = link.spec
         place = {"link": link.title, "floors": spec.floors, "pair": spec.pair, "at": spec.at}
         law = link.law_class

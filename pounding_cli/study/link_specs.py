@@ -21,6 +21,7 @@ from pounding_cli.study.quantity import (
     Quantity,
     WholeNumber,
     parse_measured,
+    quote,
     refuse,
 )
 

@@ -65,21 +65,21 @@ class CompleteLink:
 # What a case says of its links
 
 
-def list_links(case: Any, name: str) -> list[tuple[LinkSpec, KeyPath]]:
+def list_links(name: str, case: Any) -> list[tuple[LinkSpec, KeyPath]]:
     """Return the links of a case as written, each with its path."""
     if isinstance(case, SeveralLinksSpec):
         return [(link, ("cases", name, "links", number)) for number, link in enumerate(case.links)]
     return [(case, ("cases", name))]
 
 
-def complete_links(case: Any, name: str, impact: Any) -> tuple[CompleteLink, ...]:
+def complete_links(name: str, case: Any, impact: Any) -> tuple[CompleteLink, ...]:
     """Return the links of a case with what the case and `impact` say of them.
 
     A link takes from its case what its law has, except for a stiffness, which does not say whose it is; a law of
     contact takes the rest from `impact`, others only losses and the tension cut.
     """
     shared = case if isinstance(case, SeveralLinksSpec) else None
-    return tuple(_complete_link(link, path, shared, name, impact) for link, path in list_links(case, name))
+    return tuple(_complete_link(link, path, shared, name, impact) for link, path in list_links(name, case))
 
 
 def _complete_link(link: LinkSpec, path: KeyPath, case: Any, name: str, impact: Any) -> CompleteLink:
@@ -111,7 +111,7 @@ def _keys_of_law(law_name: str) -> frozenset[str]:
     return frozenset() if law_name == NO_LINK else frozenset({"gap"})
 
 
-def check_links(case: Any, name: str, links: Sequence[CompleteLink]) -> Sequence[CompleteLink]:
+def check_links(name: str, case: Any, links: tuple[CompleteLink, ...]) -> tuple[CompleteLink, ...]:
     """Return the links of a case.
 
     Raises
@@ -208,7 +208,7 @@ class Names:
     pairs: int
 
 
-def check_case_names(case: Any, name: str, names: Names) -> Any:
+def check_case_names(name: str, case: Any, names: Names) -> Any:
     """Return a case.
 
     Raises
@@ -216,7 +216,7 @@ def check_case_names(case: Any, name: str, names: Names) -> Any:
     IssuesFound : one of its links is of a law, a pair or a building that the study does not have
     """
     issues: list[Issue] = []
-    for link, path in list_links(case, name):
+    for link, path in list_links(name, case):
         if link.link not in (*link_laws(), *names.laws, NO_LINK):
             issues.append(Issue((*path, "link"), *refuse_law(link.link, names.laws)))
         if names.pairs > 0 and (link.pair or 0) > names.pairs:
@@ -276,7 +276,7 @@ Floors = tuple[tuple[tuple[int, ...], ...], ...]
 """Floors of the left building that links join: of every pair of neighbours, of every link of the case."""
 
 
-def find_floors(case: Any, name: str, meetings: Sequence[Meeting]) -> Floors:
+def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
     """Return the floors that the links of a case join.
 
     Raises
@@ -284,7 +284,7 @@ def find_floors(case: Any, name: str, meetings: Sequence[Meeting]) -> Floors:
     IssuesFound : a link names a floor that does not meet one of the neighbour
     """
     issues: list[Issue] = []
-    links = list_links(case, name)
+    links = list_links(name, case)
     floors = []
     for number, meeting in enumerate(meetings, 1):
         members = [link for link, _ in links if link.pair in (None, number)]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.laws import link_laws
+from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN, FormulaError, WrittenLaw
-from pounding_cli.model.links import APART
 from pounding_cli.study.file import Map, Quoted, get, locate
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 from pounding_cli.study.link_specs import NO_LINK
@@ -57,7 +57,7 @@ def build_own_laws(specs: Mapping[str, Any], tree: Map) -> dict[str, OwnLaw]:
     laws: dict[str, OwnLaw] = {}
     for name, spec in specs.items():
         path: KeyPath = ("laws", name)
-        if name in (*link_laws(), NO_LINK, APART):
+        if name in (*link_laws(), NO_LINK, Apart.name):
             message = f"'{name}' is a law of this program"
             issues.append(Issue(path, message, "give yours another name", at_key=True))
             continue

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pounding_cli.model.links import APART, Link, LinkPlace, link_places
+from pounding_cli.model.links import Link, LinkPlace, link_places
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study import keep
 from pounding_cli.study.file import Problems
@@ -270,8 +270,6 @@ def _find_fact(name: str, place: int, link: Link) -> Any:
     """Return what the tables say of a link in a scene; place : its number there."""
     if name == "order":
         return place
-    if name == "gap":
-        return np.nan if link.kind == APART else link.gap
     return getattr(link, name)
 
 

@@ -187,15 +187,10 @@ class _Resolver:
         complete, link_laws, links = {}, {}, {}
         for name in self.entries("cases"):
             case = self.sweep_spec("cases", name)
-            sound_case = self.map(partial(check_case_names, name=name, names=names), case)
-            floors = self.map(partial(find_floors, name=name), case, meetings)
-            complete[name] = self.map(lambda case, impact, name=name: complete_links(case, name, impact), case, impact)
-            checked = self.map(
-                lambda case, _contact, links, name=name: check_links(case, name, links),
-                sound_case,
-                contact,
-                complete[name],
-            )
+            sound_case = self.map(partial(check_case_names, name, names=names), case)
+            floors = self.map(partial(find_floors, name), case, meetings)
+            complete[name] = self.map(partial(complete_links, name), case, impact)
+            checked = self.map(partial(_check_links, name), sound_case, complete[name], contact)
             multiples = self.map(find_multiples, checked, impact, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, contact, laws, multiples)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
@@ -233,3 +228,8 @@ class _Resolver:
             return build_own_laws(specs, tree)
 
         return sweep_part(self.tree, self.axes, ("laws",), read, self.issues)
+
+
+def _check_links(name: str, case: Any, links: tuple[CompleteLink, ...], _impact: Any) -> tuple[CompleteLink, ...]:
+    """Return the links of a case whose impact element is sound.  Raises IssuesFound."""
+    return check_links(name, case, links)

@@ -51,12 +51,16 @@ class HistoriesSpec(Model):
     )
 
 
+_Histories: Any = word_or(Literal["all"], HistoriesSpec)
+
+
 class KeepSpec(Model):
     """What is kept besides peaks."""
 
-    histories: word_or(Literal["all"], HistoriesSpec) = spec_field(
-        ..., "scenes kept over time, or `all`", {"cases": ["touching"]}
-    )  # type: ignore[valid-type]
+    histories: _Histories = spec_field(..., "scenes kept over time, or `all`", {"cases": ["touching"]})
+
+
+_Keep: Any = word_or(Literal["histories"], KeepSpec)
 
 
 _VALUE, _SPACING = {"type": ["number", "string"]}, {"enum": ["linear", "log"]}
@@ -118,9 +122,7 @@ class StudySpec(Model):
     )
     claims: Literal["fig6", "fig7"] | None = spec_field(None, "figure of the paper that this study reproduces")
     report: ReportSpec = spec_field(ReportSpec(), "first figure of the report")
-    keep: word_or(Literal["histories"], KeepSpec) | None = spec_field(
-        None, "histories to keep; `histories`: of all scenes"
-    )  # type: ignore[valid-type]
+    keep: _Keep | None = spec_field(None, "histories to keep; `histories`: of all scenes")
     sweep: Annotated[Any, WithJsonSchema(_SWEEP_FORM)] = spec_field(
         None,
         "axes: dotted keys with the values they take, a list, a range `{from: 1 cm, to: 5 cm, count: 5}`, or low, "

@@ -20,7 +20,7 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.study import keep, warnings
 from pounding_cli.study.axes import Axis, read_axes, with_middles
 from pounding_cli.study.buildings import find_separation
-from pounding_cli.study.display import find_unit
+from pounding_cli.study.display import describe_study, find_unit
 from pounding_cli.study.file import Map, Problems, nearest, read_study, refuse_other_kinds
 from pounding_cli.study.group import Group, unique_names
 from pounding_cli.study.issues import Issue, Issues, drop_idle_axes
@@ -146,6 +146,10 @@ class Study:
     def unit(self, quantity: str) -> Unit:
         """Return the unit the study writes a quantity in, to show it to people; one of DISPLAY_UNITS, e.g. gap."""
         return find_unit(self.units_from, quantity)
+
+    def to_plain_data(self) -> dict[str, Any]:
+        """Return the study as plain data: every default filled in, SI numbers, the sweep set aside."""
+        return describe_study(self)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
         """Return the motions against the target spectrum they are scaled to, at the first point; None without one."""

@@ -16,7 +16,7 @@ from pounding_cli.study.file import dump_yaml, get, nearest
 from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, SeveralLinks, link_models, union_tag
 from pounding_cli.study.links import refuse_beside_links, refuse_key
-from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser
+from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser, quote
 
 
 @functools.cache

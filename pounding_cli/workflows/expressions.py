@@ -11,7 +11,6 @@ import xarray as xr
 
 from pounding_cli.numbers import Unit
 from pounding_cli.study.axes import UNWRITTEN, Axis
-from pounding_cli.study.build import places
 from pounding_cli.study.expression import (
     FLOOR,
     LINK,
@@ -21,6 +20,7 @@ from pounding_cli.study.expression import (
     TableQuantity,
 )
 from pounding_cli.study.file import get
+from pounding_cli.study.group import unique_names
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import Factor
 from pounding_cli.variables import RATIOS, VARIABLES
@@ -118,7 +118,7 @@ def parse_all(
     read : `parse_expression` or `parse_statement`
     """
     study, found = asked.study, dict[str, Said]()
-    names = places(study.model.group)
+    names = unique_names(study.spec.group)
     storeys = [study.building((0,) * len(study.axes), place).storeys for place in range(len(names))]
     for number, text in enumerate(texts):
         try:
@@ -157,11 +157,11 @@ def study_at_points(study: Study, factors: Sequence[Factor], points: np.ndarray,
     members = [member for factor in factors for member in factor.members]
     given = key_values_at(factors, points)
     if and_written:
-        written = [get(study.root, *member.key.split(".")) for member in members]
+        written = [get(study.tree, *member.key.split(".")) for member in members]
         given.append(tuple(UNWRITTEN if value is None else value for value in written))
     marks = [tuple(member.mark for member in members)] * len(given)
     axis = Axis(tuple(member.key for member in members), given, marks, tuple(member.unit for member in members))
-    return Study(study.path, study.text, study.root, (*study.axes, axis), study.reader, written=study)
+    return study.with_axes((*study.axes, axis))
 
 
 def key_values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:

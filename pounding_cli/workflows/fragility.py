@@ -12,12 +12,12 @@ import pandas as pd
 
 from pounding_cli.model.links import LinkPlace, link_places
 from pounding_cli.numbers import Unit
-from pounding_cli.study import Plan, Study, expand
-from pounding_cli.study.build import places
+from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.expression import COLLAPSE, CONTACT, LIMITS_OF_PAIRS, SHEAR_DEMAND, Limit, Target
 from pounding_cli.study.file import nearest
+from pounding_cli.study.group import unique_names
 from pounding_cli.study.questions import FragilitySpec, Measure
-from pounding_cli.study.study import Point
+from pounding_cli.study.swept import Point
 from pounding_cli.workflows.curves import UNDECIDED, Fits, brackets, curve_of, draws_of, with_interval
 from pounding_cli.workflows.hazard import (
     INTENSITY_KEYS,
@@ -25,7 +25,7 @@ from pounding_cli.workflows.hazard import (
     Hazard,
     hazard_of,
     intensity_axis,
-    measured,
+    measure_motion,
     probability,
 )
 from pounding_cli.workflows.workflow import Found, Table, Workflow, columns_of, swept, tabled
@@ -126,7 +126,7 @@ class Fragility(Workflow):
         A wall stands in a row only where a limit on its movement names it.
         """
         study, path = self.study, ("limits", number)
-        group, names = study.model.group, places(study.model.group)
+        group, names = study.spec.group, unique_names(study.spec.group)
         if limit.quantity == CONTACT:
             return [Target(limit, left) for left in range(len(names) - 1)]
         first, wanted = (0,) * len(study.axes), limit.building
@@ -158,7 +158,7 @@ class Fragility(Workflow):
     @cached_property
     def plan(self) -> Plan:
         """The scenes of every motion at every intensity, of which `ida` solves some."""
-        return dataclasses.replace(expand(self.study), workflow="fragility")
+        return dataclasses.replace(make_plan(self.study), workflow="fragility")
 
     @property
     def expected_count(self) -> int:
@@ -199,11 +199,13 @@ class Fragility(Workflow):
         found = np.broadcast_to(self.levels, (len(self.points), len(plan.records), self.levels.size))
         if self.measure == Measure(self.swept):
             return found
-        keys = [study.key(point, ("records",)) for point in self.points]
+        keys = [tuple(point[axis] for axis in study.resolved.suite.axes) for point in self.points]
         for key, point in zip(keys, self.points, strict=True):
             if key not in known:
-                used = study.motions(point)
-                known[key] = [measured(used[name], self.measure) for name in plan.records]
+                uses = study.motion_uses(point)
+                known[key] = [
+                    measure_motion(uses[name], study.motion(point, name), self.measure) for name in plan.records
+                ]
         first = 1.0 if self.axis is None else float(plan.axes[self.axis].values[0][0])  # where they were measured
         return np.array([known[key] for key in keys])[..., None] * found / first
 
@@ -366,7 +368,7 @@ def _can_collapse(study: Study, target: Target, at: Point) -> bool:
 def _can_be_struck(study: Study, target: Target, at: Point) -> bool:
     """Whether a slab strikes columns of the building in any case."""
     yield_shear = study.building(at, target.building).yield_shear
-    links = (place for case in study.model.cases for place in link_places(study.links(at, case) or ()))
+    links = (place for case in study.spec.cases for place in link_places(study.links(at, case) or ()))
     return any(_takes_blow(target, place, yield_shear) for place in links)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -30,12 +30,13 @@ from pounding_cli.model.separation import (
 )
 from pounding_cli.model.wall import Wall
 from pounding_cli.results.solved import most_storeys
-from pounding_cli.study import Plan, Study, expand
+from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
-from pounding_cli.study.motions import Pga, Pgv, Sa
+from pounding_cli.study.group import Group
 from pounding_cli.study.questions import GapSpec, Measure
-from pounding_cli.study.study import Point
+from pounding_cli.study.records_spec import PgaSpec, PgvSpec, SaSpec
+from pounding_cli.study.swept import Point, Swept, sweep_map
 from pounding_cli.workflows.curves import FEWEST_TOLD, draws_of, with_interval
 from pounding_cli.workflows.hazard import (
     INTENSITY_KEYS,
@@ -75,6 +76,9 @@ _BETWEEN = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
 
 _ASIDE = (*_BETWEEN, "sweep", "keep", "report", "claims", "uncertain")
+
+CodeDisplacements = Mapping[str, Swept[dict[str, np.ndarray]]]
+"""Displacements that codes expect [m], by building type and rule."""
 """Sections without a meaning where the buildings stand alone."""
 
 _FACING = ("left", "right", "floor", "right_floor", "columns")
@@ -107,13 +111,13 @@ class Gap(Workflow):
         self.axis, self.levels, self.hazard = None, np.zeros(0), None
         if self.spec.rate is None:
             return
-        scale = study.model.records.scale
+        scale = study.spec.records.scale
         self.axis = intensity_axis(self, self.apart.axes)
         if self.axis is not None:
             axis = self.apart.axes[self.axis]
             measure, levels = Measure(INTENSITY_KEYS.get(axis.names[0], "pga")), [value for (value, *_) in axis.values]
-        elif isinstance(scale, Pga | Pgv | Sa):
-            name = type(scale).__name__.lower()
+        elif isinstance(scale, PgaSpec | PgvSpec | SaSpec):
+            name = type(scale).__name__.removesuffix("Spec").lower()
             measure, levels = Measure(name, getattr(scale, "period", 0.0)), [getattr(scale, name)]
         else:
             hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
@@ -124,7 +128,9 @@ class Gap(Workflow):
     @cached_property
     def plan(self) -> Plan:
         """The scenes of every motion and analysis, with nothing between the buildings."""
-        return dataclasses.replace(expand(self.apart, partial(_all_facing, self.apart)), workflow="gap")
+        resolved = self.apart.resolved
+        links = {Apart.name: sweep_map(_all_facing, resolved.group)}
+        return dataclasses.replace(make_plan(self.apart, dataclasses.replace(resolved, links=links)), workflow="gap")
 
     def run(self, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
@@ -135,7 +141,7 @@ class Gap(Workflow):
         distances = _separations(plan, _to_lines(plan, data))
         tables = [
             _required(plan, REQUIRED, separations, [*_FACING, "height"]),
-            _of_cases(plan, separations),
+            _of_cases(self.study, plan, separations),
             _required(plan, LINE, distances, ["building", "side", "floor", "height"]),
         ]
         if self.hazard is not None:
@@ -183,9 +189,15 @@ def _between_floors(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules
         _by_point(plan, data, name) for name in ("max_closing", "error_estimate", "displacement", "sway")
     )
     moves = np.concatenate([bases[..., None], moves], axis=-1)
+    displacements = _code_displacements(plan)
     for point, at in enumerate(_points(plan)):
         group = [study.building(at, each) for each in range(len(plan.buildings))]
-        codes, closing, error, moved = _codes(plan, at), closings[point], errors[point], moves[point].copy()
+        codes, closing, error, moved = (
+            _codes(plan, at, displacements),
+            closings[point],
+            errors[point],
+            moves[point].copy(),
+        )
         for each in (moved, *codes.values()):
             each[..., [isinstance(building, Wall) for building in group], :] = 0.0
         worst = np.nanmax(closing, axis=-1, initial=0.0)
@@ -204,7 +216,7 @@ def _between_floors(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules
                 "SRSS": (root_of_squares(a, b), reach),
                 "DDC": (double_difference(a, b, _correlation(one, other)), reach),
             }
-            if (asked := study.model.gap.gb50011) is not None:
+            if (asked := study.spec.gap.gb50011) is not None:
                 height = min(one.elevation[-1], other.elevation[-1])
                 rules[GB50011] = gb50011_width(height, asked.intensity, asked.structure), 0.0
             if floor > 0:  # codes do not tell how far a base moves
@@ -236,8 +248,9 @@ def _to_lines(plan: Plan, data: xr.Dataset) -> Iterator[tuple[Where, Rules]]:
         for name in ("error_estimate", "displacement", "displacement_min", "displacement_max")
     )
     worst = errors[..., None] * np.nanmax(whole, axis=-1, initial=0.0)
+    displacements = _code_displacements(plan)
     for point, at in enumerate(_points(plan)):
-        codes = _codes(plan, at)
+        codes = _codes(plan, at, displacements)
         for number, name in enumerate(plan.buildings):
             building = plan.study.building(at, number)
             for floor in range(1, building.storeys + 1) if not isinstance(building, Wall) else ():
@@ -257,13 +270,19 @@ def _by_point(plan: Plan, data: xr.Dataset, name: str) -> np.ndarray:
     return data[name].values.reshape(-1, *data[name].shape[len(plan.axes) + 1 :])
 
 
-def _codes(plan: Plan, at: Point) -> dict[str, np.ndarray]:
+def _code_displacements(plan: Plan) -> CodeDisplacements:
+    """Return the displacements of all building types that codes expect."""
+    resolved = plan.study.resolved
+    return {name: resolved.displacements(name) for name in plan.study.spec.group}
+
+
+def _codes(plan: Plan, at: Point, displacements: CodeDisplacements) -> dict[str, np.ndarray]:
     """Displacements that codes expect [m], by rule, shape (buildings, 1 + floors), 0 of the base; NaN where a building
     lacks what the rule needs."""
-    study, storeys = plan.study, most_storeys(plan)
+    storeys = most_storeys(plan)
     found = {rule: np.full((len(plan.buildings), 1 + storeys), np.nan) for rule in (UBC, ASCE7, EN1998)}
-    for place, name in enumerate(study.model.group):
-        for rule, moved in study.code_displacements(at, name).items():
+    for place, name in enumerate(plan.study.spec.group):
+        for rule, moved in displacements[name].at(at).items():
             found[rule][place, : 1 + len(moved)] = 0.0, *moved
     return found
 
@@ -284,7 +303,7 @@ def _same_floors(left: Building, right: Building) -> bool:
 
 def _edition(plan: Plan) -> str:
     """The edition of the UBC that set the yield shears; "UBC" where there are several."""
-    specs = (plan.study.model.buildings[name].yield_ for name in plan.study.model.group)
+    specs = (plan.study.spec.buildings[name].yield_ for name in plan.study.spec.group)
     editions = {getattr(spec, "code", UBC) for spec in specs}
     return editions.pop() if len(editions) == 1 else UBC
 
@@ -356,7 +375,7 @@ def _factors(motions: int, probability: float) -> tuple[float, float, float]:
 
 def _required(plan: Plan, name: str, separations: pd.DataFrame, where: list[str]) -> Table:
     """Statistics of what is required: a row for every point, analysis, place and rule that says something there."""
-    wanted, keys = plan.study.model.gap, ["point", "analysis", "row", "rule"]
+    wanted, keys = plan.study.spec.gap, ["point", "analysis", "row", "rule"]
     rows = statistics(separations, keys, wanted.percentiles, wanted.contact)
     rule = rows.index.get_level_values("rule")
     exact = rows["mean"].where(rule == EXACT).groupby(level=keys[:3], observed=True).transform("first")
@@ -388,13 +407,13 @@ def _told(
 # The gaps of the cases
 
 
-def _of_cases(plan: Plan, separations: pd.DataFrame) -> Table:
+def _of_cases(study: Study, plan: Plan, separations: pd.DataFrame) -> Table:
     """Whether the gaps of the cases are enough: a row for every point, case, analysis, pair of neighbours and rule.
 
     A gap is enough where it is no narrower than what is required and its numerical error, at all floors of the pair.
     """
     pair, chosen, told = ["point", "given", "number", "analysis", "rule"], list[int](), list[tuple[Any, ...]]()
-    rows = separations.merge(_gaps(plan).astype({"point": int, "place": int}), on=["point", "place"])
+    rows = separations.merge(_gaps(study, plan).astype({"point": int, "place": int}), on=["point", "place"])
     columns = {name: rows[name].to_numpy() for name in ("motion", "value", "error", "gap")}
     is_counted = rows["rule"].isin(OF_MOTIONS).to_numpy()
     for at in rows.groupby(pair, observed=True).indices.values():
@@ -415,15 +434,13 @@ def _of_cases(plan: Plan, separations: pd.DataFrame) -> Table:
     return _told(plan, CASES, rows.iloc[chosen].join(found).sort_values(pair, ignore_index=True), wanted)
 
 
-def _gaps(plan: Plan) -> pd.DataFrame:
+def _gaps(study: Study, plan: Plan) -> pd.DataFrame:
     """The gaps of the cases [m] at the places of the plan: at each of its points every set of gaps that the sweep of
     the study gives a case (`given`, by number).
 
     Left out are cases in which something acts between the buildings before a gap has closed, so that they do not move
     alone, and those without links.
     """
-    study = plan.study.written
-    assert study is not None
     axes = [_kept(axis) for axis in study.axes]
     numbers: dict[LinkPlace, int] = {}
     for number, link_place in enumerate(plan.links.places):
@@ -432,8 +449,8 @@ def _gaps(plan: Plan) -> pd.DataFrame:
     for whole in np.ndindex(*(len(axis) for axis in study.axes)):
         at = [each[1].index(each[2][place]) for each, place in zip(axes, whole, strict=True) if each[0]]
         point = int(np.ravel_multi_index(at, plan.shape[:-3])) if at else 0
-        for place, case in enumerate(study.model.cases):
-            links = study.links(whole, case) or ()
+        for place, case in enumerate(study.spec.cases):
+            links = study.links(whole, case)
             if links and all(link.law.subtracts_gap for link in links):
                 gaps: dict[int, float] = {}
                 for link in links:
@@ -460,7 +477,7 @@ def _kept(axis: Axis) -> tuple[list[int], list[tuple[str, ...]], list[tuple[str,
 
 def _with_nothing_between(study: Study) -> Study:
     """The study with one case, in which nothing stands between the buildings, and without the axes of links."""
-    root, mark = study.root, study.root.mark
+    root, mark = study.tree, study.tree.mark
     tree = Map({name: node for name, node in root.items() if name not in _ASIDE}, mark, root.marks)
     tree["cases"] = Map(
         {Apart.name: Map({"link": "none"}, mark, {"link": (mark, mark)})}, mark, {Apart.name: (mark, mark)}
@@ -475,15 +492,13 @@ def _with_nothing_between(study: Study) -> Study:
             )
             units = tuple(axis.units[n] for n in kept)
             axes.append(Axis(tuple(axis.names[n] for n in kept), given, marks, units))
-    return Study(study.path, study.text, tree, axes, study.reader, written=study)
+    return study.with_axes(axes, tree)
 
 
-def _all_facing(apart: Study, point: Point, case: str) -> tuple[Link, ...]:
+def _all_facing(group: Group) -> tuple[Link, ...]:
     """Every pair of floors, and of slabs and columns, that face each other, with nothing between them."""
-    row = apart.group(point)
-    assert row is not None  # the study was validated at every point
     links: list[Link] = []
-    for left, pair in enumerate(pairwise(row.buildings)):
+    for left, pair in enumerate(pairwise(group.buildings)):
         floors, strikes = find_meetings(*pair)  # slabs beside columns too, whether or not their share is known
         links += [Link.apart(left, *both) for both in floors]
         links += [Link.apart(left, s.left_floor, s.right_floor, s.left_at, s.right_at) for s in strikes]

@@ -31,9 +31,10 @@ from scipy.special import log_ndtr, ndtr
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.records import Motion
 from pounding_cli.records.hazard import intensity_factor, read_hazard
 from pounding_cli.study.axes import Axis
-from pounding_cli.study.motions import Used
+from pounding_cli.study.motions import MotionUse
 from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.questions import HazardFile, Measure, PowerHazard
 from pounding_cli.workflows.workflow import Workflow
@@ -151,7 +152,7 @@ def intensity_axis(asked: Workflow, axes: Sequence[Axis], least: int = 1) -> int
 
     least : intensities that are needed
     """
-    root, problems = asked.study.root, asked.problems
+    root, problems = asked.study.tree, asked.problems
     for number, axis in enumerate(axes):
         if INTENSITY_KEYS.keys().isdisjoint(axis.names):
             continue
@@ -166,16 +167,16 @@ def intensity_axis(asked: Workflow, axes: Sequence[Axis], least: int = 1) -> int
     return None
 
 
-def measured(used: Used, measure: Measure) -> float:
-    """The intensity of a motion as used [SI]."""
+def measure_motion(use: MotionUse, motion: Motion, measure: Measure) -> float:
+    """Return the intensity of a motion as used [SI]."""
     match measure.name:
         case "factor":
-            return used.use.scale
+            return use.scale
         case "pga":
-            return used.motion.pga
+            return use.pga
         case "pgv":
-            return records.pgv(used.motion)
-    return float(records.spectrum(used.motion, (measure.period,))[0])
+            return records.pgv(motion)
+    return float(records.spectrum(motion, (measure.period,))[0])
 
 
 def hazard_of(asked: Workflow, measure: Measure) -> Hazard | None:

@@ -14,7 +14,7 @@ import pandas as pd
 from pounding_cli.results.dataset import contents
 from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
-from pounding_cli.study import Plan, Study, expand
+from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.expression import parse_expression
 from pounding_cli.study.file import get, nearest
@@ -71,20 +71,20 @@ class Optimise(Workflow):
 
     def __init__(self, study: Study) -> None:
         super().__init__(study)
-        spec, problems, root = self.spec, self.problems, study.root
+        spec, problems, root = self.spec, self.problems, study.tree
         self.sign = -1 if spec.least is None and spec.most is not None else 1
         texts = [text for text in (spec.least, spec.most) if text is not None]
         key = "least" if self.sign > 0 else "most"
         expressions = parse_all(parse_expression, self, key, texts)
         if not texts:
-            hint = f"write e.g. `optimise: {{least: largest V_ratio in {study.model.group[0]}}}`"
+            hint = f"write e.g. `optimise: {{least: largest V_ratio in {study.spec.group[0]}}}`"
             self.wrong((), "`optimise:` lacks 'least' or 'most'", hint, key=True)
         self.factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
         if not self.factors and not problems.found:
             hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
             self.wrong((), "no key is given to vary", hint, key=True)
-        self.case = self._one("case", "cases", spec.case, list(study.model.cases))
-        self.analysis = self._one("analysis", "analyses", spec.analysis, list(study.model.analyses))
+        self.case = self._one("case", "cases", spec.case, list(study.spec.cases))
+        self.analysis = self._one("analysis", "analyses", spec.analysis, list(study.spec.analyses))
         self.refuse_histories("the points of a search")
         problems.check()
         self.expression = expressions[0]
@@ -115,9 +115,9 @@ class Optimise(Workflow):
     def plan_of(self, points: Sequence[Point]) -> Plan:
         """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
         stands for it.  Raises InputError: the study is not sound at one of them."""
-        plan = expand(
+        plan = make_plan(
             study_at_points(self.study, self.factors, np.array(points), and_written=self.written is None),
-            asks=lambda _point, case, analysis, _record: (case, analysis) == (self.case, self.analysis),
+            row_filter=lambda _point, case, analysis, _record: (case, analysis) == (self.case, self.analysis),
         )
         return dataclasses.replace(plan, workflow="optimise", harder=True)
 

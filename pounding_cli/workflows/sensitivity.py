@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pounding_cli.study import Plan, Study, expand
+from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
 from pounding_cli.study.questions import SensitivitySpec
 from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
@@ -98,9 +98,9 @@ class Sensitivity(Workflow):
 
     def __init__(self, study: Study, judge: Judge | None = None) -> None:
         super().__init__(study)
-        spec, problems, root = self.spec, self.problems, study.root
+        spec, problems, root = self.spec, self.problems, study.tree
         factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
-        self.judge, self.motions = judge, tuple(study.motions(study.base))
+        self.judge, self.motions = judge, tuple(study.motion_uses(study.first_point))
         self.sets: np.ndarray | None = None
         if len(factors) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
@@ -118,7 +118,7 @@ class Sensitivity(Workflow):
                 factors[number] = dataclasses.replace(factor, options=len(self.sets))
         self.factors = tuple(factors)
         self.refuse_histories("samples")
-        if spec.claims and study.model.claims is None:
+        if spec.claims and study.spec.claims is None:
             hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
             self.wrong(("claims",), "the study names no figure whose claims could be judged", hint, key=True)
         if not (spec.outputs or spec.probabilities or spec.claims):
@@ -204,7 +204,7 @@ class Sensitivity(Workflow):
         if self.drawn is not None:
             wanted = {(at, self.motions[n]) for at, n in np.broadcast(place[:, None], self.drawn)}
             asks = lambda point, _case, _analysis, name: (point[-1], name) in wanted  # noqa: E731
-        return dataclasses.replace(expand(sampled, asks=asks), workflow="sensitivity", harder=True)
+        return dataclasses.replace(make_plan(sampled, row_filter=asks), workflow="sensitivity", harder=True)
 
     def run(self, solver: Solver) -> Found:
         """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the

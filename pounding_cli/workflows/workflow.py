@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import Unit
 from pounding_cli.results.tables import ANSWERS, Column, Table
-from pounding_cli.study.file import Problems, Steps
+from pounding_cli.study.file import Problems
+from pounding_cli.study.issues import KeyPath
 from pounding_cli.variables import COORDINATE_VARIABLES
 
 if TYPE_CHECKING:
@@ -73,11 +74,11 @@ class Workflow(ABC):
 
     def __init__(self, study: Study) -> None:
         self.study, self.problems = study, Problems(study.file)
-        self.spec = getattr(study.model, self.name, None)
+        self.spec = getattr(study.spec, self.name, None)
 
-    def wrong(self, path: Steps, message: str, hint: str, key: bool = False) -> None:
+    def wrong(self, path: KeyPath, message: str, hint: str, key: bool = False) -> None:
         """Note what is wrong at a place of the section, or with the key of that place."""
-        self.problems.at(self.study.root, (self.name, *path), message, hint, key)
+        self.problems.at(self.study.tree, (self.name, *path), message, hint, key)
 
     def is_wall(self, place: int) -> bool:
         """Return whether a wall stands at a place of the group, from 0."""
@@ -91,9 +92,9 @@ class Workflow(ABC):
 
     def refuse_histories(self, of: str) -> None:
         """Note that histories are asked for of scenes that nobody knows beforehand."""
-        if self.study.model.keep is not None:
+        if self.study.spec.keep is not None:
             hint = "remove `keep:`; `pound run` keeps those of chosen points"
-            self.problems.at(self.study.root, ("keep",), f"histories cannot be kept of {of}", hint, key=True)
+            self.problems.at(self.study.tree, ("keep",), f"histories cannot be kept of {of}", hint, key=True)
 
     @property
     @abstractmethod
@@ -124,9 +125,9 @@ class Run(Workflow):
     @cached_property
     def plan(self) -> Plan:
         """All scenes."""
-        from pounding_cli.study import expand
+        from pounding_cli.study import make_plan
 
-        return expand(self.study)
+        return make_plan(self.study)
 
     def run(self, solver: Solver) -> Found:
         """What all scenes did."""

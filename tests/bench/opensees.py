@@ -22,7 +22,7 @@ from pounding_cli.report.accuracy import LOOKS, LOWEST
 from pounding_cli.report.style import Look, new_figure, save, styled
 from pounding_cli.solver.solve import solve
 from pounding_cli.solver.work_precision import measure
-from pounding_cli.study import expand
+from pounding_cli.study import make_plan
 from tests.bench.pages import FIGURES, ROOT, format_error, format_time, table
 
 STUDY: Mapping[str, Any] = MappingProxyType({
@@ -112,7 +112,7 @@ def find_error(shears: np.ndarray, reference: np.ndarray) -> float:
 
 def find_scene(analysis: str) -> Scene:
     """Return the scene of the page's study, elastic or inelastic."""
-    plan = expand(load_study(dict(STUDY)))
+    plan = make_plan(load_study(dict(STUDY)))
     rows = [plan.row(number) for number in range(len(plan.cases) * len(plan.analyses))]
     return next(plan.scene(row.scene) for row in rows if row.analysis == analysis)
 

@@ -19,7 +19,7 @@ from pounding_cli.batch import forecast
 from pounding_cli.batch.cache import Cache
 from pounding_cli.cli.main import cli
 from pounding_cli.solver import kernels
-from pounding_cli.study import expand
+from pounding_cli.study import make_plan
 
 from .conftest import TWO
 
@@ -123,7 +123,7 @@ def test_times_are_by_rates_of_earlier_runs(folder, pound, monkeypatch, tmp_path
     pound("run", "two.yaml", "-o", "again.h5")
     rates = kernels.read_rates()
     assert set(rates) == {"the solver, taylor, linked", "the solver, taylor, alone"}
-    plan = expand(load_study(Path("two.yaml")))
+    plan = make_plan(load_study(Path("two.yaml")))
     every = np.arange(len(plan))
     kinds, work = forecast.kinds_and_work(plan)
     seconds = np.array([open_results("again.h5").attrs["solver_seconds"]])

@@ -23,7 +23,7 @@ from pounding_cli.model.effects import DroppedEffect, effects_of, summarize_effe
 from pounding_cli.model.links import Link, link_places
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.assemble import layout_of
-from pounding_cli.study import expand, study_of
+from pounding_cli.study import make_plan, study_of
 
 STIFF, SOFT = (pound.building(name, storeys=n, period=t) for name, n, t in (("stiff", 2, 0.2), ("soft", 3, 0.5)))
 TIME = np.arange(0.0, 2.0, 0.02)
@@ -150,7 +150,7 @@ def test_workers_are_taken_after_a_round_of_few_scenes(tmp_path, monkeypatch):
         "sweep": {"cases.near.gap": [f"{gap} mm" for gap in range(8)]},
     }
     monkeypatch.setattr(batch, "WORTH_WORKERS", 10 * batch.BESIDE)
-    plan = expand(study_of(study))
+    plan = make_plan(study_of(study))
     with contextlib.closing(Cache(tmp_path / "cache")) as cache:
         asked = batch.Solver(cache, pool("threads", 2), Progress())
         with contextlib.closing(asked):

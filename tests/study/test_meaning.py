@@ -16,7 +16,7 @@ from scipy.signal import lsim
 
 import pounding_cli as pound
 from pounding_cli.workflows.sensitivity import Sensitivity
-from tests.adapter import expand, study_of
+from tests.adapter import study_of
 
 G = 9.80665
 STUDY = yaml.safe_load("""
@@ -496,7 +496,7 @@ def test_a_large_sweep_builds_every_building_once(monkeypatch):
     study = {"records": {"use": ["elcentro"], "duration": "1 s"}, "buildings": buildings, "group": ["a", "b"]}
     study |= {"cases": {"gap": {"link": "pounding", "gap": "1 cm"}}, "analyses": ["elastic"]}
     study["sweep"] = {f"buildings.{name}.period": periods for name in "ab"}
-    assert len(expand(study_of(study))) == 145 * 145 + 145
+    assert len(make_plan(study_of(study))) == 145 * 145 + 145
     assert len(built) <= 2 * 145 + 4
 
 
@@ -518,7 +518,7 @@ def test_the_damping_of_a_connector_stands_in_the_study():
     study["buildings"] = {name: {"storeys": 1, "period": period, "height": 3.0} for name, period in periods.items()}
     study["cases"] = {"joined": {"link": "connector", "gap": "5 cm"}}
     resolved = study_of(study).resolved()["cases"]["joined"]["links"][0]
-    (link,) = expand(study_of(study)).build(0).links
+    (link,) = make_plan(study_of(study)).build(0).links
     assert resolved["damping_ratio"] == link.law.damping_ratio == pytest.approx(0.1359, rel=1e-3)
 
 
@@ -540,11 +540,11 @@ UNCERTAIN = {
 )
 def test_residual_drifts_are_found_where_they_are_asked_for(more: dict, is_asked: bool) -> None:
     """Fails if scenes with and without them share a digest, or if a limit on them is answered without them."""
-    plan = expand(study_of(study(**more)))
+    plan = make_plan(study_of(study(**more)))
     scenes = list(plan.scenes(np.arange(len(plan))))
     assert {scene.residual_drift for scene in scenes} == {is_asked}
     assert [scene.digest for scene in scenes] == [digest.tobytes().hex() for digest in plan.digests]
-    without = expand(study_of(study()))
+    without = make_plan(study_of(study()))
     assert (plan.digests != without.digests).any() == is_asked
     both = study(**more, analyses=["elastic", "inelastic"])
     storeys = pound.run(both, Path(tempfile.mkdtemp()) / "r.h5", engine="serial").storey()
