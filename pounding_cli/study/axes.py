@@ -208,6 +208,10 @@ def _refuse_step(
         return message, hint
     if step in known:
         return message, f"give '{before}' as a mapping with '{step}' in it"
+    if path[0] == "cases" and path[2:3] == ["links"] and above is None:
+        without = ".".join((*path[:2], *path[4:]))
+        if can_vary(without, root.mark, root, Problems(""), model=model):
+            return message, f"this case has one link: write `{without}`"
     if above is not None and not isinstance(above, dict | list):
         owner = (
             f" of {path[0].removesuffix('s')} '{path[1]}'" if place > 2 and path[0] in ("buildings", "cases") else ""

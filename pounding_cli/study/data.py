@@ -109,8 +109,9 @@ def links_between(
         element = check_impact_names(read_spec(tree, ("impact",)), names)
         spec = check_case_names(name, read_spec(tree, ("cases", name)), names)
         links = check_links(name, spec, complete_links(name, spec, element))
-        laws = build_laws(links, element, {}, find_multiples(links, element, group))
-        return build_links(links, laws, find_floors(name, spec, group.meetings), group.meetings)
+        floors = find_floors(name, spec, group.meetings)
+        laws = build_laws(links, element, {}, find_multiples(links, element, group), floors)
+        return build_links(links, laws, floors, group.meetings)
 
 
 @contextmanager

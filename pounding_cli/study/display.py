@@ -14,7 +14,7 @@ from pounding_cli.study.buildings import build_building, find_code_displacements
 from pounding_cli.study.file import get
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.issues import IssuesFound
-from pounding_cli.study.link_specs import LOSSES, link_keys
+from pounding_cli.study.link_specs import LOSSES, link_keys, needs_key, own_parameters
 from pounding_cli.study.links import complete_links, find_losses
 from pounding_cli.study.quantity import MeasuredValue, Quantity, StoreyMultiple, written_unit
 from pounding_cli.units import GRAVITY
@@ -107,11 +107,23 @@ def _describe_links(case: Any, name: str, impact: Any) -> list[dict[str, Any]]:
         if law is not None:
             losses = find_losses(values, law)
             keys = link_keys(law)
-            defaults = {key: field.default for key, field in type(spec).model_fields.items() if key in keys}
-            values = {**defaults, **values, **{key: losses[key] for key in LOSSES if key in keys and key in losses}}
-        plain = to_plain_data(place | values)
-        links.append({key: value for key, value in plain.items() if value is not None})
+            values = {
+                **_list_defaults(law),
+                **values,
+                **{key: losses[key] for key in LOSSES if key in keys and key in losses},
+            }
+        links.append(to_plain_data(place | values))
     return links
+
+
+def _list_defaults(law: Any) -> dict[str, Any]:
+    """Return the keys of a law with their defaults; None for those without one."""
+    defaults: dict[str, Any] = dict.fromkeys(sorted(link_keys(law)))
+    for key in own_parameters(law):
+        if not needs_key(law, key):
+            default = law.parameters()[key].default
+            defaults[key] = str(default) if isinstance(default, str) else default
+    return defaults
 
 
 def _describe_building(building: Any) -> dict[str, Any]:

@@ -36,6 +36,9 @@ LOSSES = ("damping_ratio", "restitution")
 SHARED = ("gap", "stiffness", *LOSSES, "tension_cut")
 """Keys that several laws take."""
 
+MAX_PAIR = 19
+"""Largest number of a pair of neighbours."""
+
 PLACES = ("link", "floors", "pair", "at")
 """Keys that say which link it is and where it stands."""
 
@@ -185,7 +188,7 @@ class LinkSpec(Model):
         "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
         "link of the pair lists; `base`: the moving base of a building beside a wall",
     )
-    pair: Annotated[int, WholeNumber(1, 19)] | None = spec_field(
+    pair: Annotated[int, WholeNumber(1, MAX_PAIR)] | None = spec_field(
         None, "number of the pair of neighbours, from the left; default: every pair"
     )
     at: Literal["columns"] | None = spec_field(

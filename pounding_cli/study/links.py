@@ -170,8 +170,9 @@ def _find_idle_keys(link: CompleteLink) -> list[Issue]:
     law = link.law_class
     keys = _keys_of_law(link.law)
     issues = []
+    ordered = [key for key in type(link.spec).model_fields if key in keys]
     for key in link.spec.model_fields_set - {*PLACES} - keys:
-        issues.append(Issue((*link.path, key), *refuse_key(key, link.title, sorted(keys)), at_key=True))
+        issues.append(Issue((*link.path, key), *refuse_key(key, link.title, ordered), at_key=True))
     ratio = link.values.get("damping_ratio")
     if law is not None and ratio is not None and {*LOSSES} & law.parameters().keys() == {"restitution"}:
         message = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
@@ -208,6 +209,16 @@ class Names:
     pairs: int
 
 
+@dataclass(frozen=True)
+class NamedInLink:
+    """What a link names: its law, the number of a pair (0 for every pair), and its stiffness; None where it is unknown."""
+
+    path: KeyPath
+    law: str | None
+    pair: int
+    stiffness: Any
+
+
 def check_case_names(name: str, case: Any, names: Names) -> Any:
     """Return a case.
 
@@ -217,24 +228,37 @@ def check_case_names(name: str, case: Any, names: Names) -> Any:
     """
     issues: list[Issue] = []
     for link, path in list_links(name, case):
-        if link.link not in (*link_laws(), *names.laws, NO_LINK):
-            issues.append(Issue((*path, "link"), *refuse_law(link.link, names.laws)))
-        if names.pairs > 0 and (link.pair or 0) > names.pairs:
-            issues.append(Issue((*path, "pair"), *refuse_pair(link.pair or 0, names.pairs)))
-        issues += _find_unknown_building(getattr(link, "stiffness", None), (*path, "stiffness"), names)
+        named = NamedInLink(path, link.link, link.pair or 0, getattr(link, "stiffness", None))
+        issues += find_link_name_issues(named, names)
     if issues:
         raise IssuesFound(issues)
     return case
 
 
+def find_link_name_issues(link: NamedInLink, names: Names) -> list[Issue]:
+    """Return an issue for every law, pair and building that a link names and the study does not have."""
+    issues: list[Issue] = []
+    if link.law is not None and link.law not in (*link_laws(), *names.laws, NO_LINK):
+        issues.append(Issue((*link.path, "link"), *refuse_law(link.law, names.laws)))
+    if 0 < names.pairs < link.pair:
+        issues.append(Issue((*link.path, "pair"), *refuse_pair(link.pair, names.pairs)))
+    return issues + _find_unknown_building(link.stiffness, (*link.path, "stiffness"), names)
+
+
 def check_impact_names(impact: Any, names: Names) -> Any:
     """Return the impact element.  Raises IssuesFound: it names a law or a building that the study does not have."""
-    issues = _find_unknown_building(impact.stiffness, ("impact", "stiffness"), names)
-    if impact.law not in (*contact_laws(), *names.laws):
-        issues.append(Issue(("impact", "law"), *refuse_contact(impact.law, names.laws)))
+    issues = find_impact_name_issues(impact.law, impact.stiffness, names)
     if issues:
         raise IssuesFound(issues)
     return impact
+
+
+def find_impact_name_issues(law: str | None, stiffness: Any, names: Names) -> list[Issue]:
+    """Return an issue for every law and building that the impact element names and the study does not have."""
+    issues = _find_unknown_building(stiffness, ("impact", "stiffness"), names)
+    if law is not None and law not in (*contact_laws(), *names.laws):
+        issues.append(Issue(("impact", "law"), *refuse_contact(law, names.laws)))
+    return issues
 
 
 def _find_unknown_building(stiffness: Any, path: KeyPath, names: Names) -> list[Issue]:
@@ -361,8 +385,9 @@ def build_laws(
     impact: Any,
     laws: Mapping[str, OwnLaw],
     multiples: Sequence[tuple[StoreyMultiple, float]],
+    floors: Floors,
 ) -> tuple[LinkLaw | None, ...]:
-    """Return the law of every link of a case; None of no link.
+    """Return the law of every link of a case; None of no link, and of one that joins nothing.
 
     Raises
     ------
@@ -370,10 +395,12 @@ def build_laws(
     """
     issues = Issues()
     built = []
-    for link in links:
+    for number, link in enumerate(links):
         law = None
+        is_at_columns = link.spec.at is not None or link.law_class is Pounding
         try:
-            law = _build_law(link, impact, laws, dict(multiples))
+            if is_at_columns or any(of_pair[number] for of_pair in floors):
+                law = _build_law(link, impact, laws, dict(multiples))
         except IssuesFound as refused:
             issues.add_written(refused.issues)
         except ValueError as error:
@@ -456,7 +483,7 @@ def _build_column_links(
     """Return the links of slabs that strike columns: those that say so, else those that list no floors."""
     speaking = [number for number in members if links[number].spec.at is not None]
     speaking = speaking or [number for number in members if not isinstance(links[number].spec.floors, tuple)]
-    speaking = [number for number in speaking if laws[number] is not None]
+    speaking = [number for number in speaking if links[number].law != NO_LINK]
     if not meeting.strikes or not speaking:
         return []
     number = speaking[0] if len(speaking) == 1 else speaking[1]

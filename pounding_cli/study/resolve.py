@@ -20,7 +20,6 @@ from pounding_cli.study.issues import Issues, IssuesFound, KeyPath
 from pounding_cli.study.like import inherits_key
 from pounding_cli.study.links import (
     CompleteLink,
-    Names,
     build_laws,
     build_links,
     check_case_names,
@@ -34,7 +33,7 @@ from pounding_cli.study.links import (
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
 from pounding_cli.study.swept import Point, Swept, build_array, build_constant, sweep_map
-from pounding_cli.study.written import read_spec
+from pounding_cli.study.written import find_names, read_spec
 
 T = TypeVar("T")
 Specs = Mapping[KeyPath, Any]
@@ -178,7 +177,7 @@ class _Resolver:
         building_specs = {name: self.sweep_spec("buildings", name) for name in self.entries("buildings")}
         types = {name: self.map(partial(build_building, name), spec) for name, spec in building_specs.items()}
         group = self.build_group(types)
-        names = self.find_names()
+        names = find_names(self.tree, self.specs)
         impact = self.sweep_spec("impact")
         sound_impact = self.map(partial(check_impact_names, names=names), impact)
         laws = self.build_own_laws()
@@ -192,7 +191,7 @@ class _Resolver:
             complete[name] = self.map(partial(complete_links, name), case, impact)
             checked = self.map(partial(_check_links, name), sound_case, complete[name], contact)
             multiples = self.map(find_multiples, checked, impact, group).merge_equal()
-            link_laws[name] = self.map(build_laws, checked, contact, laws, multiples)
+            link_laws[name] = self.map(build_laws, checked, contact, laws, multiples, floors)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
@@ -209,13 +208,6 @@ class _Resolver:
             return build_group(names, dict(zip(types, buildings, strict=True)))
 
         return self.map(build, sound, *types.values())
-
-    def find_names(self) -> Names:
-        """Return the names of laws and buildings of the study, whether or not they are sound."""
-        sections = (self.tree.get("laws"), self.tree.get("buildings"))
-        laws, buildings = (tuple(section) if isinstance(section, Map) else () for section in sections)
-        group = self.specs.get(("group",))
-        return Names(laws, buildings, 0 if group is None else len(group) - 1)
 
     def build_own_laws(self) -> Swept[Any]:
         """Return the laws of the study's own."""

@@ -29,7 +29,7 @@ from pounding_cli.study.motions import MotionReader, MotionUse
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
 from pounding_cli.study.swept import Point, Swept, sweep_map
-from pounding_cli.study.written import build_study_spec, read_specs
+from pounding_cli.study.written import build_study_spec, note_unknown_names, read_specs
 
 QUESTIONS = ("sensitivity", "optimise")
 """Sections that may name any quantity of the tables."""
@@ -212,7 +212,8 @@ def _resolve_tree(
     resolved = resolve(specs, tree, axes, reader, issues)
     spec = build_study_spec(specs, issues)
     if problems is not None:
-        _note_unknown_names(specs, tree, axes, resolved, issues)
+        note_unknown_names(tree, specs, issues)
+        _note_names_of_report(specs, tree, axes, resolved, issues)
         if tree.get("uncertain") is not None:
             from pounding_cli.study.vary import read_uncertain  # here: few studies have distributions
 
@@ -267,7 +268,7 @@ def _place_issue(
     return replace(problem, message=f"{problem.message} (where {where})"), True
 
 
-def _note_unknown_names(
+def _note_names_of_report(
     specs: Mapping[Any, Any], tree: Map, axes: Sequence[Axis], resolved: Resolved, issues: Issues
 ) -> None:
     """Note the cases and buildings under `report` and `keep` that the study does not have."""

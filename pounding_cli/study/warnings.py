@@ -306,7 +306,9 @@ class _Warner:
             notes.add_issue(tree(), issue)
             for problem in notes.found:
                 key: KeyPath = ("group", problem.line, problem.column)
-                self.doubts.by_key.setdefault(key, []).append(Doubt(problem, False, 0.0))
+                doubts = self.doubts.by_key.setdefault(key, [])
+                if problem not in [doubt.problem for doubt in doubts]:
+                    doubts.append(Doubt(problem, False, 0.0))
 
 
 class _LazyTree:

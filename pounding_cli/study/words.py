@@ -150,6 +150,9 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
     value = item.get("input")
     owner = _walk(tree, path)[1]
     name = _last_key(path)
+    if kind == "string_type" and name == "link" and isinstance(value, list) and "links" not in path:
+        example = "links: [pounding, {link: infill, floors: [3, 5]}]"
+        return "a list of links stands under `links:`", f"write it so: `{example}`", True
     if kind in _MESSAGES:
         message, hint, at_key = _MESSAGES[kind]
         fields = context | {"owner": owner, "value": quote(value)}
