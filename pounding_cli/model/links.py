@@ -97,7 +97,7 @@ class Link:
         """Initial distance of the floors [m]; NaN where nothing stands between them."""
         return self.law.gap
 
-    @property
+    @cached_property
     def identity(self) -> str:
         """All that the link does, in a line: two links with one line act alike."""
         parts = [str(self.left), str(self.left_floor), str(self.right_floor), self.law.identity]

@@ -27,7 +27,8 @@ from pounding_cli.study.links import (
     check_links,
     complete_links,
     find_floors,
-    find_multiples,
+    list_multiples,
+    resolve_multiples,
 )
 from pounding_cli.study.quantity import Quantity
 from pounding_cli.study.study import Study, build_study
@@ -109,8 +110,9 @@ def links_between(
         element = check_impact_names(read_spec(tree, ("impact",)), names)
         spec = check_case_names(name, read_spec(tree, ("cases", name)), names)
         links = check_links(name, spec, complete_links(name, spec, element))
+        stiffnesses = resolve_multiples(list_multiples(links, element), group)
         floors = find_floors(name, spec, group.meetings)
-        laws = build_laws(links, element, {}, find_multiples(links, element, group), floors)
+        laws = build_laws(links, element, {}, stiffnesses, floors)
         return build_links(links, laws, floors, group.meetings)
 
 

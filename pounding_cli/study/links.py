@@ -359,19 +359,23 @@ def _choose_floors(link: LinkSpec, meeting: Meeting, listed: Collection[int]) ->
 # Laws
 
 
-def find_multiples(
-    links: Sequence[CompleteLink], impact: Any, group: Group
-) -> tuple[tuple[StoreyMultiple, float], ...]:
-    """Return the stiffnesses that are multiples of a storey's, each with what it comes to [N/m]."""
+def list_multiples(links: Sequence[CompleteLink], impact: Any) -> tuple[StoreyMultiple, ...]:
+    """Return the stiffnesses of links that are multiples of a storey's, each once."""
     multiples: dict[StoreyMultiple, None] = {}
     for link in links:
         law = link.law_class
         if law is None:
             continue
-        needed = [link.values.get("stiffness") or _default_stiffness(law, impact)]
-        needed += [impact.stiffness] if "impact_stiffness" in law.parameters() else []
-        needed += [value for key, value in link.values.items() if key != "stiffness"]
-        multiples |= {each: None for each in needed if isinstance(each, StoreyMultiple)}
+        stiffnesses = [value for key, value in link.values.items() if key != "stiffness"]
+        stiffnesses.append(link.values.get("stiffness") or _default_stiffness(law, impact))
+        if "impact_stiffness" in law.parameters():
+            stiffnesses.append(impact.stiffness)
+        multiples |= {each: None for each in stiffnesses if isinstance(each, StoreyMultiple)}
+    return tuple(multiples)
+
+
+def resolve_multiples(multiples: Sequence[StoreyMultiple], group: Group) -> tuple[tuple[StoreyMultiple, float], ...]:
+    """Return multiples of a storey's stiffness, each with what it comes to [N/m]."""
     return tuple((multiple, group.stiffness(multiple)) for multiple in multiples)
 
 

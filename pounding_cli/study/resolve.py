@@ -28,7 +28,8 @@ from pounding_cli.study.links import (
     check_links,
     complete_links,
     find_floors,
-    find_multiples,
+    list_multiples,
+    resolve_multiples,
 )
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
@@ -190,8 +191,9 @@ class _Resolver:
             floors = self.map(partial(find_floors, name), case, meetings)
             complete[name] = self.map(partial(complete_links, name), case, impact)
             checked = self.map(partial(_check_links, name), sound_case, complete[name], contact)
-            multiples = self.map(find_multiples, checked, impact, group).merge_equal()
-            link_laws[name] = self.map(build_laws, checked, contact, laws, multiples, floors)
+            multiples = self.map(list_multiples, checked, contact).merge_equal()
+            stiffnesses = self.map(resolve_multiples, multiples, group).merge_equal()
+            link_laws[name] = self.map(build_laws, checked, contact, laws, stiffnesses, floors)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)

@@ -64,7 +64,7 @@ def test_the_unit_over_the_column_is_that_of_the_motion(motion, pound, tmp_path,
     done = pound("check", "[a.csv]")
     assert done.stderr == ""
     study = pounding_cli.load_study(tmp_path / "study.yaml")
-    assert study.motions(())["a"].motion.pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
+    assert study.motion((), "a").pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
     shown = CliRunner().invoke(cli, ["records", "show", str(tmp_path / "a.csv")]).output
     assert f"in {unit} (as the file says)" in shown
 
@@ -116,7 +116,7 @@ def test_a_unit_in_the_study_comes_before_the_heading_and_the_difference_is_told
     said = pound("check", "[{file: a.csv, unit: g}]").stderr
     assert "a: read in g, as the study says, although the file says gal" in said
     study = pounding_cli.load_study(tmp_path / "study.yaml")
-    assert study.motions(())["a"].motion.pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
+    assert study.motion((), "a").pga == pytest.approx(0.3 * 9.80665, rel=1e-3)
     motion("a.csv", "time, gal\n", 300)
     assert pound("check", "[{file: a.csv, unit: cm/s2}]").stderr == ""
 

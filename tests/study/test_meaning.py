@@ -15,6 +15,7 @@ import yaml
 from scipy.signal import lsim
 
 import pounding_cli as pound
+from pounding_cli.study import make_plan
 from pounding_cli.workflows.sensitivity import Sensitivity
 from tests.adapter import study_of
 
@@ -487,10 +488,10 @@ def test_a_study_as_a_dict_is_that_of_its_file():
 
 def test_a_large_sweep_builds_every_building_once(monkeypatch):
     """Fails if answers of a study are forgotten while a sweep of some thousand points is expanded."""
-    import pounding_cli.study.build as build
+    import pounding_cli.study.resolve as resolve
 
-    built, of_the_program = [], build.building
-    monkeypatch.setattr(build, "building", lambda name, spec: built.append(name) or of_the_program(name, spec))
+    built, of_the_program = [], resolve.build_building
+    monkeypatch.setattr(resolve, "build_building", lambda name, spec: built.append(name) or of_the_program(name, spec))
     periods = {"from": "0.3 s", "to": "0.5 s", "count": 145}
     buildings = {"a": {"storeys": 1, "period": "0.3 s"}, "b": {"storeys": 1, "period": "0.4 s"}}
     study = {"records": {"use": ["elcentro"], "duration": "1 s"}, "buildings": buildings, "group": ["a", "b"]}

@@ -34,7 +34,7 @@ def test_the_mean_spectrum_is_nowhere_below_its_part_of_the_target(tmp_path: Pat
     study = load_study(tmp_path / "s.yaml")
     match = study.spectrum_match()
     assert match is not None
-    motions = [each.motion for each in study.motions(study.base).values()]
+    motions = list(study.motions(study.first_point).values())
     periods = np.geomspace(0.1, 1.5, 1200)
     mean = np.mean([spectrum(motion, periods, match.target.damping) for motion in motions], axis=0)
     wanted = np.interp(np.log(periods), np.log(match.target.periods), np.log(match.target.values))
