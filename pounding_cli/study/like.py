@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pounding_cli.study.building_spec import BASE_SHEAR
@@ -24,15 +24,19 @@ ALTERNATIVES: dict[str, tuple[Sides, ...]] = {
 """Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
 
 
-def resolve_like(buildings: Map, name: str) -> Any:
+def resolve_like(buildings: Map, name: str, resolved: Mapping[str, Any] | None = None) -> Any:
     """Return a building as the file has it, with the keys that it takes from others.
+
+    resolved : buildings that were resolved before, by name
 
     Raises
     ------
     IssuesFound : `like:` leads to an unknown name or in a circle
     """
-    chain = _find_chain(buildings, name)
-    building = buildings[chain[-1]]
+    resolved = {} if resolved is None else resolved
+    chain = _find_chain(buildings, name, resolved)
+    oldest = chain[-1]
+    building = resolved[oldest] if oldest in resolved else buildings[oldest]
     for heir in reversed(chain[:-1]):
         building = _merge(building, buildings[heir], "building")
     return building
@@ -44,10 +48,10 @@ def find_like(building: Any) -> str | None:
     return str(like) if isinstance(like, str | int | float) and not isinstance(like, bool) else None
 
 
-def _find_chain(buildings: Map, name: str) -> list[str]:
-    """Return a building, the one it is like, and so on, up to one that stands on its own."""
+def _find_chain(buildings: Map, name: str, resolved: Mapping[str, Any]) -> list[str]:
+    """Return a building, the one it is like, and so on, up to one that stands on its own or is resolved."""
     chain = [name]
-    while (like := find_like(buildings[chain[-1]])) is not None:
+    while chain[-1] not in resolved and (like := find_like(buildings[chain[-1]])) is not None:
         path: KeyPath = ("buildings", chain[-1], "like")
         if like not in buildings:
             others = [other for other in buildings if other != chain[-1]]
@@ -91,10 +95,10 @@ def resolve_all_likes(tree: Map) -> Map:
     buildings = tree.get("buildings")
     if not isinstance(buildings, Map):
         return tree
-    resolved = {}
-    for name in buildings:
+    resolved: dict[str, Any] = {}
+    for name in reversed(buildings):
         try:
-            resolved[name] = resolve_like(buildings, name)
+            resolved[name] = resolve_like(buildings, name, resolved)
         except IssuesFound:
             resolved[name] = buildings[name]
     return Map({**tree, "buildings": Map(resolved, buildings.mark, buildings.marks)}, tree.mark, tree.marks)

@@ -202,9 +202,9 @@ class _Resolver:
         """Return the buildings in their places."""
         names = build_constant(self.specs.get(("group",)))
         defined = list(types)
-        sound = self.map(lambda names: check_group_names(names, defined), names)
-        if not sound.is_sound or not types:
+        if not types:
             return build_constant(None)  # type: ignore[arg-type]
+        sound = self.map(lambda names: check_group_names(names, defined), names)
 
         def build(names: Sequence[str], *buildings: Building) -> Group:
             return build_group(names, dict(zip(types, buildings, strict=True)))

@@ -231,6 +231,7 @@ def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Prob
     Where the study as written is faulty, only what is wrong with swept values themselves is told beside that.
     """
     sizes = [len(axis) for axis in axes]
+    trees: dict[Point, Map] = {}
     at_points: dict[Problem, None] = {}
     is_faulty = False
     for (issue, numbers), points in issues.points.items():
@@ -238,7 +239,10 @@ def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Prob
             if isinstance(issue, Problem):
                 problems.extend([issue])
                 continue
-            problem, is_of_point = _place_issue(issue, numbers, deciding, tree, axes, problems.file)
+            point = tuple(deciding.get(number, 0 if number in numbers else -1) for number in range(len(axes)))
+            if point not in trees:
+                trees = {point: resolve_all_likes(tree_at(tree, axes, point))}
+            problem, is_of_point = _place_issue(issue, deciding, trees[point], axes, problems.file)
             if is_of_point:
                 at_points[problem] = None
             else:
@@ -250,16 +254,15 @@ def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Prob
 
 
 def _place_issue(
-    issue: Issue, numbers: tuple[int, ...], deciding: Mapping[int, int], tree: Map, axes: Sequence[Axis], file: str
+    issue: Issue, deciding: Mapping[int, int], tree: Map, axes: Sequence[Axis], file: str
 ) -> tuple[Problem, bool]:
     """Return an issue with its place, and whether it arises at a point of the sweep but stands elsewhere.
 
-    numbers : of the axes that the part depends on
-    deciding : places on those that decide about the issue
+    deciding : places on the axes that decide about the issue
+    tree : the file at the point
     """
-    point = tuple(deciding.get(number, 0 if number in numbers else -1) for number in range(len(axes)))
     placed = Problems(file)
-    placed.add_issue(resolve_all_likes(tree_at(tree, axes, point)), issue)
+    placed.add_issue(tree, issue)
     (problem,) = placed.found
     marks = {mark[0] for number, place in deciding.items() for mark in axes[number].marks[place]}
     if not deciding or marks & {problem.line, problem.file}:

@@ -17,7 +17,7 @@ from pounding_cli.study.link_specs import MAX_PAIR
 from pounding_cli.study.links import NamedInLink, Names, find_impact_name_issues, find_link_name_issues
 from pounding_cli.study.quantity import LINK_STIFFNESS
 from pounding_cli.study.schema import ENTRIES, StudySpec
-from pounding_cli.study.words import describe_error, describe_errors
+from pounding_cli.study.words import MAX_DESCRIBED, describe_error, describe_errors
 
 _adapter = functools.cache(TypeAdapter)  # building one takes longer than a validation
 
@@ -39,11 +39,14 @@ def read_specs(tree: Map, issues: Issues) -> dict[KeyPath, Any]:
             specs[name,] = None
         else:
             specs[name,] = field.get_default()
-    for key in tree:
-        if key not in StudySpec.model_fields:
-            error = {"type": "extra_forbidden", "input": tree[key]}
-            message, hint, at_key = describe_error(error, (key,), StudySpec, tree)
-            issues.add_written([Issue((key,), message, hint, at_key)])
+    unknown = [key for key in tree if key not in StudySpec.model_fields]
+    for key in unknown[:MAX_DESCRIBED]:
+        error = {"type": "extra_forbidden", "input": tree[key]}
+        message, hint, at_key = describe_error(error, (key,), StudySpec, tree)
+        issues.add_written([Issue((key,), message, hint, at_key)])
+    if len(unknown) > MAX_DESCRIBED:
+        message = f"and {len(unknown) - MAX_DESCRIBED} more problems like these"
+        issues.add_written([Issue((unknown[MAX_DESCRIBED],), message, at_key=True)])
     return specs
 
 
@@ -58,6 +61,8 @@ def _read_entries(tree: Map, name: str, field: Any, issues: Issues) -> dict[KeyP
         _adapter(section_type).validate_python(tree[name])
     except ValidationError as error:
         issues.add_written(describe_errors(error, (name,), StudySpec, tree))
+        if any(each["type"] == "too_long" for each in error.errors(include_url=False)):
+            return {}
     if not isinstance(tree[name], Map):
         return {}
     specs: dict[KeyPath, Any] = {}
