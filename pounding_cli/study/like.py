@@ -24,10 +24,10 @@ ALTERNATIVES: dict[str, tuple[Sides, ...]] = {
 """Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
 
 
-def resolve_like(buildings: Map, name: str, resolved: Mapping[str, Any] | None = None) -> Any:
+def resolve_like(buildings: Map, name: str, resolved: dict[str, Any] | None = None) -> Any:
     """Return a building as the file has it, with the keys that it takes from others.
 
-    resolved : buildings that were resolved before, by name
+    resolved : buildings that were resolved before, by name; those resolved now are added
 
     Raises
     ------
@@ -39,6 +39,7 @@ def resolve_like(buildings: Map, name: str, resolved: Mapping[str, Any] | None =
     building = resolved[oldest] if oldest in resolved else buildings[oldest]
     for heir in reversed(chain[:-1]):
         building = _merge(building, buildings[heir], "building")
+        resolved[heir] = building
     return building
 
 
@@ -96,7 +97,7 @@ def resolve_all_likes(tree: Map) -> Map:
     if not isinstance(buildings, Map):
         return tree
     resolved: dict[str, Any] = {}
-    for name in reversed(buildings):
+    for name in buildings:
         try:
             resolved[name] = resolve_like(buildings, name, resolved)
         except IssuesFound:

@@ -65,13 +65,13 @@ def _read_entries(tree: Map, name: str, field: Any, issues: Issues) -> dict[KeyP
             return {}
     if not isinstance(tree[name], Map):
         return {}
-    specs: dict[KeyPath, Any] = {}
+    specs: dict[KeyPath, Any] = dict.fromkeys((name, entry) for entry in tree[name])
+    parents: dict[str, Any] = {}
     for entry in tree[name]:
         path = (name, entry)
         try:
-            specs[path] = read_spec(tree, path)
+            specs[path] = read_spec(tree, path, parents)
         except IssuesFound as refused:
-            specs[path] = None
             issues.add_written(refused.issues)
             if name == "buildings":
                 issues.add_written(_find_orphan_issues(tree, entry, refused))
@@ -92,8 +92,10 @@ def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues) -> Any:
         return None
 
 
-def read_spec(tree: Map, path: tuple[str, ...]) -> Any:
+def read_spec(tree: Map, path: tuple[str, ...], parents: dict[str, Any] | None = None) -> Any:
     """Return a validated section, or an entry of one; `like:` of a building is resolved.
+
+    parents : buildings that were resolved before, by name; those resolved now are added
 
     Raises
     ------
@@ -105,7 +107,7 @@ def read_spec(tree: Map, path: tuple[str, ...]) -> Any:
             return field.get_default()
         return _read_type(tree, path, field.rebuild_annotation(), tree[path[0]])
     section, name = path
-    value = resolve_like(tree[section], name) if section == "buildings" else tree[section][name]
+    value = resolve_like(tree[section], name, parents) if section == "buildings" else tree[section][name]
     return _read_type(tree, path, ENTRIES[section][1], value)
 
 
