@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, ClassVar
 
 PARAMETERS = 16
@@ -94,8 +94,9 @@ class Law:
         return " ".join((self.name, *(repr(v) if isinstance(v, float) else str(v) for v in values)))
 
     @classmethod
+    @cache  # asked for at every link of every point of a sweep
     def parameters(cls) -> Mapping[str, Field]:
-        """Fields that are parameters, by name."""
+        """Return the fields that are parameters, by name."""
         return {each.name: each for each in fields(cls) if "parameter" in each.metadata}
 
 
