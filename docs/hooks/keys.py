@@ -6,26 +6,35 @@ import typing
 from collections.abc import Iterator
 from typing import Any, get_args, get_origin
 
-from pounding_cli.study.laws import SHARED_KEYS, Link, law_keys
-from pounding_cli.study.models import Case
-from pydantic import BaseModel, create_model
+from pydantic import BaseModel, Field, create_model
 
 from pounding_cli.laws import link_laws
+from pounding_cli.study.link_specs import SHARED_KEYS, LinkSpec, SeveralLinks, law_fields
 from pounding_cli.study.quantity import ValueParser
-from pounding_cli.study.words import fields_of, leaves
+from pounding_cli.study.words import fields_of, leaf_types
 
-_LINK_KEYS: Any = {**SHARED_KEYS, **law_keys(link_laws())}
-_AllLinks = create_model("_AllLinks", __base__=Link, **_LINK_KEYS)
+_LINK_KEYS: Any = {**SHARED_KEYS, **law_fields(link_laws())}
+_AllLinks = create_model("_AllLinks", __base__=LinkSpec, **_LINK_KEYS)
 _WORDS = {str: "text", int: "whole number", bool: "`true`, `false`", float: "number", Any: "mapping or list"}
 
 
 def table(model: type[BaseModel]) -> list[str]:
     """One mapping's keys as the lines of a Markdown table; of a case, those of all its links too."""
     lines = ["| key | value | default | meaning |", "|---|---|---|---|"]
-    found = dict(fields_of(model))
-    if model is Case:
-        found = {**fields_of(_AllLinks), **found}
-    return [*lines, *(row(name, hint, info) for name, (hint, info) in found.items())]
+    fields = fields_of(model)
+    if model is SeveralLinks:
+        fields = {**fields_of(_AllLinks), "links": fields["links"]}
+        hint, gap = fields["gap"]
+        fields["gap"] = hint, require(gap)
+    return [*lines, *(row(name, hint, info) for name, (hint, info) in fields.items())]
+
+
+def require(info: Any) -> Any:
+    """Return the field of a key as one that must be given.
+
+    The model of a link takes it without the keys that its case may give in its place.
+    """
+    return Field(..., description=info.description)
 
 
 def row(name: str, hint: Any, info: Any) -> str:
@@ -36,7 +45,7 @@ def row(name: str, hint: Any, info: Any) -> str:
 
 def _forms(hint: Any) -> Iterator[str]:
     """The values a key takes, in a few words."""
-    for kind in leaves(hint):
+    for kind in leaf_types(hint):
         if isinstance(kind, ValueParser):
             yield from kind.form.split("; ")
         elif get_origin(kind) is typing.Literal:

@@ -14,8 +14,6 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from pounding_cli.study.laws import keys_of, link_models, own
-from pounding_cli.study.models import Building
 from pydantic import Field
 
 from pounding_cli.laws import link_laws, storey_laws
@@ -23,6 +21,8 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.storey import StoreyLaw
 from pounding_cli.report.references import REFERENCES
 from pounding_cli.report.style import RC
+from pounding_cli.study.building_spec import BuildingSpec
+from pounding_cli.study.link_specs import link_keys, link_models, needs_key, own_parameters
 from pounding_cli.study.words import fields_of
 
 
@@ -36,7 +36,8 @@ def _module(path: Path) -> Any:
 
 
 model = _module(Path(__file__).parents[1] / "figures" / "model.py")
-row = _module(Path(__file__).with_name("keys.py")).row
+keys = _module(Path(__file__).with_name("keys.py"))
+row, require = keys.row, keys.require
 
 HEAD = """\
 # Laws
@@ -80,7 +81,12 @@ def said(law: type) -> str:
 def link_page(law: type[LinkLaw]) -> str:
     """A law of a link."""
     fields = fields_of(link_models()[law.name])
-    rows = [row(name, *fields[name]) for name in fields if name in keys_of(law)]
+    own = own_parameters(law)
+    rows = []
+    for name, (hint, given) in fields.items():
+        if name in link_keys(law):
+            is_needed = name == "gap" or (name in own and needs_key(law, name))
+            rows.append(row(name, hint, require(given) if is_needed else given))
     facts = [
         f"Its force acts {'at all times' if law.joins else 'once the floors press'}; v is the closing of the two floors"
         + (", less the gap." if law.subtracts_gap else "."),
@@ -94,9 +100,9 @@ def link_page(law: type[LinkLaw]) -> str:
 
 def storey_page(law: type[StoreyLaw]) -> str:
     """A law of a storey."""
-    fields = fields_of(Building)
+    fields = fields_of(BuildingSpec)
     rows = [row("hardening", *fields["hardening"])]
-    for name, declared in own(law).items():
+    for name, declared in own_parameters(law).items():
         default = law.parameters()[name].default
         given = Field(
             ... if default is MISSING else None if default == inf else default, description=declared.description

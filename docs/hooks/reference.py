@@ -13,7 +13,7 @@ import click
 from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.report.references import method_sources
-from pounding_cli.study import laws, models, motions, questions, schema
+from pounding_cli.study import building_spec, link_specs, questions, records_spec, schema
 from pounding_cli.study.quantity import PLAUSIBLE_RANGES
 from pounding_cli.study.warnings import format_value
 
@@ -75,25 +75,25 @@ API = {
 
 
 MODELS = {
-    "The file": schema.Study,
-    "`records`": motions.Records,
-    "`records.use`: a file of your own": motions.RecordFile,
-    "`records.scale`: Arias intensity": motions.Arias,
-    "`records.scale`: peak acceleration": motions.Pga,
-    "`records.scale`: peak velocity": motions.Pgv,
-    "`records.scale`: an ordinate of the spectrum": motions.Sa,
-    "`records.scale`: a target spectrum": motions.Spectrum,
-    "`buildings.NAME`": models.Building,
-    "`yield`": models.Code,
-    "`yield`: a base-shear coefficient": models.BaseShear,
-    "`stiffness`: by a period and masses": models.StiffnessAt,
-    "`rayleigh`": models.Rayleigh,
-    "`foundation`": models.Foundation,
-    "`impact`": laws.Impact,
-    "`laws.NAME`": models.OwnLaw,
-    "`cases.NAME`": models.Case,
-    "`report`": schema.Report,
-    "`keep.histories`": schema.Histories,
+    "The file": schema.StudySpec,
+    "`records`": records_spec.RecordsSpec,
+    "`records.use`: a file of your own": records_spec.RecordFileSpec,
+    "`records.scale`: Arias intensity": records_spec.AriasSpec,
+    "`records.scale`: peak acceleration": records_spec.PgaSpec,
+    "`records.scale`: peak velocity": records_spec.PgvSpec,
+    "`records.scale`: an ordinate of the spectrum": records_spec.SaSpec,
+    "`records.scale`: a target spectrum": records_spec.SpectrumSpec,
+    "`buildings.NAME`": building_spec.BuildingSpec,
+    "`yield`": building_spec.CodeSpec,
+    "`yield`: a base-shear coefficient": building_spec.BaseShearSpec,
+    "`stiffness`: by a period and masses": building_spec.StiffnessAtSpec,
+    "`rayleigh`": building_spec.RayleighSpec,
+    "`foundation`": building_spec.FoundationSpec,
+    "`impact`": link_specs.ImpactSpec,
+    "`laws.NAME`": link_specs.OwnLawSpec,
+    "`cases.NAME`": link_specs.SeveralLinks,
+    "`report`": schema.ReportSpec,
+    "`keep.histories`": schema.HistoriesSpec,
     "`fragility`": questions.FragilitySpec,
     "`gap`": questions.GapSpec,
     "`sensitivity`": questions.SensitivitySpec,

@@ -16,7 +16,7 @@ KNOWN = """
 from pathlib import Path
 import pounding_cli.methods as methods
 Path("study.yaml").write_text(Path("study.yaml").read_text() + "method: heun\\ntime_step: 1 ms\\n")
-print(pound.load_study("study.yaml").resolved()["method"])
+print(pound.load_study("study.yaml").to_plain_data()["method"])
 print(methods.METHODS["heun"].order)
 """
 
