@@ -236,7 +236,7 @@ Heights: Any = _one_or_each(LENGTH.replace(usual=PLAUSIBLE_RANGES["storey height
 
 
 class StiffnessAtSpec(Model):
-    """StoreyMultiple stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
+    """Storey stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
 
     period: PERIOD_OF_BUILDING = spec_field(
         ..., "fundamental period of the fixed-base building with these masses [s]", "0.42 s"
