@@ -25,7 +25,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver.solve import solve
-from pounding_cli.study import load_study, make_plan
+from pounding_cli.study import load_study
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "contact.md"
@@ -98,8 +98,8 @@ def run(study: Path | dict[str, Any]) -> dict[str, pd.DataFrame]:
 
 def laws() -> dict[str, LinkLaw]:
     """Every law as the study has it, between its two roofs."""
-    plan = make_plan(load_study(STUDY))
-    found = dict.fromkeys(plan.scenes[row.scene].links[-1].law for row in plan.rows if row.case == "touching")
+    links = load_study(STUDY).resolved.links["touching"]
+    found = dict.fromkeys(at_point[-1].law for _, at_point in links.iter_values())
     return dict(zip(LOOKS, found, strict=True))
 
 
@@ -109,7 +109,7 @@ def blow(law: LinkLaw) -> tuple[float, float, float]:
     floors = tuple(Building(name, [2 * MASS], [3.0], [1e-9], [math.inf], [0.0], 0.0, 0.0) for name in ("left", "right"))
     scene = Scene(floors, (Link(0, 1, 1, law),), Motion("still", 0.02, np.zeros(3)), Analysis.ELASTIC)
     found = solve(scene, 1e-9, initial=([[0.0], [0.0]], [[SPEED], [0.0]]))
-    spring = laws()["kelvin-voigt"].stiffest
+    spring = laws()["kelvin-voigt"].max_slopes[0]
     (_, (left,)), (_, (right,)) = found.final
     force = float(found.links.peak_force[0]) / (SPEED * math.sqrt(spring * MASS))
     return force, float(found.links.contact_time[0]) / (math.pi * math.sqrt(MASS / spring)), (right - left) / SPEED
@@ -118,8 +118,8 @@ def blow(law: LinkLaw) -> tuple[float, float, float]:
 def stiffening() -> dict[str, Any]:
     """The study, with stiffer and stiffer contacts of every law, matched at each stiffness."""
     study = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
-    plan = make_plan(load_study(STUDY))
-    storey = max(float(b.stiffness.max()) for b in plan.scenes[plan.rows[0].scene].buildings)
+    checked = load_study(STUDY)
+    storey = max(float(each.stiffness.max()) for each in checked.group(checked.first_point).buildings)
     pairs = [matched(multiple * storey) for multiple in MULTIPLES]
     study["estimate"] = "none"
     study["sweep"] = [
