@@ -165,7 +165,11 @@ def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None)
     word = str(source)
     if isinstance(source, str) and word in records.list_names():
         if dt is not None or unit is not None:
-            raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
+            raise InputError(
+                Problem(
+                    f"'{word}' is a catalogue motion; its time step and unit are fixed", "leave 'dt' and 'unit' out"
+                )
+            )
         return records.load_motion(word)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.get_entry(word)  # refuses it, with the nearest name

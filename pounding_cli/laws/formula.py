@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pounding_cli.laws.law import REFERENCE_CLOSING, Behaviour, LinkLaw
-from pounding_cli.laws.pounding import next_branch, reduced_mass
+from pounding_cli.laws.pounding import next_pounding_branch, reduced_mass
 from pounding_cli.units import Dimension
 
 MAX_FORMULA_LENGTH = 500
@@ -46,7 +46,7 @@ class FormulaError(ValueError):
         self.message, self.hint, self.line, self.column = message, hint, line, column
 
 
-NUMBER, PLUS, TIMES, POWER = range(4)
+_NUMBER, _PLUS, _TIMES, _POWER = range(4)
 """What an operation makes of the registers x and y and the number a: a; x + y; x y; x^a, 0 where a is no whole number
 and x is below zero. Registers 0 and 1 hold v [m] and v' [m/s], and each operation fills the next one."""
 
@@ -61,11 +61,11 @@ def evaluate_operations(formula: Any, v: float, r: float) -> float:
     for i in range(formula.count):
         code, a = operations[i, 0], operations[i, 3]
         x, y = registers[int(operations[i, 1])], registers[int(operations[i, 2])]
-        if code == PLUS:
+        if code == _PLUS:
             a = x + y
-        elif code == TIMES:
+        elif code == _TIMES:
             a = x * y
-        elif code == POWER:
+        elif code == _POWER:
             a = 0.0 if x < 0.0 and a != int(a) else x**a
         registers[i + 2] = a
     return registers[formula.result]
@@ -157,12 +157,12 @@ class _FormulaParser:
         """Return the term of a node; any node not named here is refused."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return self.add_operation(node, DIMENSIONLESS, 0, NUMBER, a=float(number))
+                return self.add_operation(node, DIMENSIONLESS, 0, _NUMBER, a=float(number))
             case ast.Name(id="v" | "r" as name):
                 return Term(0 if name == "v" else 1, FORMULA_VARIABLES[name], 1)
             case ast.Name(id=name) if name in self.known:
                 value, dimension = self.known[name]
-                return self.add_operation(node, dimension, 0, NUMBER, a=value)
+                return self.add_operation(node, dimension, 0, _NUMBER, a=value)
             case ast.Name():
                 names = ", ".join(dict.fromkeys((*FORMULA_VARIABLES, *self.known)))
                 raise self.error_at(node, "is not known", f"give it under `parameters`; known: {names}")
@@ -179,7 +179,7 @@ class _FormulaParser:
                     raise self.error_at(left, message, "add what has one unit")
                 other = self.multiply(node, other, -1.0) if isinstance(node.op, ast.Sub) else other
                 return self.add_operation(
-                    node, one.dimension, max(one.degree, other.degree), PLUS, one.register, other.register
+                    node, one.dimension, max(one.degree, other.degree), _PLUS, one.register, other.register
                 )
             case ast.BinOp(left=left, op=ast.Mult(), right=right):
                 return self.multiply(node, self.parse_node(left), self.parse_node(right))
@@ -203,7 +203,7 @@ class _FormulaParser:
             number = Formula((*self.rows, row), 2 + len(self.rows)).evaluate(0.0, 0.0)
             if not math.isfinite(number):
                 raise self.error_at(node, "does not give a finite number", "correct it")
-            row = (float(NUMBER), 0.0, 0.0, number)
+            row = (float(_NUMBER), 0.0, 0.0, number)
         if row not in self.rows:
             self.rows.append(row)
         if len(self.rows) > MAX_OPERATIONS:
@@ -213,10 +213,10 @@ class _FormulaParser:
     def multiply(self, node: ast.expr, one: Term, other: Term | float) -> Term:
         """A product of two terms, or of a term and a number."""
         if isinstance(other, float):
-            other = self.add_operation(node, DIMENSIONLESS, 0, NUMBER, a=other)
+            other = self.add_operation(node, DIMENSIONLESS, 0, _NUMBER, a=other)
         dimension = _sum(one.dimension, other.dimension)
         degree = min(one.degree + other.degree, 2)
-        return self.add_operation(node, dimension, degree, TIMES, one.register, other.register)
+        return self.add_operation(node, dimension, degree, _TIMES, one.register, other.register)
 
     def raise_to_power(self, node: ast.expr, exponent: float) -> Term:
         """A node to a power. Roots, and divisors that vary, have to be above zero; of v itself it is enough that the
@@ -231,7 +231,7 @@ class _FormulaParser:
                     hint = "divisors and arguments of roots and fractional powers must stay above zero"
                     raise self.error_at(node, message, f"{hint}; of v itself write v**1.5")
         dimension, degree = _sum(DIMENSIONLESS, base.dimension, exponent), 2 if base.degree else 0
-        return self.add_operation(node, dimension, degree, POWER, base.register, a=exponent)
+        return self.add_operation(node, dimension, degree, _POWER, base.register, a=exponent)
 
 
 def _sum(one: Dimension, other: Dimension, times: float = 1.0) -> Dimension:
@@ -243,12 +243,12 @@ _PRESSED = (0.0, 1e-6, 1e-3, 0.01, 0.1)
 _BOTH_WAYS = (*(-v for v in _PRESSED[1:]), *_PRESSED)
 
 
-def force(e: Any, v: float, r: float) -> float:
+def zero_force(e: Any, v: float, r: float) -> float:
     """Nothing: the solver carries out the operations (`solver.dispatch`)."""
     return 0.0
 
 
-WRITTEN_BEHAVIOUR = Behaviour(next_branch, force)
+WRITTEN_BEHAVIOUR = Behaviour(next_pounding_branch, zero_force)
 
 
 @dataclass(frozen=True)
@@ -358,7 +358,7 @@ class WrittenJoint(WrittenLaw):
             raise FormulaError(f"the force at rest, v = r = 0, is {still:g} N", "let it be zero there")
 
 
-WRITTEN: Mapping[str, type[WrittenLaw]] = {
+WRITTEN_LAWS: Mapping[str, type[WrittenLaw]] = {
     "beyond gap": WrittenLaw,
     "compression": WrittenFilling,
     "always": WrittenJoint,

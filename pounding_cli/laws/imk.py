@@ -12,50 +12,50 @@ from pounding_cli.laws.law import Behaviour, parameter, set_line
 from pounding_cli.laws.storey import StoreyLaw
 
 (
-    K, LIMIT, A, POST, RESIDUAL, CAP_SHEAR, BY_STRENGTH, BY_CAPPING, BY_UNLOADING, BY_RELOADING, EXPONENT,
-    DETERIORATES, PINCHED_FORCE, PINCHED_DRIFT,
+    _K, _LIMIT, _A, _POST, _RESIDUAL, _CAP_SHEAR, _BY_STRENGTH, _BY_CAPPING, _BY_UNLOADING, _BY_RELOADING, _EXPONENT,
+    _DETERIORATES, _PINCHED_FORCE, _PINCHED_DRIFT,
 ) = range(14)  # fmt: skip
 """Parameters: stiffness [N/m], yield drift [m], post-yield and post-capping slope over initial stiffness [-], residual
 strength [N], shear at which the first post-capping line meets zero drift [N]; energy capacities [J], inf where nothing
 deteriorates; exponent c; 1 where anything deteriorates; kappa_F, 0 without pinching, and kappa_D [-]."""
 
-STRENGTH, _, CAP, _, TARGET, _, UNLOADING, SLOPE, OFFSET, END, WORK, DISSIPATED = range(12)
+_STRENGTH, _, _CAP, _, _TARGET, _, _UNLOADING, _SLOPE, _OFFSET, _END, _WORK, _DISSIPATED = range(12)
 """History variables. Of each side, up and then down: what is left of the yield shear [-], of the shear at which the
 post-capping line meets zero drift [-], and the drift that reloading aims at [m]. Unloading stiffness [N/m]. Stiffness
 [N/m] and offset [N] of the line that the storey loads on, and the drift at which it ends [m]. Work done on the storey
 in this excursion, less that of the line it is on [J]; energy dissipated in the excursions before [J]."""
 
-ELASTIC, BACKBONE, RELOADING, PINCHED, UNLOADS = range(5)
-"""Branches, up positive and down negative; unloading from one of the three lines adds `UNLOADS` - 1 to it."""
+_ELASTIC, _BACKBONE, _RELOADING, _PINCHED, _UNLOADS = range(5)
+"""Branches, up positive and down negative; unloading from one of the three lines adds `_UNLOADS` - 1 to it."""
 
-LEAST_UNLOADING = 0.05
+MIN_UNLOADING_SHARE = 0.05
 """Where the unloading stiffness stops to deteriorate, between the hardening stiffness (0) and the initial one (1)."""
 
-STEEPEST = 1e6
+MAX_POST_CAPPING_SLOPE = 1e6
 """Largest post-capping slope over initial stiffness [-]: a storey of that slope is brittle. A steeper one multiplies
 the rounding of its drift until the energy does not close."""
 
 
-def next_branch(e: Any, guard: int) -> None:
+def next_peak_oriented_branch(e: Any, guard: int) -> None:
     """Elastic; then on either side the backbone, one or two lines of reloading, and unloading from each."""
     if guard == START:
-        limit = e.p[LIMIT]
+        limit = e.p[_LIMIT]
         for i in range(4):
-            e.h[STRENGTH + i] = 1.0
-        e.h[TARGET], e.h[TARGET + 1], e.h[UNLOADING] = limit, -limit, e.p[K]
-        e.branch = ELASTIC
-        set_line(e, e.p[K], e.c, 0.0, -limit, limit)
+            e.h[_STRENGTH + i] = 1.0
+        e.h[_TARGET], e.h[_TARGET + 1], e.h[_UNLOADING] = limit, -limit, e.p[_K]
+        e.branch = _ELASTIC
+        set_line(e, e.p[_K], e.c, 0.0, -limit, limit)
         return
-    side = 1 if e.branch > 0 or (e.branch == ELASTIC and guard == HIGH) else -1
+    side = 1 if e.branch > 0 or (e.branch == _ELASTIC and guard == HIGH) else -1
     was, outward = abs(e.branch), guard == (HIGH if side > 0 else LOW)
-    if was >= UNLOADS:
+    if was >= _UNLOADS:
         if outward:  # back on the line that it came from
-            _load(e, side * (was - UNLOADS + 1), e.h[SLOPE], e.h[OFFSET], e.h[END])
+            _load(e, side * (was - _UNLOADS + 1), e.h[_SLOPE], e.h[_OFFSET], e.h[_END])
         else:  # the shear has come to zero
             _begin_excursion(e, -side)
-    elif was != ELASTIC and not outward:
+    elif was != _ELASTIC and not outward:
         _turn_back(e, side, was)
-    elif was == PINCHED:
+    elif was == _PINCHED:
         _aim(e, side)
     else:
         _take_backbone(e, side)
@@ -64,7 +64,7 @@ def next_branch(e: Any, guard: int) -> None:
 def _load(e: Any, branch: int, k: float, f0: float, end: float) -> None:
     """Go on along a line of stiffness k and offset f0, until the drift turns back or reaches its end."""
     _leave_line(e, k, f0)
-    e.h[SLOPE], e.h[OFFSET], e.h[END] = k, f0, end
+    e.h[_SLOPE], e.h[_OFFSET], e.h[_END] = k, f0, end
     e.branch = branch
     low, high, way = (-math.inf, end, 1) if branch > 0 else (end, math.inf, -1)
     set_line(e, k, e.c, f0, low, high, way)
@@ -72,87 +72,87 @@ def _load(e: Any, branch: int, k: float, f0: float, end: float) -> None:
 
 def _leave_line(e: Any, k: float, f0: float) -> None:
     """The work done, where the present line ends and one of stiffness k and offset f0 begins."""
-    e.h[WORK] += (0.5 * (e.k - k) * e.v1 + (e.f0 - f0)) * e.v1
+    e.h[_WORK] += (0.5 * (e.k - k) * e.v1 + (e.f0 - f0)) * e.v1
 
 
 def _backbone(e: Any, side: int) -> tuple[float, float, float, float]:
     """Shear at zero drift [N] and slope [N/m] of the hardening line of a side, and of the post-capping line, whose
     slope is downwards. The hardening line begins at the yield drift that belongs to its strength."""
-    strength, cap = e.h[STRENGTH + (side < 0)], e.h[CAP + (side < 0)]
-    plateau = e.p[K] * e.p[LIMIT] * strength * (1.0 - e.p[A] * strength)
-    return plateau, e.p[A] * e.p[K] * strength, e.p[CAP_SHEAR] * cap, e.p[POST] * e.p[K]
+    strength, cap = e.h[_STRENGTH + (side < 0)], e.h[_CAP + (side < 0)]
+    plateau = e.p[_K] * e.p[_LIMIT] * strength * (1.0 - e.p[_A] * strength)
+    return plateau, e.p[_A] * e.p[_K] * strength, e.p[_CAP_SHEAR] * cap, e.p[_POST] * e.p[_K]
 
 
 def _shear_at(e: Any, side: int, drift: float) -> float:
     """Shear of the backbone of a side [N] at a drift beyond the yield."""
     plateau, hardening, cap, falling = _backbone(e, side)
-    return max(min(plateau + hardening * drift, cap - falling * drift), e.p[RESIDUAL])
+    return max(min(plateau + hardening * drift, cap - falling * drift), e.p[_RESIDUAL])
 
 
 def _take_backbone(e: Any, side: int) -> None:
     """The line of the backbone beyond here to a side: hardening, falling, or at the residual strength."""
     plateau, hardening, cap, falling = _backbone(e, side)
-    capping, residual = (cap - plateau) / (hardening + falling), (cap - e.p[RESIDUAL]) / falling
+    capping, residual = (cap - plateau) / (hardening + falling), (cap - e.p[_RESIDUAL]) / falling
     if side * e.v1 < capping:
         slope, offset, end = hardening, plateau, capping
     elif side * e.v1 < residual:
         slope, offset, end = -falling, cap, residual
     else:
-        slope, offset, end = 0.0, e.p[RESIDUAL], math.inf
-    _load(e, side * BACKBONE, slope, side * offset, side * end)
+        slope, offset, end = 0.0, e.p[_RESIDUAL], math.inf
+    _load(e, side * _BACKBONE, slope, side * offset, side * end)
 
 
 def _turn_back(e: Any, side: int, was: int) -> None:
     """A reversal: the unloading stiffness deteriorates."""
     drift = e.v1
-    unloading = e.h[UNLOADING]
+    unloading = e.h[_UNLOADING]
     shear = e.k * drift + e.f0
-    if e.p[BY_UNLOADING] < math.inf:
-        done = e.h[WORK] + (0.5 * e.k * drift + e.f0) * drift
+    if e.p[_BY_UNLOADING] < math.inf:
+        done = e.h[_WORK] + (0.5 * e.k * drift + e.f0) * drift
         spent = max(done - 0.5 * shear * shear / unloading, 0.0)
-        least = e.p[A] + LEAST_UNLOADING * (1.0 - e.p[A])
-        unloading = max((1.0 - _loss(e, e.p[BY_UNLOADING], spent)) * unloading, least * e.p[K])
-        if was != BACKBONE:  # unloading with less than the line gave would give back more than was put in
+        least = e.p[_A] + MIN_UNLOADING_SHARE * (1.0 - e.p[_A])
+        unloading = max((1.0 - _loss(e, e.p[_BY_UNLOADING], spent)) * unloading, least * e.p[_K])
+        if was != _BACKBONE:  # unloading with less than the line gave would give back more than was put in
             unloading = max(unloading, e.k)
-        e.h[UNLOADING] = unloading
+        e.h[_UNLOADING] = unloading
     offset = shear - unloading * drift
     _leave_line(e, unloading, offset)
-    if was == BACKBONE:
-        e.h[TARGET + (side < 0)] = drift
-    e.branch = side * (was + UNLOADS - 1)
+    if was == _BACKBONE:
+        e.h[_TARGET + (side < 0)] = drift
+    e.branch = side * (was + _UNLOADS - 1)
     end = -offset / unloading
     set_line(e, unloading, e.c, offset, min(drift, end), max(drift, end))
 
 
 def _loss(e: Any, capacity: float, energy: float) -> float:
     """beta = (E / (Et - sum E))^c of an energy E that comes to those before, 1 where no more than E is left."""
-    left = max(capacity - e.h[DISSIPATED] - energy, energy)
-    return (energy / left) ** e.p[EXPONENT] if energy > 0.0 else 0.0
+    left = max(capacity - e.h[_DISSIPATED] - energy, energy)
+    return (energy / left) ** e.p[_EXPONENT] if energy > 0.0 else 0.0
 
 
 def _begin_excursion(e: Any, side: int) -> None:
     """An excursion to this side begins at zero shear: its backbone, and the line towards the target."""
     drift = e.v1
     done = (0.5 * e.k * drift + e.f0) * drift
-    if e.p[DETERIORATES] > 0.0:
-        _deteriorate(e, side, max(e.h[WORK] + done, 0.0))
-    e.h[WORK] = -done
-    target = side * e.h[TARGET + (side < 0)]
+    if e.p[_DETERIORATES] > 0.0:
+        _deteriorate(e, side, max(e.h[_WORK] + done, 0.0))
+    e.h[_WORK] = -done
+    target = side * e.h[_TARGET + (side < 0)]
     shear = _shear_at(e, side, target)
-    slope, branch, end = _slope(shear, target - side * drift), RELOADING, target
-    if e.p[PINCHED_FORCE] > 0.0:
-        slope, branch = slope * e.p[PINCHED_FORCE], PINCHED
-        plastic = max(target - shear / e.h[UNLOADING], 0.0)
-        end = max((1.0 - e.p[PINCHED_DRIFT]) * plastic, side * drift)
+    slope, branch, end = _slope(shear, target - side * drift), _RELOADING, target
+    if e.p[_PINCHED_FORCE] > 0.0:
+        slope, branch = slope * e.p[_PINCHED_FORCE], _PINCHED
+        plastic = max(target - shear / e.h[_UNLOADING], 0.0)
+        end = max((1.0 - e.p[_PINCHED_DRIFT]) * plastic, side * drift)
     _load(e, side * branch, slope, -slope * drift, side * end)
 
 
 def _aim(e: Any, side: int) -> None:
     """The second line of reloading, from here towards the target."""
-    target = side * e.h[TARGET + (side < 0)]
+    target = side * e.h[_TARGET + (side < 0)]
     shear = e.k * e.v1 + e.f0
     slope = _slope(_shear_at(e, side, target) - side * shear, target - side * e.v1)
-    _load(e, side * RELOADING, slope, shear - slope * e.v1, side * target)
+    _load(e, side * _RELOADING, slope, shear - slope * e.v1, side * target)
 
 
 def _slope(rise: float, run: float) -> float:
@@ -163,33 +163,33 @@ def _slope(rise: float, run: float) -> float:
 def _deteriorate(e: Any, side: int, energy: float) -> None:
     """Deteriorate strength, post-capping line and target by an excursion that dissipated `energy` [J]."""
     index = 1 if side < 0 else 0
-    yields = e.p[K] * e.p[LIMIT]
-    strength = max((1.0 - _loss(e, e.p[BY_STRENGTH], energy)) * e.h[STRENGTH + index], e.p[RESIDUAL] / yields)
+    yields = e.p[_K] * e.p[_LIMIT]
+    strength = max((1.0 - _loss(e, e.p[_BY_STRENGTH], energy)) * e.h[_STRENGTH + index], e.p[_RESIDUAL] / yields)
     # The post-capping line does not fall below the yield point.
-    least = yields * (1.0 + e.p[POST]) / e.p[CAP_SHEAR] * strength
-    cap = max((1.0 - _loss(e, e.p[BY_CAPPING], energy)) * e.h[CAP + index], least)
-    target = side * e.h[TARGET + index]
-    more = _loss(e, e.p[BY_RELOADING], energy)
-    e.h[STRENGTH + index] = strength
-    e.h[CAP + index] = cap
-    e.h[DISSIPATED] += energy
-    if e.h[DISSIPATED] < e.p[BY_RELOADING]:
+    least = yields * (1.0 + e.p[_POST]) / e.p[_CAP_SHEAR] * strength
+    cap = max((1.0 - _loss(e, e.p[_BY_CAPPING], energy)) * e.h[_CAP + index], least)
+    target = side * e.h[_TARGET + index]
+    more = _loss(e, e.p[_BY_RELOADING], energy)
+    e.h[_STRENGTH + index] = strength
+    e.h[_CAP + index] = cap
+    e.h[_DISSIPATED] += energy
+    if e.h[_DISSIPATED] < e.p[_BY_RELOADING]:
         target *= 1.0 + more
-    if e.p[BY_UNLOADING] < math.inf:
+    if e.p[_BY_UNLOADING] < math.inf:
         target = max(target, _nearest_target(e, side))
-    e.h[TARGET + index] = side * target
+    e.h[_TARGET + index] = side * target
 
 
 def _nearest_target(e: Any, side: int) -> float:
     """Return the drift at which a line with the unloading stiffness meets the backbone: reloading is no stiffer."""
     plateau, hardening, cap, falling = _backbone(e, side)
     begins = side * e.v1
-    unloading = e.h[UNLOADING]
-    if e.p[PINCHED_FORCE] > 0.0:
+    unloading = e.h[_UNLOADING]
+    if e.p[_PINCHED_FORCE] > 0.0:
         begins = max(begins, 0.0)
     reach = unloading * begins
     nearest = min((plateau + reach) / (unloading - hardening), (cap + reach) / (unloading + falling))
-    return max(nearest, (reach + e.p[RESIDUAL]) / unloading)
+    return max(nearest, (reach + e.p[_RESIDUAL]) / unloading)
 
 
 NO_DETERIORATION = 1.0, 0.0, math.inf, math.inf, math.inf, math.inf, math.inf, 1.0, 0.0, 0.0, 0.0
@@ -207,7 +207,7 @@ class PeakOriented(StoreyLaw):
         ("clough1966", "stiffness that degrades with the largest drift"),
         ("ibarra2005", "peak-oriented reloading"),
     )
-    behaviour = Behaviour(next_branch)
+    behaviour = Behaviour(next_peak_oriented_branch)
 
     def element_parameters(self) -> tuple[float, ...]:
         """As the parameters above."""
@@ -232,12 +232,12 @@ class PeakOrientedImk(StoreyLaw):
     citation = (
         ("ibarra2005", "backbone with capping and residual strength, deterioration with the energy dissipated"),
     )
-    behaviour = Behaviour(next_branch)
+    behaviour = Behaviour(next_peak_oriented_branch)
 
     capping_ductility: float = parameter("capping drift over yield drift", low=1.0)
     post_capping_slope: float = parameter(
         "post-capping slope over initial stiffness, as a positive number",
-        open_low=True, high=STEEPEST, open_high=False,
+        open_low=True, high=MAX_POST_CAPPING_SLOPE, open_high=False,
     )  # fmt: skip
     residual_strength: float = parameter("residual strength over yield shear", high=1.0, default=0.0)
     strength_capacity: float = _capacity("the yield shear and the hardening stiffness")

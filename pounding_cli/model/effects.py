@@ -146,7 +146,7 @@ def _effects_of(
     collapse = decide(
         inelastic and can_collapse,
         "collapse",
-        "the analysis is elastic" if can_collapse else "no storey can lose its resistance, and none is asked for",
+        "the analysis is elastic" if can_collapse else "no storey can lose strength, and no collapse drift is set",
     )
     decide(residual_drift, RESIDUAL_DRIFTS, NOT_REQUESTED)
     decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
