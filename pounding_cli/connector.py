@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
-from pounding_cli.points import SweepPoint, to_variable
+from pounding_cli.points import PointCommand, SweepPoint, to_variable
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, SpecIssue, spec_field
 from pounding_cli.study.links import RESTITUTION
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 MIN_GRID_POINTS = 4001
 """Grid on which peaks and bands are searched at least."""
 
-SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
-"""The numbers of a table that fits a terminal."""
+CONNECTOR_NUMBERS = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
+"""Names of the numbers of a table that fits a terminal."""
 
 DAMPING_RATIO = damping_ratio(RESTITUTION)
 """Damping ratio of a connector whose dashpot the study does not give [-]."""
@@ -42,28 +42,33 @@ def _read_joint(given: Any) -> float | str:
 
 
 Mass = Annotated[float, MASS]
-Stiffness = Annotated[float, STIFFNESS]
-Period = Annotated[float, TIME.replace(name="period", example="0.5 s", high=60.0)]
-Joint = Annotated[float | str, ParsedText(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"), _JOINT)]
+OscillatorPeriod = Annotated[float, TIME.replace(name="period", example="0.5 s", high=60.0)]
+ConnectorStiffness = Annotated[
+    float | str, ParsedText(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"), _JOINT)
+]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
-Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
+FrequencyRatio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
 
 
-class System(Model):
+class SystemSpec(Model):
     """One of the two systems."""
 
     mass: Mass = spec_field(200e3, "mass", "200 t")
-    period: Period | None = spec_field(None, "period alone; 0.5 s of the first unless stiffness is given", "0.5 s")
-    stiffness: Stiffness | None = spec_field(None, "stiffness, in place of the period")
-    frequency_ratio: Ratio | None = spec_field(None, "p = omega20 / omega10 of the second, in place of the period", 0.6)
+    period: OscillatorPeriod | None = spec_field(
+        None, "period alone; 0.5 s of the first unless stiffness is given", "0.5 s"
+    )
+    stiffness: Annotated[float, STIFFNESS] | None = spec_field(None, "stiffness, in place of the period")
+    frequency_ratio: FrequencyRatio | None = spec_field(
+        None, "p = omega20 / omega10 of the second, in place of the period", 0.6
+    )
     damping: Damping | None = spec_field(None, "damping ratio; the study's unless given", "5 %")
 
 
-class Connector(Model):
+class ConnectorSpec(Model):
     """The connector between the two systems."""
 
-    stiffness: Joint = spec_field("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
+    stiffness: ConnectorStiffness = spec_field("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
     damping_ratio: Damping | None = spec_field(
         None,
         f"xi of its dashpot (eq. 7); default: {DAMPING_RATIO:.3g}, which follows from the restitution "
@@ -73,23 +78,23 @@ class Connector(Model):
     dashpot: Dashpot | None = spec_field(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
 
 
-class Frequencies(Model):
+class FrequenciesSpec(Model):
     """Frequencies at which the ratios are computed, in Omega / omega10."""
 
-    low: Ratio = spec_field(0.2, "lowest Omega / omega10", 0.2)
-    high: Ratio = spec_field(1.6, "highest Omega / omega10", 1.6)
+    low: FrequencyRatio = spec_field(0.2, "lowest Omega / omega10", 0.2)
+    high: FrequencyRatio = spec_field(1.6, "highest Omega / omega10", 1.6)
     points: Annotated[int, WholeNumber(11, 1_000_000)] = spec_field(1401, "number of frequencies", 1401)
 
 
-class Study(Model):
+class ConnectorStudySpec(Model):
     """A study of two connected oscillators (paper, Figs 4 and 5)."""
 
     title: str = spec_field(..., "one line that says what is studied", "Two connected oscillators")
-    first: System = System(period=0.5)
-    second: System = System(frequency_ratio=0.6)
-    connector: Connector = Connector()
+    first: SystemSpec = SystemSpec(period=0.5)
+    second: SystemSpec = SystemSpec(frequency_ratio=0.6)
+    connector: ConnectorSpec = ConnectorSpec()
     damping: Damping = spec_field(0.05, "damping ratio of both systems", "5 %")
-    frequencies: Frequencies = Frequencies()
+    frequencies: FrequenciesSpec = FrequenciesSpec()
     sweep: Any = spec_field(None, "keys and the values they take", {"damping": ["5 %", "10 %"]})
 
     def issues(self) -> Iterator[SpecIssue]:
@@ -118,7 +123,7 @@ class Pair(NamedTuple):
     dashpot: float
 
 
-def build_pair(study: Study) -> Pair:
+def build_pair(study: ConnectorStudySpec) -> Pair:
     """The numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
     first = study.first
     second = study.second
@@ -169,7 +174,7 @@ def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     return d * (d[::-1] + z * m.sum() / m) / (d[0] * d[1] + z * d.sum(axis=0))
 
 
-def solve(study: Study) -> xr.Dataset:
+def solve_connector(study: ConnectorStudySpec) -> xr.Dataset:
     """Both ratios over frequency, their peaks, and the bands in which both exceed one, found to rounding.
 
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
@@ -220,21 +225,21 @@ def solve(study: Study) -> xr.Dataset:
             "1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"
         ),
     }
-    if not all(np.isfinite(found[name][1]) for name in SHOWN):
+    if not all(np.isfinite(found[name][1]) for name in CONNECTOR_NUMBERS):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
         raise InputError(Problem("the response is not finite", hint))
     told = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
     return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {told}"]})
 
 
-def cites(study: Study) -> dict[str, str]:
+def cite_connector(study: ConnectorStudySpec) -> dict[str, str]:
     """The references of a study."""
     found = {"spiliopoulos1996": "two connected oscillators, Figs 4 and 5", "westermo1989": "connecting buildings"}
     has_ratio = study.connector.dashpot is None and study.connector.damping_ratio != 0
     return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if has_ratio else {})
 
 
-def pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
+def build_ratio_pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     from pounding_cli.report.document import Picture
 
@@ -263,3 +268,14 @@ def draw_ratios(title: str, points: Sequence[SweepPoint]) -> Figure:
     left = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
     finish(figure, title, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
     return figure
+
+
+CONNECTOR_COMMAND = PointCommand(
+    name="connector",
+    spec=ConnectorStudySpec,
+    solve=solve_connector,
+    terminal_numbers=CONNECTOR_NUMBERS,
+    cite_references=cite_connector,
+    build_pictures=build_ratio_pictures,
+)
+"""`pound connector`."""
