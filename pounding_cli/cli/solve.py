@@ -105,10 +105,10 @@ def solve_study(
     from pounding_cli.api.running import get_workflow, run_study, summarize
     from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines, chosen
-    from pounding_cli.study import load_study
+    from pounding_cli.study import load_study_file
 
     log = JsonLines() if log_json else None
-    loaded = load_study(study)
+    loaded = load_study_file(study)
     for warning in loaded.warnings:
         if log:
             log.tell("warning", text=str(warning))
