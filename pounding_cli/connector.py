@@ -98,13 +98,15 @@ class ConnectorStudySpec(Model):
     sweep: Any = spec_field(None, "keys and the values they take", {"damping": ["5 %", "10 %"]})
 
     def issues(self) -> Iterator[SpecIssue]:
-        """Keys that say one thing in two ways, or not at all, and a range without extent."""
+        """Yield keys that give one quantity twice or not at all, and a range of frequencies without extent."""
         kinds = ("period", "stiffness", "frequency_ratio")
         for name, keys in {"first": kinds, "second": kinds, "connector": ("damping_ratio", "dashpot")}.items():
-            given = [each for each in keys if getattr(getattr(self, name), each) is not None]
-            if len(given) > 1:
-                yield (name, given[1]), f"'{given[0]}' and '{given[1]}' cannot both be given", "remove one", True
-            if name == "second" and not given:
+            given_keys = [key for key in keys if getattr(getattr(self, name), key) is not None]
+            if len(given_keys) > 1:
+                first, second = given_keys[:2]
+                message = f"'{first}' and '{second}' cannot both be given"
+                yield (name, second), message, "remove one", True
+            if name == "second" and not given_keys:
                 yield (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period"
         if self.first.frequency_ratio is not None:
             yield ("first", "frequency_ratio"), "the ratio is that of the second system", "write a period", True
@@ -133,8 +135,9 @@ def build_pair(study: ConnectorStudySpec) -> Pair:
     if second.frequency_ratio is not None:
         k2 = second.mass * second.frequency_ratio**2 * k1 / first.mass
     k = float(joint.removesuffix("k1")) * k1 if isinstance(joint, str) else joint
-    given = study.connector.damping_ratio
-    xi = DAMPING_RATIO if given is None else given
+    xi = study.connector.damping_ratio
+    if xi is None:
+        xi = DAMPING_RATIO
     dashpot = 2 * xi * math.sqrt(k * first.mass * second.mass / (first.mass + second.mass))
     dashpot = dashpot if study.connector.dashpot is None else study.connector.dashpot
     zeta = [study.damping if one.damping is None else one.damping for one in (first, second)]
@@ -193,19 +196,19 @@ def solve_connector(study: ConnectorStudySpec) -> xr.Dataset:
     def sizes(x: Any) -> np.ndarray:
         return np.abs(response_ratios(both, np.atleast_1d(x) * alone))
 
-    found = {}
+    variables = {}
     for which, each in enumerate(response_ratios(both, ratio * alone)):
         best = int(np.argmax(sizes(grid)[which]))
         number = which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
         top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
-        peak, at = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
-        found[f"peak{number}"] = to_variable("1", f"largest ratio of system {number}", peak)
-        found[f"at{number}"] = to_variable("1", f"Omega / omega10 at the peak of system {number}", at)
+        peak, place = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
+        variables[f"peak{number}"] = to_variable("1", f"largest ratio of system {number}", peak)
+        variables[f"at{number}"] = to_variable("1", f"Omega / omega10 at the peak of system {number}", place)
         what = f"displacement of system {number}, connected over alone"
-        found[f"R{number}"] = to_variable("1", what, np.abs(each), "frequency")
-        found[f"R{number}_real"] = to_variable("1", f"{what}, real part", each.real, "frequency")
-        found[f"R{number}_imag"] = to_variable("1", f"{what}, imaginary part", each.imag, "frequency")
+        variables[f"R{number}"] = to_variable("1", what, np.abs(each), "frequency")
+        variables[f"R{number}_real"] = to_variable("1", f"{what}, real part", each.real, "frequency")
+        variables[f"R{number}_imag"] = to_variable("1", f"{what}, imaginary part", each.imag, "frequency")
     smaller = sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
@@ -216,7 +219,7 @@ def solve_connector(study: ConnectorStudySpec) -> xr.Dataset:
         edges.append(float(x))
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
     lower, upper = coupled_frequencies(both)
-    found |= {
+    variables |= {
         "frequency_low": to_variable("1", "lower coupled frequency over omega10", lower / alone),
         "frequency_high": to_variable("1", "higher coupled frequency over omega10", upper / alone),
         "p": to_variable("1", "omega20 / omega10", other / alone),
@@ -225,18 +228,22 @@ def solve_connector(study: ConnectorStudySpec) -> xr.Dataset:
             "1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"
         ),
     }
-    if not all(np.isfinite(found[name][1]) for name in CONNECTOR_NUMBERS):
+    if not all(np.isfinite(variables[name][1]) for name in CONNECTOR_NUMBERS):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
         raise InputError(Problem("the response is not finite", hint))
-    told = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
-    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {told}"]})
+    band_texts = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
+    return xr.Dataset(variables, attrs={"notes": [f"both ratios exceed 1 in: {band_texts}"]})
 
 
 def cite_connector(study: ConnectorStudySpec) -> dict[str, str]:
-    """The references of a study."""
-    found = {"spiliopoulos1996": "two connected oscillators, Figs 4 and 5", "westermo1989": "connecting buildings"}
-    has_ratio = study.connector.dashpot is None and study.connector.damping_ratio != 0
-    return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if has_ratio else {})
+    """Return the references of a study, each with what for."""
+    references = {
+        "spiliopoulos1996": "two connected oscillators, Figs 4 and 5",
+        "westermo1989": "connecting buildings",
+    }
+    if study.connector.dashpot is None and study.connector.damping_ratio != 0:
+        references["anagnostopoulos1988"] = "the dashpot, eq. (7)"
+    return references
 
 
 def build_ratio_pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:

@@ -17,8 +17,8 @@ _HEIGHT = LENGTH.replace(name="height", example="13.5 m, `mid-storey 5` or `floo
 
 
 def _read_height(value: Any) -> float | str:
-    found = _PLACE.match(value) if isinstance(value, str) else None
-    return f"{found[1]} {int(found[2])}" if found else _HEIGHT.read(value)
+    place = _PLACE.match(value) if isinstance(value, str) else None
+    return f"{place[1]} {int(place[2])}" if place else _HEIGHT.read(value)
 
 
 Height = Annotated[float | str, ParsedText(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]

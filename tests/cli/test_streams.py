@@ -72,7 +72,7 @@ def test_what_nobody_foresaw_is_one_line_with_the_command_to_report(done, pound,
     def fails(*_, **__):
         raise fault
 
-    monkeypatch.setattr("pounding_cli.texts.cells", fails)
+    monkeypatch.setattr("pounding_cli.texts.escape_formulas", fails)
     code, out, err = pound("show", "results/two.h5", "storey", "--format", "csv", "--case", "gap")
     assert (code, out) == (70, "")
     assert err.lstrip().startswith(f"internal error: {type(fault).__name__}: ")
