@@ -11,7 +11,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
-from pounding_cli.points import SweepPoint, to_variable
+from pounding_cli.points import PointCommand, SweepPoint, to_variable
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, SpecIssue, spec_field
 from pounding_cli.study.links import RESTITUTION
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 MIN_GRID_POINTS = 4001
 """Grid on which peaks and bands are searched at least."""
 
-SHOWN = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
-"""The numbers of a table that fits a terminal."""
+CONNECTOR_NUMBERS = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
+"""Names of the numbers of a table that fits a terminal."""
 
 DAMPING_RATIO = damping_ratio(RESTITUTION)
 """Damping ratio of a connector whose dashpot the study does not give [-]."""
@@ -42,28 +42,33 @@ def _read_joint(given: Any) -> float | str:
 
 
 Mass = Annotated[float, MASS]
-Stiffness = Annotated[float, STIFFNESS]
-Period = Annotated[float, TIME.replace(name="period", example="0.5 s", high=60.0)]
-Joint = Annotated[float | str, ParsedText(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"), _JOINT)]
+OscillatorPeriod = Annotated[float, TIME.replace(name="period", example="0.5 s", high=60.0)]
+ConnectorStiffness = Annotated[
+    float | str, ParsedText(_read_joint, "stiffness of the connector", ("0.2 k1", "20 kN/mm"), _JOINT)
+]
 Dashpot = Annotated[float, Quantity("dashpot", "N s/m", "100 kN s/m", 0.0)]
 Damping = Annotated[float, Quantity("damping ratio", "", "5 %", 0.0, 1.0)]
-Ratio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
+FrequencyRatio = Annotated[float, Quantity("frequency ratio", "", "0.6", 0.0, 100.0, open_low=True)]
 
 
-class System(Model):
+class SystemSpec(Model):
     """One of the two systems."""
 
     mass: Mass = spec_field(200e3, "mass", "200 t")
-    period: Period | None = spec_field(None, "period alone; 0.5 s of the first unless stiffness is given", "0.5 s")
-    stiffness: Stiffness | None = spec_field(None, "stiffness, in place of the period")
-    frequency_ratio: Ratio | None = spec_field(None, "p = omega20 / omega10 of the second, in place of the period", 0.6)
+    period: OscillatorPeriod | None = spec_field(
+        None, "period alone; 0.5 s of the first unless stiffness is given", "0.5 s"
+    )
+    stiffness: Annotated[float, STIFFNESS] | None = spec_field(None, "stiffness, in place of the period")
+    frequency_ratio: FrequencyRatio | None = spec_field(
+        None, "p = omega20 / omega10 of the second, in place of the period", 0.6
+    )
     damping: Damping | None = spec_field(None, "damping ratio; the study's unless given", "5 %")
 
 
-class Connector(Model):
+class ConnectorSpec(Model):
     """The connector between the two systems."""
 
-    stiffness: Joint = spec_field("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
+    stiffness: ConnectorStiffness = spec_field("0.2 k1", "K, as a multiple of k1 or in N/m", "0.2 k1")
     damping_ratio: Damping | None = spec_field(
         None,
         f"xi of its dashpot (eq. 7); default: {DAMPING_RATIO:.3g}, which follows from the restitution "
@@ -73,33 +78,35 @@ class Connector(Model):
     dashpot: Dashpot | None = spec_field(None, "its dashpot, in place of damping_ratio", "100 kN s/m")
 
 
-class Frequencies(Model):
+class FrequenciesSpec(Model):
     """Frequencies at which the ratios are computed, in Omega / omega10."""
 
-    low: Ratio = spec_field(0.2, "lowest Omega / omega10", 0.2)
-    high: Ratio = spec_field(1.6, "highest Omega / omega10", 1.6)
+    low: FrequencyRatio = spec_field(0.2, "lowest Omega / omega10", 0.2)
+    high: FrequencyRatio = spec_field(1.6, "highest Omega / omega10", 1.6)
     points: Annotated[int, WholeNumber(11, 1_000_000)] = spec_field(1401, "number of frequencies", 1401)
 
 
-class Study(Model):
+class ConnectorStudySpec(Model):
     """A study of two connected oscillators (paper, Figs 4 and 5)."""
 
     title: str = spec_field(..., "one line that says what is studied", "Two connected oscillators")
-    first: System = System(period=0.5)
-    second: System = System(frequency_ratio=0.6)
-    connector: Connector = Connector()
+    first: SystemSpec = SystemSpec(period=0.5)
+    second: SystemSpec = SystemSpec(frequency_ratio=0.6)
+    connector: ConnectorSpec = ConnectorSpec()
     damping: Damping = spec_field(0.05, "damping ratio of both systems", "5 %")
-    frequencies: Frequencies = Frequencies()
+    frequencies: FrequenciesSpec = FrequenciesSpec()
     sweep: Any = spec_field(None, "keys and the values they take", {"damping": ["5 %", "10 %"]})
 
     def issues(self) -> Iterator[SpecIssue]:
-        """Keys that say one thing in two ways, or not at all, and a range without extent."""
+        """Yield keys that give one quantity twice or not at all, and a range of frequencies without extent."""
         kinds = ("period", "stiffness", "frequency_ratio")
         for name, keys in {"first": kinds, "second": kinds, "connector": ("damping_ratio", "dashpot")}.items():
-            given = [each for each in keys if getattr(getattr(self, name), each) is not None]
-            if len(given) > 1:
-                yield (name, given[1]), f"'{given[0]}' and '{given[1]}' cannot both be given", "remove one", True
-            if name == "second" and not given:
+            given_keys = [key for key in keys if getattr(getattr(self, name), key) is not None]
+            if len(given_keys) > 1:
+                first, second = given_keys[:2]
+                message = f"'{first}' and '{second}' cannot both be given"
+                yield (name, second), message, "remove one", True
+            if name == "second" and not given_keys:
                 yield (name,), "the second system has no frequency", "add `frequency_ratio: 0.6`, or a period"
         if self.first.frequency_ratio is not None:
             yield ("first", "frequency_ratio"), "the ratio is that of the second system", "write a period", True
@@ -118,7 +125,7 @@ class Pair(NamedTuple):
     dashpot: float
 
 
-def build_pair(study: Study) -> Pair:
+def build_pair(study: ConnectorStudySpec) -> Pair:
     """The numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
     first = study.first
     second = study.second
@@ -128,8 +135,9 @@ def build_pair(study: Study) -> Pair:
     if second.frequency_ratio is not None:
         k2 = second.mass * second.frequency_ratio**2 * k1 / first.mass
     k = float(joint.removesuffix("k1")) * k1 if isinstance(joint, str) else joint
-    given = study.connector.damping_ratio
-    xi = DAMPING_RATIO if given is None else given
+    xi = study.connector.damping_ratio
+    if xi is None:
+        xi = DAMPING_RATIO
     dashpot = 2 * xi * math.sqrt(k * first.mass * second.mass / (first.mass + second.mass))
     dashpot = dashpot if study.connector.dashpot is None else study.connector.dashpot
     zeta = [study.damping if one.damping is None else one.damping for one in (first, second)]
@@ -169,7 +177,7 @@ def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     return d * (d[::-1] + z * m.sum() / m) / (d[0] * d[1] + z * d.sum(axis=0))
 
 
-def solve(study: Study) -> xr.Dataset:
+def solve_connector(study: ConnectorStudySpec) -> xr.Dataset:
     """Both ratios over frequency, their peaks, and the bands in which both exceed one, found to rounding.
 
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
@@ -188,19 +196,19 @@ def solve(study: Study) -> xr.Dataset:
     def sizes(x: Any) -> np.ndarray:
         return np.abs(response_ratios(both, np.atleast_1d(x) * alone))
 
-    found = {}
+    variables = {}
     for which, each in enumerate(response_ratios(both, ratio * alone)):
         best = int(np.argmax(sizes(grid)[which]))
         number = which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
         top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
-        peak, at = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
-        found[f"peak{number}"] = to_variable("1", f"largest ratio of system {number}", peak)
-        found[f"at{number}"] = to_variable("1", f"Omega / omega10 at the peak of system {number}", at)
+        peak, place = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
+        variables[f"peak{number}"] = to_variable("1", f"largest ratio of system {number}", peak)
+        variables[f"at{number}"] = to_variable("1", f"Omega / omega10 at the peak of system {number}", place)
         what = f"displacement of system {number}, connected over alone"
-        found[f"R{number}"] = to_variable("1", what, np.abs(each), "frequency")
-        found[f"R{number}_real"] = to_variable("1", f"{what}, real part", each.real, "frequency")
-        found[f"R{number}_imag"] = to_variable("1", f"{what}, imaginary part", each.imag, "frequency")
+        variables[f"R{number}"] = to_variable("1", what, np.abs(each), "frequency")
+        variables[f"R{number}_real"] = to_variable("1", f"{what}, real part", each.real, "frequency")
+        variables[f"R{number}_imag"] = to_variable("1", f"{what}, imaginary part", each.imag, "frequency")
     smaller = sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
@@ -211,7 +219,7 @@ def solve(study: Study) -> xr.Dataset:
         edges.append(float(x))
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
     lower, upper = coupled_frequencies(both)
-    found |= {
+    variables |= {
         "frequency_low": to_variable("1", "lower coupled frequency over omega10", lower / alone),
         "frequency_high": to_variable("1", "higher coupled frequency over omega10", upper / alone),
         "p": to_variable("1", "omega20 / omega10", other / alone),
@@ -220,21 +228,25 @@ def solve(study: Study) -> xr.Dataset:
             "1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"
         ),
     }
-    if not all(np.isfinite(found[name][1]) for name in SHOWN):
+    if not all(np.isfinite(variables[name][1]) for name in CONNECTOR_NUMBERS):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
         raise InputError(Problem("the response is not finite", hint))
-    told = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
-    return xr.Dataset(found, attrs={"notes": [f"both ratios exceed 1 in: {told}"]})
+    band_texts = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
+    return xr.Dataset(variables, attrs={"notes": [f"both ratios exceed 1 in: {band_texts}"]})
 
 
-def cites(study: Study) -> dict[str, str]:
-    """The references of a study."""
-    found = {"spiliopoulos1996": "two connected oscillators, Figs 4 and 5", "westermo1989": "connecting buildings"}
-    has_ratio = study.connector.dashpot is None and study.connector.damping_ratio != 0
-    return found | ({"anagnostopoulos1988": "the dashpot, eq. (7)"} if has_ratio else {})
+def cite_connector(study: ConnectorStudySpec) -> dict[str, str]:
+    """Return the references of a study, each with what for."""
+    references = {
+        "spiliopoulos1996": "two connected oscillators, Figs 4 and 5",
+        "westermo1989": "connecting buildings",
+    }
+    if study.connector.dashpot is None and study.connector.damping_ratio != 0:
+        references["anagnostopoulos1988"] = "the dashpot, eq. (7)"
+    return references
 
 
-def pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
+def build_ratio_pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
     """Both ratios against the frequency of the ground."""
     from pounding_cli.report.document import Picture
 
@@ -263,3 +275,14 @@ def draw_ratios(title: str, points: Sequence[SweepPoint]) -> Figure:
     left = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
     finish(figure, title, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
     return figure
+
+
+CONNECTOR_COMMAND = PointCommand(
+    name="connector",
+    spec=ConnectorStudySpec,
+    solve=solve_connector,
+    terminal_numbers=CONNECTOR_NUMBERS,
+    cite_references=cite_connector,
+    build_pictures=build_ratio_pictures,
+)
+"""`pound connector`."""

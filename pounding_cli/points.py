@@ -1,29 +1,21 @@
-"""Questions with a model of their own: the points of a study's sweep are solved one after the other.
-
-A question is a module (`connector`, `wall`) with the name of its command. It offers
-
-Study : pydantic model of its file
-solve(study) : a Dataset of values with unit and meaning (`to_variable`), and sentences in its attribute `notes`
-SHOWN : names of the numbers that a terminal prints
-cites(study) : {reference: what for}
-pictures(title, points) : the figures, the most important first
-"""
+"""Commands with a model of their own: the points of a study's sweep are solved one after the other."""
 
 from __future__ import annotations
 
-import importlib
+import pkgutil
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, pluralize
+from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, read_study, refuse_other_kinds, with_value
 from pounding_cli.study.warnings import Doubts, warn_values
@@ -32,13 +24,10 @@ from pounding_cli.study.words import describe_errors
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pounding_cli.report.document import Report
+    from pounding_cli.report.document import Picture, Report
 
-POINT_COMMANDS = ("connector", "wall")
-"""The modules."""
-
-DONE = "done"
-"""Status of a point that has its numbers."""
+POINT_COMMANDS = {"connector": "pounding_cli.connector:CONNECTOR_COMMAND", "wall": "pounding_cli.wall:WALL_COMMAND"}
+"""Command -> the place of its `PointCommand`; its module is imported when the command is used."""
 
 MESH = ("element", "side", "axis")
 """Dimensions of fields on a mesh, which are drawn and not kept in the results file."""
@@ -51,10 +40,30 @@ _UNITS = {
 
 
 @dataclass(frozen=True)
-class SweepPoint:
-    """One point of the sweep: in words, the study there, what each swept key is.
+class PointCommand:
+    """A command that solves the points of a study one after the other.
 
-    data : what came of it
+    name : of the command, and the kind of its results files
+    spec : model of its study file
+    solve : a study -> its values with unit and meaning (`to_variable`), and sentences in the attribute `notes`
+    terminal_numbers : names of the values that a terminal prints
+    cite_references : a study -> {key of a reference: what for}
+    build_pictures : title and points -> figures of the report, the most important first
+    """
+
+    name: str
+    spec: type[BaseModel]
+    solve: Callable[[Any], xr.Dataset]
+    terminal_numbers: tuple[str, ...]
+    cite_references: Callable[[Any], Mapping[str, str]]
+    build_pictures: Callable[[str, Sequence[SweepPoint]], Sequence[Picture]]
+
+
+@dataclass(frozen=True)
+class SweepPoint:
+    """One point of the sweep: its label, the study there and the values of the swept keys.
+
+    data : values of the point, as `PointCommand.solve` returns them
     status, advice : "done", or why there is nothing in `data`, and what to do about it
     """
 
@@ -68,10 +77,9 @@ class SweepPoint:
 
 @dataclass(frozen=True)
 class Sweep:
-    """A validated study of the command `name`, asked of the module `asked`: its title, text, axes and points."""
+    """A validated study of a command: its title, text, swept axes and points."""
 
-    name: str
-    asked: Any
+    command: PointCommand
     title: str
     text: str
     axes: tuple[Axis, ...]
@@ -86,11 +94,11 @@ def to_variable(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...
 
 def load_sweep(path: Path, name: str) -> Sweep:
     """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
-    module: Any = importlib.import_module(f"pounding_cli.{name}")
+    command: PointCommand = pkgutil.resolve_name(POINT_COMMANDS[name])
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
     problems = Problems(str(path))
-    axes = read_axes(root, problems, module.Study)
+    axes = read_axes(root, problems, command.spec)
     problems.check()
     points = []
     doubts = Doubts(str(path))
@@ -103,15 +111,15 @@ def load_sweep(path: Path, name: str) -> Sweep:
             swept |= dict(zip(axis.names, axis.values[index], strict=True))
         label = ", ".join(axis.format_point(index) for axis, index in zip(axes, places, strict=True))
         try:
-            study = module.Study.model_validate(tree)
+            study: Any = command.spec.model_validate(tree)
             points.append(SweepPoint(label, study, swept))
             warn_values(study, tree, (), doubts)
         except ValidationError as error:
-            for issue in describe_errors(error, (), module.Study, tree):
+            for issue in describe_errors(error, (), command.spec, tree):
                 problems.add_issue(tree, issue)
     problems.check()
     warnings = sorted(doubts.merged(), key=lambda warning: (warning.line, warning.column))
-    return Sweep(name, module, points[0].study.title, text, axes, tuple(points), tuple(warnings))
+    return Sweep(command, points[0].study.title, text, axes, tuple(points), tuple(warnings))
 
 
 def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
@@ -124,7 +132,7 @@ def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
     advice = ""
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
-            data = sweep.asked.solve(point.study)
+            data = sweep.command.solve(point.study)
     except InputError as refused:
         (problem, *_) = refused.problems
         status = f"refused: {problem.message}"
@@ -159,7 +167,7 @@ def build_dataset(sweep: Sweep) -> xr.Dataset:
     for axis in sweep.axes:
         columns = zip(axis.names, zip(*axis.values, strict=True), strict=True)
         merged = merged.assign_coords({name: (axis.names[0], list(values)) for name, values in columns})
-    return merged.assign_attrs({"kind": sweep.name, "title": sweep.title, "study": sweep.text})
+    return merged.assign_attrs({"kind": sweep.command.name, "title": sweep.title, "study": sweep.text})
 
 
 def is_written_by(name: str, file: Path) -> bool:
@@ -182,7 +190,7 @@ def build_report(sweep: Sweep) -> Report:
     from pounding_cli.report.table import from_rows
     from pounding_cli.results.tables import Column, Table
 
-    asked = sweep.asked
+    command = sweep.command
     done = [point for point in sweep.points if point.status == DONE]
     frame = pd.DataFrame([
         {**point.swept, **{name: each.item() for name, each in point.data.items() if not each.dims}}
@@ -195,9 +203,9 @@ def build_report(sweep: Sweep) -> Report:
             si = each.attrs["units"]
             columns[name] = Column(each.attrs["long_name"], _UNITS.get(si, Unit(si, 1.0, si)), name.replace("_", " "))
     frame = frame[[*columns]]
-    terminal_frame = frame[[*swept, *(asked.SHOWN if done else ["status"])]]
-    pictures = asked.pictures(sweep.title, done) if done else []
-    cited = [[REFERENCES[key].text, what] for key, what in asked.cites(sweep.points[0].study).items()]
+    terminal_frame = frame[[*swept, *(command.terminal_numbers if done else ["status"])]]
+    pictures = command.build_pictures(sweep.title, done) if done else []
+    cited = [[REFERENCES[key].text, what] for key, what in command.cite_references(sweep.points[0].study).items()]
     notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
     failed_count = len(sweep.points) - len(done)
     sentences = [f"{pluralize(failed_count, 'point')} failed."] if failed_count else []
@@ -206,7 +214,7 @@ def build_report(sweep: Sweep) -> Report:
         Section("", sentences, [Table("", terminal_frame, columns)], pictures[:1], notes),
         lambda: [
             Section("Further figures", pictures=pictures[1:]),
-            Section("Numbers", tables=[Table(sweep.name, frame, columns, "Numbers at every point")]),
+            Section("Numbers", tables=[Table(command.name, frame, columns, "Numbers at every point")]),
             Section("References", tables=[from_rows("", ("reference", "for"), cited)]),
             Section("Study", widget="study"),
         ],

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-PLACE = ("case", "analysis", "record")
+SCENE_DIMS = ("case", "analysis", "record")
 """The dimensions of one scene, after the swept axes."""
 
-BUILDING = (*PLACE, "building")
-STOREY = (*BUILDING, "storey")
-FLOOR = (*BUILDING, "floor")
-LINK = (*PLACE, "link")
+BUILDING_DIMS = (*SCENE_DIMS, "building")
+STOREY_DIMS = (*BUILDING_DIMS, "storey")
+FLOOR_DIMS = (*BUILDING_DIMS, "floor")
+LINK_DIMS = (*SCENE_DIMS, "link")
 
-ITSELF, EXACT = "itself", "exact"
+ITSELF, NO_DIFFERENCE = "itself", "exact"
 """See `Variable.difference_scale`."""
 
 
@@ -26,12 +26,13 @@ class Variable:
 
     unit : SI, "1" for a pure number, "" for text
     kind : "f" doubles (NaN where there is nothing), "i" integers, "s" text ("" where there is nothing)
-    of : the field of a response that it is read from, such as "building.shear"; "" where it follows from others
-    alone : whether it is that of the building alone, under the same motion
+    of : field of a response that it is read from, such as "building.shear"; "" where it follows from others
+    alone : True for the value of the building alone, under the same motion
     ratio : (value, value of the building alone) that it is the ratio of; its statistics over the motions are kept too
-    formula : the values of variables that responses have, by name -> its own; shapes (rows, dimensions after PLACE)
+    formula : the values of variables that responses have, by name -> its own; shapes (rows, dimensions after
+        SCENE_DIMS)
     difference_scale : what a difference is relative to when two files are compared: ITSELF, the largest of another
-        variable in the scene, or EXACT (no difference is allowed); "" for one that follows from others and is
+        variable in the scene, or NO_DIFFERENCE (none is allowed); "" for one that follows from others and is
         not compared
     charts : charts of the page that offer it: "height" (storey by storey, link by link), "sweep"
     label : what pages and figures call it; its name unless given
@@ -55,105 +56,123 @@ class Variable:
 
 _HEIGHT, _BOTH = ("height",), ("height", "sweep")
 
-RESPONSES = (
-    Variable("V", STOREY, "N", "largest storey shear, without damping force",
+RESPONSE_VARIABLES = (
+    Variable("V", STOREY_DIMS, "N", "largest storey shear, without damping force",
              of="building.shear", difference_scale=ITSELF, charts=_BOTH),
-    Variable("V0", STOREY, "N", "largest storey shear of the building alone",
+    Variable("V0", STOREY_DIMS, "N", "largest storey shear of the building alone",
              of="building.shear", alone=True, difference_scale=ITSELF, label="V₀"),
-    Variable("V_ratio", STOREY, "1", "V / V0", ratio=("V", "V0"), charts=_BOTH, label="V/V₀"),
-    Variable("mu", STOREY, "1", "ductility, largest drift over yield drift",
+    Variable("V_ratio", STOREY_DIMS, "1", "V / V0", ratio=("V", "V0"), charts=_BOTH, label="V/V₀"),
+    Variable("mu", STOREY_DIMS, "1", "ductility, largest drift over yield drift",
              of="building.ductility", difference_scale=ITSELF, charts=_BOTH, label="μ"),
-    Variable("mu0", STOREY, "1", "ductility of the building alone",
+    Variable("mu0", STOREY_DIMS, "1", "ductility of the building alone",
              of="building.ductility", alone=True, difference_scale=ITSELF, label="μ₀"),
-    Variable("mu_ratio", STOREY, "1", "mu / mu0", ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀"),
-    Variable("drift", STOREY, "m", "largest storey drift", of="building.drift", difference_scale=ITSELF, charts=_BOTH),
-    Variable("drift0", STOREY, "m", "largest storey drift of the building alone",
+    Variable("mu_ratio", STOREY_DIMS, "1", "mu / mu0",
+             ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀"),
+    Variable("drift", STOREY_DIMS, "m", "largest storey drift",
+             of="building.drift", difference_scale=ITSELF, charts=_BOTH),
+    Variable("drift0", STOREY_DIMS, "m", "largest storey drift of the building alone",
              of="building.drift", alone=True, difference_scale=ITSELF, label="drift alone"),
-    Variable("drift_ratio", STOREY, "1", "drift / height of the storey", charts=_BOTH, always=False),
-    Variable("residual_drift", STOREY, "m", "storey drift at rest, long after the motion",
+    Variable("drift_ratio", STOREY_DIMS, "1", "drift / height of the storey",
+             charts=_BOTH, always=False),
+    Variable("residual_drift", STOREY_DIMS, "m", "storey drift at rest, long after the motion",
              of="building.residual_drift", difference_scale="drift", charts=_BOTH),
-    Variable("acceleration", FLOOR, "m/s2", "largest total floor acceleration",
+    Variable("acceleration", FLOOR_DIMS, "m/s2", "largest total floor acceleration",
              of="building.acceleration", difference_scale="acceleration", charts=_BOTH),
-    Variable("acceleration0", FLOOR, "m/s2", "largest total floor acceleration of the building alone",
+    Variable("acceleration0", FLOOR_DIMS, "m/s2",
+             "largest total floor acceleration of the building alone",
              of="building.acceleration", alone=True, difference_scale="acceleration0", label="acceleration alone"),
-    Variable("acceleration_ratio", FLOOR, "1", "acceleration / acceleration0",
+    Variable("acceleration_ratio", FLOOR_DIMS, "1", "acceleration / acceleration0",
              ratio=("acceleration", "acceleration0"), charts=_BOTH, label="a/a₀"),
-    Variable("displacement", FLOOR, "m", "largest floor displacement relative to the ground, either way",
+    Variable("displacement", FLOOR_DIMS, "m",
+             "largest floor displacement relative to the ground, either way",
              formula=lambda of: np.maximum(of["displacement_max"], -of["displacement_min"]), charts=_BOTH),
-    Variable("displacement_max", FLOOR, "m", "largest floor displacement to the right",
+    Variable("displacement_max", FLOOR_DIMS, "m", "largest floor displacement to the right",
              of="building.displacement_max", difference_scale="displacement", label="displacement, right"),
-    Variable("displacement_min", FLOOR, "m", "smallest floor displacement (to the left: negative)",
+    Variable("displacement_min", FLOOR_DIMS, "m",
+             "smallest floor displacement (to the left: negative)",
              of="building.displacement_min", difference_scale="displacement", label="displacement, left"),
-    Variable("sway", BUILDING, "m", "largest translation of the foundation", of="building.sway"),
-    Variable("rocking", BUILDING, "rad", "largest rotation of the foundation", of="building.rocking"),
-    Variable("isolator_displacement", BUILDING, "m", "largest displacement of the isolators; NaN of a base without",
+    Variable("sway", BUILDING_DIMS, "m", "largest translation of the foundation",
+             of="building.sway"),
+    Variable("rocking", BUILDING_DIMS, "rad", "largest rotation of the foundation",
+             of="building.rocking"),
+    Variable("isolator_displacement", BUILDING_DIMS, "m",
+             "largest displacement of the isolators; NaN of a base without",
              of="building.isolator_displacement", always=False),
-    Variable("collapsed", BUILDING, "1", "storey that collapsed, from 1; 0 where none did", kind="i", always=False),
-    Variable("collapsed0", BUILDING, "1", "likewise of the building alone", kind="i", alone=True, always=False),
-    Variable("impacts", LINK, "1", "number of times the link closed",
-             of="link.impacts", difference_scale=EXACT, charts=_BOTH, label="contacts"),
-    Variable("peak_force", LINK, "N", "largest link force",
+    Variable("collapsed", BUILDING_DIMS, "1", "storey that collapsed, from 1; 0 where none did",
+             kind="i", always=False),
+    Variable("collapsed0", BUILDING_DIMS, "1", "likewise of the building alone",
+             kind="i", alone=True, always=False),
+    Variable("impacts", LINK_DIMS, "1", "number of times the link closed",
+             of="link.impacts", difference_scale=NO_DIFFERENCE, charts=_BOTH, label="contacts"),
+    Variable("peak_force", LINK_DIMS, "N", "largest link force",
              of="link.peak_force", difference_scale="peak_force", charts=_BOTH),
-    Variable("max_closing", LINK, "m", "largest closing of the two floors, gap not subtracted",
+    Variable("max_closing", LINK_DIMS, "m", "largest closing of the two floors, gap not subtracted",
              of="link.max_closing", difference_scale="max_closing", charts=_BOTH, label="largest closing"),
-    Variable("impulse", LINK, "N s", "link force summed over time, pulling negative",
+    Variable("impulse", LINK_DIMS, "N s", "link force summed over time, pulling negative",
              of="link.impulse", difference_scale="impulse", charts=_HEIGHT),
-    Variable("contact_time", LINK, "s", "time with a force in the link",
+    Variable("contact_time", LINK_DIMS, "s", "time with a force in the link",
              of="link.contact_time", difference_scale="contact_time", charts=_HEIGHT),
-    Variable("shear_below", LINK, "N", "largest shear in the struck columns below the blow, without damping force",
+    Variable("shear_below", LINK_DIMS, "N",
+             "largest shear in the struck columns below the blow, without damping force",
              of="columns.shear_below", difference_scale=ITSELF, charts=_HEIGHT,
              label="column shear below the blow", always=False),
-    Variable("shear_above", LINK, "N", "largest shear in the struck columns above the blow, without damping force",
+    Variable("shear_above", LINK_DIMS, "N",
+             "largest shear in the struck columns above the blow, without damping force",
              of="columns.shear_above", difference_scale=ITSELF, charts=_HEIGHT,
              label="column shear above the blow", always=False),
-    Variable("shear_demand", LINK, "1", "the larger of both over the columns' share of the storey's yield shear",
+    Variable("shear_demand", LINK_DIMS, "1",
+             "the larger of both over the columns' share of the storey's yield shear",
              of="columns.demand", charts=_BOTH, label="column shear over strength", always=False),
 )  # fmt: skip
-"""What responses say, and what follows from it."""
+"""Variables of responses, and those that follow from them."""
 
-SCENES = (
-    Variable("status", PLACE, "", "outcome of the scene: done, collapsed, or what stopped it", "s"),
-    Variable("advice", PLACE, "", "what to do about an outcome other than done", "s"),
-    Variable("collapse_time", PLACE, "s", "when a storey collapsed; NaN where none did", always=False),
-    Variable("method", PLACE, "", "method of solution", "s"),
-    Variable("accuracy", PLACE, "1", "accuracy asked; NaN for a method that takes a time step"),
-    Variable("time_step", PLACE, "s", "time step of a method that takes one; NaN for the others"),
-    Variable("steps", PLACE, "1", "time steps", "i"),
-    Variable("events", PLACE, "1", "events located", "i"),
-    Variable("orders", PLACE, "1", "Taylor orders computed in all", "i"),
-    Variable("seconds", PLACE, "s", "time inside the solver", label="solver time"),
-    Variable("energy_residual", PLACE, "1", "energy imbalance over the input"),
-    Variable("error_estimate", PLACE, "1", "numerical error of the peaks, relative: about so much at most",
+SCENE_VARIABLES = (
+    Variable("status", SCENE_DIMS, "", "outcome of the scene: done, collapsed, or what stopped it",
+             "s"),
+    Variable("advice", SCENE_DIMS, "", "what to do about an outcome other than done", "s"),
+    Variable("collapse_time", SCENE_DIMS, "s", "when a storey collapsed; NaN where none did",
+             always=False),
+    Variable("method", SCENE_DIMS, "", "method of solution", "s"),
+    Variable("accuracy", SCENE_DIMS, "1", "accuracy asked; NaN for a method that takes a time step"),
+    Variable("time_step", SCENE_DIMS, "s", "time step of a method that takes one; NaN for the others"),
+    Variable("steps", SCENE_DIMS, "1", "time steps", "i"),
+    Variable("events", SCENE_DIMS, "1", "events located", "i"),
+    Variable("orders", SCENE_DIMS, "1", "Taylor orders computed in all", "i"),
+    Variable("seconds", SCENE_DIMS, "s", "time inside the solver", label="solver time"),
+    Variable("energy_residual", SCENE_DIMS, "1", "energy imbalance over the input"),
+    Variable("error_estimate", SCENE_DIMS, "1",
+             "numerical error of the peaks, relative: about so much at most",
              label="error"),
-    Variable("sensitivity", PLACE, "1", "change of the peaks under a small change of the motion, relative"),
-    Variable("effects", PLACE, "", "effects simulated, one a line", "s"),
-    Variable("dropped", PLACE, "", "effects left out with the reason, one a line", "s"),
-    Variable("flags", PLACE, "", "what a reader of the numbers should know, one a line", "s"),
-    Variable("flag_severity", PLACE, "", "of every flag a number that is larger where it is worse, one a line", "s"),
-    Variable("energy_input", PLACE, "J", "energy put in by the ground"),
-    Variable("energy_kinetic", PLACE, "J", "kinetic energy at the end"),
-    Variable("energy_stored", PLACE, "J", "elastic energy at the end"),
-    Variable("energy_damping", PLACE, "J", "energy lost in structural damping"),
-    Variable("energy_hysteresis", PLACE, "J", "energy lost in yielding storeys"),
-    Variable("energy_links", PLACE, "J", "energy lost in links"),
-    Variable("scene", PLACE, "", "digest of the scene", "s"),
+    Variable("sensitivity", SCENE_DIMS, "1", "change of the peaks under a small change of the motion, relative"),
+    Variable("effects", SCENE_DIMS, "", "effects simulated, one a line", "s"),
+    Variable("dropped", SCENE_DIMS, "", "effects left out with the reason, one a line", "s"),
+    Variable("flags", SCENE_DIMS, "", "what a reader of the numbers should know, one a line", "s"),
+    Variable("flag_severity", SCENE_DIMS, "",
+             "of every flag a number that is larger where it is worse, one a line", "s"),
+    Variable("energy_input", SCENE_DIMS, "J", "energy put in by the ground"),
+    Variable("energy_kinetic", SCENE_DIMS, "J", "kinetic energy at the end"),
+    Variable("energy_stored", SCENE_DIMS, "J", "elastic energy at the end"),
+    Variable("energy_damping", SCENE_DIMS, "J", "energy lost in structural damping"),
+    Variable("energy_hysteresis", SCENE_DIMS, "J", "energy lost in yielding storeys"),
+    Variable("energy_links", SCENE_DIMS, "J", "energy lost in links"),
+    Variable("scene", SCENE_DIMS, "", "digest of the scene", "s"),
 )  # fmt: skip
 
-OF_COLUMNS = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
-"""What files have where some link strikes columns."""
+COLUMN_VARIABLES = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
+"""Names of the variables that files have where some link strikes columns."""
 
 _WHERE = "part of the height of the storey below its floor, 1 at it"
 
-LINKS = (
+LINK_VARIABLES = (
     Variable("kind", ("case", "link"), "", "law of the link; empty where there is none", "s"),
     Variable("gap", ("case", "link"), "m", "initial distance of the two floors"),
     Variable("left_at", ("case", "link"), "1", f"left end: {_WHERE}", always=False),
     Variable("right_at", ("case", "link"), "1", f"right end: {_WHERE}", always=False),
 )
 
-# The variables of BUILDINGS and RECORDS have only those swept axes that change one of them.
+# BUILDING_VARIABLES and RECORD_VARIABLES have only those swept axes that change one of them.
 
-BUILDINGS = (
+BUILDING_VARIABLES = (
     Variable("mass", ("building", "storey"), "kg", "floor mass"),
     Variable("height", ("building", "storey"), "m", "storey height"),
     Variable("stiffness", ("building", "storey"), "N/m", "initial storey stiffness"),
@@ -164,7 +183,7 @@ BUILDINGS = (
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
 )
 
-RECORDS = (
+RECORD_VARIABLES = (
     Variable("record_source", ("record",), "", "real, stand-in or user", "s"),
     Variable("record_digest", ("record",), "", "SHA-256 of the motion as used", "s"),
     Variable("record_scale", ("record",), "1", "factor on the motion as read"),
@@ -183,25 +202,40 @@ _STATISTICS = {
     "mean_sensitivity": "mean relative change of the peaks under a small change of the motion",
 }
 
-STATISTICS = tuple(
+STATISTIC_VARIABLES = tuple(
     Variable(
         f"{ratio.name}_{name}", ("case", "analysis", *ratio.dims[-2:]), "1",
         f"{words} over the records of {ratio.name}", "i" if name == "count" else "f",
     )
-    for ratio in RESPONSES if ratio.ratio for name, words in _STATISTICS.items()
+    for ratio in RESPONSE_VARIABLES if ratio.ratio for name, words in _STATISTICS.items()
 )  # fmt: skip
 
 DISPLAY_QUANTITIES = {
     "gap": "gap", "max_closing": "gap",
     "acceleration": "acceleration", "acceleration0": "acceleration", "record_pga": "acceleration",
 }  # fmt: skip
-"""Variables that people read in the unit the study writes, and the quantity of `study.study.PLACES` they are."""
+"""Variable that people read in the unit the study writes -> its quantity in `study.display.DISPLAY_UNITS`."""
 
-VARIABLES = {v.name: v for v in (*RESPONSES, *SCENES, *LINKS, *BUILDINGS, *RECORDS, *STATISTICS)}
+VARIABLES = {
+    v.name: v
+    for v in (
+        *RESPONSE_VARIABLES,
+        *SCENE_VARIABLES,
+        *LINK_VARIABLES,
+        *BUILDING_VARIABLES,
+        *RECORD_VARIABLES,
+        *STATISTIC_VARIABLES,
+    )
+}
 
-RATIOS = tuple(v.name for v in RESPONSES if v.ratio)
+RATIO_VARIABLES = tuple(v.name for v in RESPONSE_VARIABLES if v.ratio)
 
-ALONE = {v.name: w.name for v in RESPONSES for w in RESPONSES if v.of and v.of == w.of and w.alone and not v.alone}
+ALONE_VARIABLES = {
+    v.name: w.name
+    for v in RESPONSE_VARIABLES
+    for w in RESPONSE_VARIABLES
+    if v.of and v.of == w.of and w.alone and not v.alone
+}
 """Variable -> the same of the building alone."""
 
 COORDINATE_VARIABLES = {

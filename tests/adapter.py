@@ -30,7 +30,7 @@ from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
-from pounding_cli.study import load_study, make_plan, study_of
+from pounding_cli.study import load_study_file, make_plan, study_of
 from pounding_cli.study.expression import parse_limit as parse_limit
 from pounding_cli.workflows import gap as gap
 from pounding_cli.workflows import search as search
@@ -164,7 +164,7 @@ def _largest(run: Any, name: str) -> float:
 
 def scenes(study: Path) -> Iterator[tuple[str, pound.Scene, float]]:
     """Every scene of a study once, baselines too: its place in words, the scene, the accuracy asked."""
-    plan = make_plan(load_study(study))
+    plan = make_plan(load_study_file(study))
     rows, columns = plan.first
     for number, scene in enumerate(plan.scenes(np.arange(len(plan)))):
         row = plan.row(int(rows[number]))

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.results import results
+from pounding_cli.results.results import ResultTables
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-class Results(results.Results):
-    __doc__ = results.Results.__doc__
+class Results(ResultTables):
+    __doc__ = ResultTables.__doc__
 
     def plot(self, building: str | None = None) -> list[Axes]:
         """The main figure of a building: V/V0 elastic and mu/mu0 inelastic, storey by storey.

@@ -141,9 +141,9 @@ def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -
     InputError : the output step is not above zero; the run did not end, and why
     """
     from pounding_cli.results.histories import History, as_group
-    from pounding_cli.solver.histories import history as kept
+    from pounding_cli.solver.histories import solve_history
 
-    return History(as_group(kept(scene, accuracy, quantity(_EVERY, every, "every"))).dataset())
+    return History(as_group(solve_history(scene, accuracy, quantity(_EVERY, every, "every"))).dataset())
 
 
 def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion:
@@ -165,7 +165,11 @@ def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None)
     word = str(source)
     if isinstance(source, str) and word in records.list_names():
         if dt is not None or unit is not None:
-            raise InputError(Problem(f"'{word}' knows its time step and unit", "leave 'dt' and 'unit' out"))
+            raise InputError(
+                Problem(
+                    f"'{word}' is a catalogue motion; its time step and unit are fixed", "leave 'dt' and 'unit' out"
+                )
+            )
         return records.load_motion(word)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
         records.get_entry(word)  # refuses it, with the nearest name

@@ -19,10 +19,9 @@ def load_study(source: str | Path | Mapping[str, Any]) -> Study:
     ------
     InputError : with every problem found, each with line and column, or in a dict with its key
     """
-    from pounding_cli.study import load_study as load
-    from pounding_cli.study import study_of
+    from pounding_cli.study import load_study_file, study_of
 
-    return study_of(source) if isinstance(source, Mapping) else load(Path(source))
+    return study_of(source) if isinstance(source, Mapping) else load_study_file(Path(source))
 
 
 def run(

@@ -23,7 +23,7 @@ MOST_SCENES = 2000
 BESIDE = 0.2e-3
 """Time that a time history takes outside its kernel [s]."""
 
-START = 1.0
+TIME_BESIDE_SCENES = 1.0
 """Time of a run besides its scenes [s]: imports, compiled kernels loaded, a file with its summary."""
 
 RUNS = {"none": 1.0, "sample": 1.2, "all": 2.4}
@@ -130,7 +130,7 @@ def expected_duration(plan: Plan, missing: np.ndarray, count: int, measured: Map
     measured : rates of this study, by kind; others are taken from earlier runs on this computer
     """
     if not count or not missing.size:
-        return Duration(START, ())
+        return Duration(TIME_BESIDE_SCENES, ())
     kinds, work = kinds_and_work(plan)
     rates = {**read_rates(), **measured}
     needed = {kind.partition(",")[0] for kind in kinds[missing]}
@@ -138,4 +138,4 @@ def expected_duration(plan: Plan, missing: np.ndarray, count: int, measured: Map
     if uncompiled or not set(kinds[missing]) <= rates.keys():
         return Duration(None, uncompiled)
     each = [RUNS[plan.estimate] * rates[kinds[number]] * work[number] + BESIDE for number in missing]
-    return Duration(START + count * float(np.mean(each)), ())
+    return Duration(TIME_BESIDE_SCENES + count * float(np.mean(each)), ())

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from pounding_cli.report.sweep import Asked
     from pounding_cli.results.compare import Comparison
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 TABLES = (*OF_SCENES, *(table for tables in ANSWERS.values() for table in tables))
 _ASIDE = {
@@ -135,7 +135,9 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
         click.echo(f"{pluralize(len(aside), 'more column')} with --format csv: {', '.join(map(str, aside))}", err=True)
 
 
-def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str) -> pd.DataFrame:
+def _filtered(
+    results: ResultTables, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str
+) -> pd.DataFrame:
     """The rows asked for; a key or value that is not there is refused with those that are."""
     from pounding_cli.report.table import find_unit
 
@@ -149,7 +151,7 @@ def _filtered(results: Results, frame: pd.DataFrame, wanted: Sequence[tuple[str,
     return frame
 
 
-def _aligned(results: Results, table: str, frame: pd.DataFrame) -> str:
+def _aligned(results: ResultTables, table: str, frame: pd.DataFrame) -> str:
     """Return columns under their names with units, those of the study or kN and mm, and numbers to four digits."""
     import pandas as pd
 
@@ -247,7 +249,7 @@ def _refuse_contradictions(paper: bool, no_figures: bool, formats: Sequence[str]
         raise InputError(Problem(message, "leave one of them out"))
 
 
-def _asked(results: Results, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> Asked:
+def _asked(results: ResultTables, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> Asked:
     """Return what is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
     from pounding_cli.report.sweep import Asked
 
@@ -307,7 +309,7 @@ def export(
         click.echo(f"wrote {path}")
 
 
-def _export_demands(results: Results, output: Path | None, wanted: Sequence[tuple[str, str]]) -> None:
+def _export_demands(results: ResultTables, output: Path | None, wanted: Sequence[tuple[str, str]]) -> None:
     """Write the demands of the chosen rows, and say what is left out."""
     from pounding_cli.outputs import check_output
     from pounding_cli.results.pelicun import demands, left_out_in_words

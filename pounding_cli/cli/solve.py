@@ -105,10 +105,10 @@ def solve_study(
     from pounding_cli.api.running import get_workflow, run_study, summarize
     from pounding_cli.api.studies import default_output
     from pounding_cli.batch.progress import JsonLines, chosen
-    from pounding_cli.study import load_study
+    from pounding_cli.study import load_study_file
 
     log = JsonLines() if log_json else None
-    loaded = load_study(study)
+    loaded = load_study_file(study)
     for warning in loaded.warnings:
         if log:
             log.tell("warning", text=str(warning))
@@ -199,9 +199,10 @@ def _points(name: str, about: str, example: str) -> click.Command:
     @click.pass_context
     def command(ctx: click.Context, study: Path, output: Path | None, quiet: bool) -> None:
         from pounding_cli.outputs import check_folder, check_output
-        from pounding_cli.points import DONE, build_dataset, build_report, is_written_by, load_sweep, solve_point
+        from pounding_cli.points import build_dataset, build_report, is_written_by, load_sweep, solve_point
         from pounding_cli.results.file import write
         from pounding_cli.results.group import Group
+        from pounding_cli.solver.response import DONE
 
         sweep = load_sweep(study, name)
         for warning in sweep.warnings:

@@ -75,7 +75,7 @@ def check(study: Path, output: Path | None) -> None:
     """
     from pounding_cli.points import POINT_COMMANDS, load_sweep
     from pounding_cli.reading import shorten_path
-    from pounding_cli.study import load_study
+    from pounding_cli.study import load_study_file
     from pounding_cli.study.file import kind_of_file
     from pounding_cli.workflows import TITLES
 
@@ -86,7 +86,7 @@ def check(study: Path, output: Path | None) -> None:
             click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {pluralize(len(sweep.points), 'point')} to compute")
         return
-    read = load_study(study)
+    read = load_study_file(study)
     questions = _read_questions(read, [each for each in TITLES if each == "run" or read.tree.get(each) is not None])
     plan, *_ = [each.plan for each in questions]
     for warning in read.warnings:
@@ -267,10 +267,10 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
 
     from pounding_cli.api.studies import open_results
     from pounding_cli.report.references import REFERENCES, citations, motions
-    from pounding_cli.study import load_study
+    from pounding_cli.study import load_study_file
 
     if source.suffix in (".yaml", ".yml"):
-        study = load_study(source)
+        study = load_study_file(source)
         uses = list(study.motion_uses(study.first_point).values())
         title, kind, resolved = study.title, "run", study.to_plain_data()
         methods: tuple[str, ...] = (study.spec.method,)

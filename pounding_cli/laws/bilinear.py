@@ -10,30 +10,30 @@ from pounding_cli.laws.guards import HIGH, INSIDE, START
 from pounding_cli.laws.law import Behaviour, set_line
 from pounding_cli.laws.storey import StoreyLaw, energy_in_two_springs
 
-K, LIMIT, A = range(3)
+_K, _LIMIT, _A = range(3)
 """Parameters: stiffness [N/m], yield drift [m], post-yield over initial stiffness [-]."""
 
-PLASTIC = 0
+_PLASTIC = 0
 """History variable: plastic drift of the last unloading [m]."""
 
-LOWER, ELASTIC, UPPER = -1, 0, 1
+_LOWER, _ELASTIC, _UPPER = -1, 0, 1
 """Branches: elastic, and the two yield lines."""
 
 
-def next_branch(e: Any, guard: int) -> None:
+def next_bilinear_branch(e: Any, guard: int) -> None:
     """From the elastic line to a yield line, and back where the drift turns."""
-    k, limit, a = e.p[K], e.p[LIMIT], e.p[A]
-    if e.branch == ELASTIC and guard != START:
-        e.branch = UPPER if guard == HIGH else LOWER
+    k, limit, a = e.p[_K], e.p[_LIMIT], e.p[_A]
+    if e.branch == _ELASTIC and guard != START:
+        e.branch = _UPPER if guard == HIGH else _LOWER
         set_line(e, a * k, e.c, e.branch * (1.0 - a) * k * limit, -math.inf, math.inf, e.branch)
         return
     if guard != START:  # the drift turns
-        e.h[PLASTIC] = e.v1 - e.branch * (limit - INSIDE * (limit + abs(e.v1)))
-    e.branch = ELASTIC
-    set_line(e, k, e.c, -(1.0 - a) * k * e.h[PLASTIC], e.h[PLASTIC] - limit, e.h[PLASTIC] + limit)
+        e.h[_PLASTIC] = e.v1 - e.branch * (limit - INSIDE * (limit + abs(e.v1)))
+    e.branch = _ELASTIC
+    set_line(e, k, e.c, -(1.0 - a) * k * e.h[_PLASTIC], e.h[_PLASTIC] - limit, e.h[_PLASTIC] + limit)
 
 
-BILINEAR = Behaviour(next_branch)
+BILINEAR = Behaviour(next_bilinear_branch)
 
 
 @dataclass(frozen=True)

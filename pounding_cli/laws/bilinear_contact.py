@@ -11,34 +11,34 @@ from pounding_cli.laws.guards import FASTER, HIGH, INSIDE, LOW, SLOWER, START
 from pounding_cli.laws.hertz import DAMPING_FORMULA, MIN_RESTITUTION
 from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
 
-K1, K2, LIMIT = range(3)
+_K1, _K2, _LIMIT = range(3)
 """Parameters: stiffness up to the yield and on unloading, stiffness beyond it [N/m], yield closing [m]."""
 
-YIELDS = 0
+_YIELDS = 0
 """History variable: the closing at which an unloading would yield again [m]."""
 
-OPEN, ELASTIC, YIELDING, UNLOADING, RETURNING = range(5)
+_OPEN, _ELASTIC, _YIELDING, _UNLOADING, _RETURNING = range(5)
 """Branches."""
 
 
-def next_branch(e: Any, guard: int) -> None:
+def next_bilinear_contact_branch(e: Any, guard: int) -> None:
     """Elastic up to the yield; unloading along K1 over the same closing, then returning along K2."""
-    k1, k2, limit = e.p[K1], e.p[K2], e.p[LIMIT]
+    k1, k2, limit = e.p[_K1], e.p[_K2], e.p[_LIMIT]
     if guard == START or (guard == LOW and e.low == 0.0):
         set_open(e)
     elif guard == SLOWER or guard == FASTER:
         margin = INSIDE * (limit + abs(e.v1))
-        e.h[YIELDS] = e.v1 + margin if guard == SLOWER else e.v1 + limit - margin
-        e.branch = UNLOADING
-        set_line(e, k1, 0.0, -(k1 - k2) * (e.h[YIELDS] - limit), max(e.h[YIELDS] - limit, 0.0), e.h[YIELDS])
-    elif e.branch == OPEN:
-        e.branch = ELASTIC
+        e.h[_YIELDS] = e.v1 + margin if guard == SLOWER else e.v1 + limit - margin
+        e.branch = _UNLOADING
+        set_line(e, k1, 0.0, -(k1 - k2) * (e.h[_YIELDS] - limit), max(e.h[_YIELDS] - limit, 0.0), e.h[_YIELDS])
+    elif e.branch == _OPEN:
+        e.branch = _ELASTIC
         set_line(e, k1, 0.0, 0.0, 0.0, limit if k1 != k2 else math.inf)
     elif guard == HIGH:
-        e.branch = YIELDING
+        e.branch = _YIELDING
         set_line(e, k2, 0.0, (k1 - k2) * limit, 0.0, math.inf, 1)
     else:
-        e.branch = RETURNING
+        e.branch = _RETURNING
         set_line(e, k2, 0.0, 0.0, 0.0, math.inf, -1)
 
 
@@ -72,7 +72,7 @@ class BilinearContact(LinkLaw):
     citation = (("muthukumar2006", "the bilinear contact"),)
     subtracts_gap = True
     path_dependent = True
-    behaviour = Behaviour(next_branch)
+    behaviour = Behaviour(next_bilinear_contact_branch)
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
     penetration: float = parameter("closing d_m of the blow for which the contact is designed", "m", open_low=True)

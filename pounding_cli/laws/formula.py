@@ -1,7 +1,8 @@
-"""A force as a formula, `k*v + k3*v**3 + c*r`: parsed by Python's parser, never run as Python, its units checked; and
-the laws of links that a study writes so.
+"""Forces of links that a study writes as formulas, such as `k*v + k3*v**3 + c*r`.
 
-What is read becomes a short table of operations on numbers, which the solver carries out: no formula is compiled."""
+Python's parser reads a formula, but it is never run as Python; its units are checked. It becomes a short table of
+operations on numbers, which the solver carries out: no formula is compiled.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +18,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from pounding_cli.laws.law import REFERENCE_CLOSING, Behaviour, LinkLaw
-from pounding_cli.laws.pounding import next_branch, reduced_mass
+from pounding_cli.laws.pounding import next_pounding_branch, reduced_mass
 from pounding_cli.units import Dimension
 
 MAX_FORMULA_LENGTH = 500
+"""Characters of a formula."""
+
 MAX_OPERATIONS = 200
-"""Characters and operations of a formula."""
+"""Operations of a formula."""
 
 DIMENSIONLESS: Dimension = (0.0, 0.0, 0.0)
 FORCE_DIMENSION: Dimension = (1.0, 1.0, -2.0)
@@ -30,25 +33,35 @@ FORCE_DIMENSION: Dimension = (1.0, 1.0, -2.0)
 FORMULA_VARIABLES: Mapping[str, Dimension] = {
     "v": (0.0, 1.0, 0.0), "r": (0.0, 1.0, -1.0), "m": (1.0, 0.0, 0.0), "d": (0.0, 1.0, 0.0),
 }  # fmt: skip
-"""What a formula may use besides its parameters: closing, its rate, reduced mass of the floors, gap."""
+"""Dimensions of the variables of every formula: closing, its rate, reduced mass of the floors, gap."""
 
-_SAYS = f"a formula is made of numbers, {', '.join(FORMULA_VARIABLES)}, parameters, + - * / **, brackets and sqrt()"
+_ALLOWED = f"a formula is made of numbers, {', '.join(FORMULA_VARIABLES)}, parameters, + - * / **, brackets and sqrt()"
 
 Constants = tuple[tuple[str, float, Dimension], ...]
 """Parameters of a formula: name, SI value, dimension."""
 
 
 class FormulaError(ValueError):
-    """Message on a wrong formula, hint what to write instead, and its line and character, both from 0."""
+    """An error in a formula.
+
+    message, hint : what is wrong, what to write instead
+    line, column : its place in the formula, both from 0
+    """
 
     def __init__(self, message: str, hint: str, line: int = 0, column: int = 0) -> None:
         super().__init__(message)
-        self.message, self.hint, self.line, self.column = message, hint, line, column
+        self.message = message
+        self.hint = hint
+        self.line = line
+        self.column = column
 
 
-NUMBER, PLUS, TIMES, POWER = range(4)
-"""What an operation makes of the registers x and y and the number a: a; x + y; x y; x^a, 0 where a is no whole number
-and x is below zero. Registers 0 and 1 hold v [m] and v' [m/s], and each operation fills the next one."""
+_NUMBER, _PLUS, _TIMES, _POWER = range(4)
+"""Codes of operations on registers x and y and the number a, which give a; x + y; x y; x^a.
+
+x^a is 0 where a is no whole number and x is below zero. Registers 0 and 1 hold v [m] and v' [m/s], and each operation
+fills the next one.
+"""
 
 Operation = tuple[float, float, float, float]
 """An operation: (code, x, y, a)."""
@@ -56,16 +69,20 @@ Operation = tuple[float, float, float, float]
 
 def evaluate_operations(formula: Any, v: float, r: float) -> float:
     """Return the result of `count` operations at a closing [m] and its rate [m/s]."""
-    operations, registers = formula.operations, formula.registers
-    registers[0], registers[1] = v, r
+    operations = formula.operations
+    registers = formula.registers
+    registers[0] = v
+    registers[1] = r
     for i in range(formula.count):
-        code, a = operations[i, 0], operations[i, 3]
-        x, y = registers[int(operations[i, 1])], registers[int(operations[i, 2])]
-        if code == PLUS:
+        code = operations[i, 0]
+        x = registers[int(operations[i, 1])]
+        y = registers[int(operations[i, 2])]
+        a = operations[i, 3]
+        if code == _PLUS:
             a = x + y
-        elif code == TIMES:
+        elif code == _TIMES:
             a = x * y
-        elif code == POWER:
+        elif code == _POWER:
             a = 0.0 if x < 0.0 and a != int(a) else x**a
         registers[i + 2] = a
     return registers[formula.result]
@@ -73,7 +90,12 @@ def evaluate_operations(formula: Any, v: float, r: float) -> float:
 
 @dataclass(frozen=True)
 class Formula:
-    """Operations, the register that holds their result in the end, and whether it is straight in v and r."""
+    """Operations of a formula.
+
+    rows : the operations, in order
+    result : register that holds the result in the end
+    is_straight : True where the result is straight in v and r
+    """
 
     rows: tuple[Operation, ...]
     result: int
@@ -82,15 +104,20 @@ class Formula:
     def evaluate(self, v: float, r: float) -> float:
         """Return the result at a closing [m] and its rate [m/s]."""
         room = SimpleNamespace(count=len(self.rows), result=self.result)
-        room.operations, room.registers = np.reshape(self.rows, (-1, 4)), np.zeros(2 + len(self.rows))
+        room.operations = np.reshape(self.rows, (-1, 4))
+        room.registers = np.zeros(2 + len(self.rows))
         with np.errstate(all="ignore"):
             return float(evaluate_operations(room, v, r))
 
 
 @dataclass(frozen=True)
 class Term:
-    """A part of a formula: the register that holds it, its dimension, and its degree in v and r, 2 where it is not
-    straight in them."""
+    """A part of a formula.
+
+    register : register that holds its value
+    dimension : its dimension
+    degree : degree in v and r: 0, 1, or 2 where it is not straight in them
+    """
 
     register: int
     dimension: Dimension
@@ -99,10 +126,11 @@ class Term:
 
 @functools.lru_cache(maxsize=4096)
 def parse_formula(text: str, constants: Constants, mass: float, gap: float, closings: tuple[float, ...]) -> Formula:
-    """Return the force [N] that a formula gives.
+    """Return the operations of a formula that gives a force [N].
 
     Parameters
     ----------
+    text : the formula as written
     constants : its parameters
     mass, gap : m [kg] and d [m]
     closings : [m] at which what stands under a root has to be above zero, at any rate
@@ -117,70 +145,77 @@ def parse_formula(text: str, constants: Constants, mass: float, gap: float, clos
     try:
         tree = ast.parse(text, mode="eval").body
     except SyntaxError as error:
-        line, column = (error.lineno or 1) - 1, max((error.offset or 1) - 1, 0)
-        raise FormulaError(f"'{text}' is not a formula", _SAYS, line, column) from None
+        line = (error.lineno or 1) - 1
+        column = max((error.offset or 1) - 1, 0)
+        raise FormulaError(f"'{text}' is not a formula", _ALLOWED, line, column) from None
     except (ValueError, RecursionError, MemoryError):
-        raise FormulaError("this is not a formula", _SAYS) from None
-    known = {name: (value, dimension) for name, value, dimension in constants}
-    parser = _FormulaParser(
-        text, {**known, "m": (mass, FORMULA_VARIABLES["m"]), "d": (gap, FORMULA_VARIABLES["d"])}, closings
-    )
+        raise FormulaError("this is not a formula", _ALLOWED) from None
+    quantities = {name: (value, dimension) for name, value, dimension in constants}
+    quantities["m"] = (mass, FORMULA_VARIABLES["m"])
+    quantities["d"] = (gap, FORMULA_VARIABLES["d"])
+    parser = _FormulaParser(text, quantities, closings)
     term = parser.parse_node(tree)
     if term.dimension != FORCE_DIMENSION:
-        raise FormulaError(
-            f"the formula gives {format_dimension(term.dimension)}, not N", "correct it or a parameter's unit"
-        )
+        message = f"the formula gives {format_dimension(term.dimension)}, not N"
+        raise FormulaError(message, "correct it or a parameter's unit")
     return Formula(tuple(parser.rows), term.register, term.degree < 2)
 
 
 def format_dimension(dimension: Dimension) -> str:
-    """A dimension in SI units, such as `kg m s^-2`."""
+    """Return a dimension in SI units, such as `kg m s^-2`."""
     powers = zip(("kg", "m", "s"), dimension, strict=True)
     parts = [unit if power == 1 else f"{unit}^{power:g}" for unit, power in powers if power]
     return "N" if dimension == FORCE_DIMENSION else " ".join(parts) or "a plain number"
 
 
 class _FormulaParser:
-    """Reads one formula with these values and dimensions; `rows` are the operations so far."""
+    """Parser of one formula.
 
-    def __init__(self, text: str, known: Mapping[str, tuple[float, Dimension]], closings: tuple[float, ...]) -> None:
-        self.text, self.known, self.closings, self.rows = text, known, closings, list[Operation]()
+    text : the formula
+    quantities : name -> value [SI] and dimension of what it may use besides v and r
+    closings : as in `parse_formula`
+    rows : the operations so far
+    """
+
+    def __init__(
+        self,
+        text: str,
+        quantities: Mapping[str, tuple[float, Dimension]],
+        closings: tuple[float, ...],
+    ) -> None:
+        self.text = text
+        self.quantities = quantities
+        self.closings = closings
+        self.rows = list[Operation]()
 
     def quote(self, node: ast.expr) -> str:
         """Return the text of a node, in quotes."""
         return f"'{ast.get_source_segment(self.text, node)}'"
 
-    def error_at(self, node: ast.expr, message: str, hint: str = _SAYS) -> FormulaError:
+    def error_at(self, node: ast.expr, message: str, hint: str = _ALLOWED) -> FormulaError:
+        """Return the error of a node; the message goes on behind its text."""
         return FormulaError(f"{self.quote(node)} {message}", hint, node.lineno - 1, node.col_offset)
 
     def parse_node(self, node: ast.expr) -> Term:
         """Return the term of a node; any node not named here is refused."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return self.add_operation(node, DIMENSIONLESS, 0, NUMBER, a=float(number))
+                return self.add_operation(node, DIMENSIONLESS, 0, _NUMBER, a=float(number))
             case ast.Name(id="v" | "r" as name):
                 return Term(0 if name == "v" else 1, FORMULA_VARIABLES[name], 1)
-            case ast.Name(id=name) if name in self.known:
-                value, dimension = self.known[name]
-                return self.add_operation(node, dimension, 0, NUMBER, a=value)
+            case ast.Name(id=name) if name in self.quantities:
+                value, dimension = self.quantities[name]
+                return self.add_operation(node, dimension, 0, _NUMBER, a=value)
             case ast.Name():
-                names = ", ".join(dict.fromkeys((*FORMULA_VARIABLES, *self.known)))
-                raise self.error_at(node, "is not known", f"give it under `parameters`; known: {names}")
+                names = ", ".join(dict.fromkeys((*FORMULA_VARIABLES, *self.quantities)))
+                hint = f"give it under `parameters`; known: {names}"
+                raise self.error_at(node, "is not known", hint)
             case ast.UnaryOp(op=ast.UAdd(), operand=inner):
                 return self.parse_node(inner)
             case ast.UnaryOp(op=ast.USub(), operand=inner):
                 return self.multiply(node, self.parse_node(inner), -1.0)
-            case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
-                one, other = self.parse_node(left), self.parse_node(right)
-                if one.dimension != other.dimension:
-                    left_unit = format_dimension(one.dimension)
-                    right_unit = format_dimension(other.dimension)
-                    message = f"is in {left_unit}, {self.quote(right)} in {right_unit}"
-                    raise self.error_at(left, message, "add what has one unit")
-                other = self.multiply(node, other, -1.0) if isinstance(node.op, ast.Sub) else other
-                return self.add_operation(
-                    node, one.dimension, max(one.degree, other.degree), PLUS, one.register, other.register
-                )
+            case ast.BinOp(op=ast.Add() | ast.Sub()):
+                return self.parse_sum(node)
             case ast.BinOp(left=left, op=ast.Mult(), right=right):
                 return self.multiply(node, self.parse_node(left), self.parse_node(right))
             case ast.BinOp(left=left, op=ast.Div(), right=right):
@@ -194,61 +229,97 @@ class _FormulaParser:
                 return self.raise_to_power(inner, 0.5)
         raise self.error_at(node, "is not allowed in a formula")
 
+    def parse_sum(self, node: ast.BinOp) -> Term:
+        """Return the term of a sum or a difference.
+
+        Raises
+        ------
+        FormulaError : its parts have different units
+        """
+        left = self.parse_node(node.left)
+        right = self.parse_node(node.right)
+        if left.dimension != right.dimension:
+            left_unit = format_dimension(left.dimension)
+            right_unit = format_dimension(right.dimension)
+            message = f"is in {left_unit}, {self.quote(node.right)} in {right_unit}"
+            raise self.error_at(node.left, message, "add what has one unit")
+        if isinstance(node.op, ast.Sub):
+            right = self.multiply(node, right, -1.0)
+        degree = max(left.degree, right.degree)
+        return self.add_operation(node, left.dimension, degree, _PLUS, x=left.register, y=right.register)
+
     def add_operation(
-        self, node: ast.expr, dimension: Dimension, degree: int, code: int, x: int = 0, y: int = 0, a: float = 0.0
+        self,
+        node: ast.expr,
+        dimension: Dimension,
+        degree: int,
+        code: int,
+        x: int = 0,
+        y: int = 0,
+        a: float = 0.0,
     ) -> Term:
-        """Add an operation on registers x and y; of constants it is a constant, and equal ones are added once."""
+        """Add an operation on registers x and y and return its term.
+
+        An operation on constants becomes a constant; equal operations are added once.
+        """
         row: Operation = (float(code), float(x), float(y), a)
         if not degree:
             number = Formula((*self.rows, row), 2 + len(self.rows)).evaluate(0.0, 0.0)
             if not math.isfinite(number):
                 raise self.error_at(node, "does not give a finite number", "correct it")
-            row = (float(NUMBER), 0.0, 0.0, number)
+            row = (float(_NUMBER), 0.0, 0.0, number)
         if row not in self.rows:
             self.rows.append(row)
         if len(self.rows) > MAX_OPERATIONS:
-            raise FormulaError(f"the formula has more than {MAX_OPERATIONS} operations", "write a shorter one")
+            message = f"the formula has more than {MAX_OPERATIONS} operations"
+            raise FormulaError(message, "write a shorter one")
         return Term(2 + self.rows.index(row), dimension, degree)
 
     def multiply(self, node: ast.expr, one: Term, other: Term | float) -> Term:
-        """A product of two terms, or of a term and a number."""
+        """Return the product of two terms, or of a term and a number."""
         if isinstance(other, float):
-            other = self.add_operation(node, DIMENSIONLESS, 0, NUMBER, a=other)
-        dimension = _sum(one.dimension, other.dimension)
+            other = self.add_operation(node, DIMENSIONLESS, 0, _NUMBER, a=other)
+        dimension = _add_powers(one.dimension, other.dimension)
         degree = min(one.degree + other.degree, 2)
-        return self.add_operation(node, dimension, degree, TIMES, one.register, other.register)
+        return self.add_operation(node, dimension, degree, _TIMES, one.register, other.register)
 
     def raise_to_power(self, node: ast.expr, exponent: float) -> Term:
-        """A node to a power. Roots, and divisors that vary, have to be above zero; of v itself it is enough that the
-        law acts in compression alone."""
+        """Return a node to a power.
+
+        Arguments of roots, and divisors that vary, have to be above zero; for v itself it is enough that the law acts
+        in compression alone.
+        """
         base = self.parse_node(node)
-        of_closing = base.register == 0 and exponent > 0.0 and min(self.closings) >= 0.0
-        if not of_closing and (not exponent.is_integer() or (base.degree and exponent < 0.0)):
+        is_pressed_closing = base.register == 0 and exponent > 0.0 and min(self.closings) >= 0.0
+        needs_positive_base = not exponent.is_integer() or (base.degree > 0 and exponent < 0.0)
+        if needs_positive_base and not is_pressed_closing:
             formula = Formula(tuple(self.rows), base.register)
             for v, r in itertools.product(self.closings, (-3.0, -0.1, 0.0, 0.1, 3.0)):
                 if not formula.evaluate(v, r) > 0.0:
                     message = f"is not above zero at v = {v:g} m, r = {r:g} m/s"
                     hint = "divisors and arguments of roots and fractional powers must stay above zero"
                     raise self.error_at(node, message, f"{hint}; of v itself write v**1.5")
-        dimension, degree = _sum(DIMENSIONLESS, base.dimension, exponent), 2 if base.degree else 0
-        return self.add_operation(node, dimension, degree, POWER, base.register, a=exponent)
+        dimension = _add_powers(DIMENSIONLESS, base.dimension, exponent)
+        degree = 2 if base.degree else 0
+        return self.add_operation(node, dimension, degree, _POWER, base.register, a=exponent)
 
 
-def _sum(one: Dimension, other: Dimension, times: float = 1.0) -> Dimension:
-    a, b, c = (round(x + times * y, 9) + 0.0 for x, y in zip(one, other, strict=True))
-    return a, b, c
+def _add_powers(one: Dimension, other: Dimension, times: float = 1.0) -> Dimension:
+    """Return the powers of `one` plus `times` those of `other`."""
+    mass, length, time = (round(x + times * y, 9) + 0.0 for x, y in zip(one, other, strict=True))
+    return mass, length, time
 
 
 _PRESSED = (0.0, 1e-6, 1e-3, 0.01, 0.1)
 _BOTH_WAYS = (*(-v for v in _PRESSED[1:]), *_PRESSED)
 
 
-def force(e: Any, v: float, r: float) -> float:
-    """Nothing: the solver carries out the operations (`solver.dispatch`)."""
+def zero_force(e: Any, v: float, r: float) -> float:
+    """Return no force: the solver carries out the operations (`solver.dispatch`)."""
     return 0.0
 
 
-WRITTEN_BEHAVIOUR = Behaviour(next_branch, force)
+WRITTEN_BEHAVIOUR = Behaviour(next_pounding_branch, zero_force)
 
 
 @dataclass(frozen=True)
@@ -275,7 +346,7 @@ class WrittenLaw(LinkLaw):
 
     @property
     def name(self) -> str:  # type: ignore[override]  # of the study, not of the class
-        """As the study calls it."""
+        """Name that the study gives it."""
         return self.called
 
     def __post_init__(self) -> None:
@@ -283,17 +354,21 @@ class WrittenLaw(LinkLaw):
         self.force(1.0)
 
     def force(self, mass: float) -> Formula:
-        """Its force where the reduced mass of the floors is `mass` [kg]."""
+        """Return its force where the reduced mass of the floors is `mass` [kg]."""
         return parse_formula(self.formula, self.constants, mass, self.gap, self.closings)
 
     def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
-        """Parameters of `laws.pounding`: of a straight force its line."""
+        """Return the parameters of `laws.pounding`: for a straight force those of its line."""
         force = self.force(reduced_mass(left_mass, right_mass))
-        k = c = f0 = 0.0
+        k = 0.0
+        c = 0.0
+        f0 = 0.0
         if force.is_straight:
             f0 = force.evaluate(0.0, 0.0)
-            k, c = force.evaluate(1.0, 0.0) - f0, force.evaluate(0.0, 1.0) - f0
-        return k, c, float(self.tension_cut), f0, float(not force.is_straight), float(self.joins)
+            k = force.evaluate(1.0, 0.0) - f0
+            c = force.evaluate(0.0, 1.0) - f0
+        is_smooth = not force.is_straight
+        return k, c, float(self.tension_cut), f0, float(is_smooth), float(self.joins)
 
     @functools.cached_property
     def is_damped(self) -> bool:
@@ -303,30 +378,37 @@ class WrittenLaw(LinkLaw):
 
     @property
     def cuts_tension(self) -> bool:
-        """As it says."""
+        """True where the study cuts its tension."""
         return self.tension_cut
 
     @property
     def max_slopes(self) -> tuple[float, float]:
-        """At a closing of `REFERENCE_CLOSING`; its dashpot at rest, or up to 1 m/s where that is more."""
+        """Stiffness and dashpot at a closing of `REFERENCE_CLOSING`.
+
+        The dashpot is that at rest, or the mean up to 1 m/s where that is more.
+        """
         force = self.force(1.0)
-        here = force.evaluate(REFERENCE_CLOSING, 0.0)
-        before = force.evaluate(0.999 * REFERENCE_CLOSING, 0.0)
-        moving = force.evaluate(REFERENCE_CLOSING, 1.0) - here
-        still = (force.evaluate(REFERENCE_CLOSING, 1e-6) - here) * 1e6
-        return (here - before) / (0.001 * REFERENCE_CLOSING), max(moving, still, 0.0)
+        force_here = force.evaluate(REFERENCE_CLOSING, 0.0)
+        force_before = force.evaluate(0.999 * REFERENCE_CLOSING, 0.0)
+        stiffness = (force_here - force_before) / (0.001 * REFERENCE_CLOSING)
+        dashpot_moving = force.evaluate(REFERENCE_CLOSING, 1.0) - force_here
+        dashpot_at_rest = (force.evaluate(REFERENCE_CLOSING, 1e-6) - force_here) * 1e6
+        return stiffness, max(dashpot_moving, dashpot_at_rest, 0.0)
 
     def stored_energy(self, closing: float, force: float) -> float:
-        """The work of its force, pressed slowly from where it begins to act [J]. With v = x^4 powers of v by quarters
-        are polynomials in x, which the rule integrates exactly."""
+        """Return the work of its force, pressed slowly from where it begins to act [J].
+
+        With v = x^4 powers of v by quarters are polynomials in x, which Gauss's rule integrates exactly.
+        """
         v = closing - self.offset
         if v <= 0.0 and not self.joins:
             return 0.0
         half = 0.5 * abs(v) ** 0.25
         way = math.copysign(1.0, v)
         x, weight = np.polynomial.legendre.leggauss(24)
-        pressed = [self.force(1.0).evaluate(way * (half * (each + 1.0)) ** 4, 0.0) for each in x]
-        return float(half * way * np.sum(weight * 4.0 * (half * (x + 1.0)) ** 3 * pressed))
+        law_force = self.force(1.0)
+        forces = [law_force.evaluate(way * (half * (each + 1.0)) ** 4, 0.0) for each in x]
+        return float(half * way * np.sum(weight * 4.0 * (half * (x + 1.0)) ** 3 * forces))
 
 
 @dataclass(frozen=True)
@@ -353,14 +435,15 @@ class WrittenJoint(WrittenLaw):
         super().__post_init__()
         if self.tension_cut:
             raise FormulaError("a law that acts always may pull", "leave `tension_cut` out")
-        still = self.force(1.0).evaluate(0.0, 0.0)
-        if still != 0.0:
-            raise FormulaError(f"the force at rest, v = r = 0, is {still:g} N", "let it be zero there")
+        force_at_rest = self.force(1.0).evaluate(0.0, 0.0)
+        if force_at_rest != 0.0:
+            message = f"the force at rest, v = r = 0, is {force_at_rest:g} N"
+            raise FormulaError(message, "let it be zero there")
 
 
-WRITTEN: Mapping[str, type[WrittenLaw]] = {
+WRITTEN_LAWS: Mapping[str, type[WrittenLaw]] = {
     "beyond gap": WrittenLaw,
     "compression": WrittenFilling,
     "always": WrittenJoint,
 }
-"""By when they act."""
+"""`acts` of a law of a study -> its type."""

@@ -14,7 +14,7 @@ from pounding_cli.laws.guards import FASTER, LEVELS, LOW, SLOWER, START
 from pounding_cli.laws.law import REFERENCE_CLOSING, Behaviour, LinkLaw, parameter, set_line, set_open
 from pounding_cli.laws.pounding import reduced_mass
 
-EXPONENT = 1.5
+HERTZ_EXPONENT = 1.5
 """Of the closing [-]."""
 
 MIN_RESTITUTION = 0.01
@@ -67,20 +67,20 @@ def _exact(restitution: float) -> float:
     return -math.expm1(-_root(missing, 0.75 * (1.0 - e) * e, (1.0 + e) / e)) / e
 
 
-K, ZETA = range(2)
+_K, _ZETA = range(2)
 """Parameters: k_h [N/m^1.5] and damping factor zeta [-]."""
 
-FASTEST = 0
+_FASTEST = 0
 """History variable of a damped contact: largest approach speed so far, v0 [m/s]."""
 
-SLOWEST = 1e-12
+MIN_APPROACH_SPEED = 1e-12
 """An approach below this speed is rounding: of floors that move alike [m/s]."""
 
-OPEN, GAINING, DAMPED, CUT = range(4)
+_OPEN, _GAINING, _DAMPED, _CUT = range(4)
 """Branches: floors that approach ever faster, so that v0 is the speed; that do not; whose force would pull."""
 
 
-def next_branch(e: Any, guard: int) -> None:
+def next_hertz_branch(e: Any, guard: int) -> None:
     """Open and in contact."""
     if guard == START or guard == LOW:
         set_open(e)
@@ -90,34 +90,34 @@ def next_branch(e: Any, guard: int) -> None:
     e.smooth = 1
 
 
-def force(e: Any, v: float, r: float) -> float:
+def hertz_force(e: Any, v: float, r: float) -> float:
     """k_h v^1.5 [N]."""
-    return e.p[K] * v * math.sqrt(v) if v > 0.0 else 0.0
+    return e.p[_K] * v * math.sqrt(v) if v > 0.0 else 0.0
 
 
-def next_damped(e: Any, guard: int) -> None:
+def next_damped_branch(e: Any, guard: int) -> None:
     """Open; gaining; damped; cut."""
     if guard == START or guard == LOW:
         set_open(e)
         return
     if guard == LEVELS:
-        e.h[FASTEST] = e.r1
-    if e.branch == OPEN or (guard == FASTER and e.branch == DAMPED):
-        e.branch = GAINING
-    elif e.branch == DAMPED and guard == SLOWER:
-        e.branch = CUT
+        e.h[_FASTEST] = e.r1
+    if e.branch == _OPEN or (guard == FASTER and e.branch == _DAMPED):
+        e.branch = _GAINING
+    elif e.branch == _DAMPED and guard == SLOWER:
+        e.branch = _CUT
     else:
-        e.branch = DAMPED
+        e.branch = _DAMPED
     set_line(e, 0.0, 0.0, 0.0, 0.0, math.inf)
     e.smooth = 1
-    if e.branch == GAINING:
+    if e.branch == _GAINING:
         e.levels = 1
-    elif e.branch == DAMPED:
-        e.fast = e.h[FASTEST]
-        if e.p[ZETA] > 0.0:
-            e.slow = -e.h[FASTEST] / e.p[ZETA]
+    elif e.branch == _DAMPED:
+        e.fast = e.h[_FASTEST]
+        if e.p[_ZETA] > 0.0:
+            e.slow = -e.h[_FASTEST] / e.p[_ZETA]
     else:
-        e.fast = -e.h[FASTEST] / e.p[ZETA]
+        e.fast = -e.h[_FASTEST] / e.p[_ZETA]
         e.acts = e.smooth = 0
 
 
@@ -125,8 +125,8 @@ def damped_force(e: Any, v: float, r: float) -> float:
     """k_h v^1.5 (1 + zeta v' / v0) [N]."""
     if v <= 0.0:
         return 0.0
-    spring = e.p[K] * v * math.sqrt(v)
-    return spring * (1.0 + e.p[ZETA] * (1.0 if e.branch == GAINING else r / max(e.h[FASTEST], SLOWEST)))
+    spring = e.p[_K] * v * math.sqrt(v)
+    return spring * (1.0 + e.p[_ZETA] * (1.0 if e.branch == _GAINING else r / max(e.h[_FASTEST], MIN_APPROACH_SPEED)))
 
 
 @dataclass(frozen=True)
@@ -140,14 +140,14 @@ class HertzSpring(LinkLaw):
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
 
-    def stored_energy(self, closing: float, force: float) -> float:
+    def stored_energy(self, closing: float, hertz_force: float) -> float:
         """k_h v^2.5 / 2.5 [J]."""
-        return self.hertz_stiffness * max(closing - self.offset, 0.0) ** (EXPONENT + 1) / (EXPONENT + 1)
+        return self.hertz_stiffness * max(closing - self.offset, 0.0) ** (HERTZ_EXPONENT + 1) / (HERTZ_EXPONENT + 1)
 
     @property
     def max_slopes(self) -> tuple[float, float]:
         """1.5 k_h sqrt(v) at a closing of `REFERENCE_CLOSING`."""
-        return EXPONENT * self.hertz_stiffness * REFERENCE_CLOSING ** (EXPONENT - 1), 0.0
+        return HERTZ_EXPONENT * self.hertz_stiffness * REFERENCE_CLOSING ** (HERTZ_EXPONENT - 1), 0.0
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ class Hertz(HertzSpring):
     name = "hertz"
     example = "{link: hertz, gap: 2 cm, hertz_stiffness: 2e9 N/m^1.5}"
     citation = (("muthukumar2006", "the Hertz contact"),)
-    behaviour = Behaviour(next_branch, force)
+    behaviour = Behaviour(next_hertz_branch, hertz_force)
 
     def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k_h [N/m^1.5]."""
@@ -180,7 +180,7 @@ class HertzDamp(HertzSpring):
     )
     path_dependent = True
     tension_cut = True
-    behaviour = Behaviour(next_damped, damped_force)
+    behaviour = Behaviour(next_damped_branch, damped_force)
 
     restitution: float = parameter("coefficient of restitution e", low=MIN_RESTITUTION, high=1.0, open_high=False)
     damping_formula: HertzDamping = parameter(DAMPING_FORMULA, default=HertzDamping.EXACT)
@@ -195,21 +195,21 @@ class HertzDamp(HertzSpring):
         return self.hertz_stiffness, self.damping_factor
 
 
-DASHPOT = 1
+_DASHPOT = 1
 """Parameter of Jankowski's contact besides k_h: dashpot 2 xi sqrt(k_h m') of v^0.25 v'."""
 
-APPROACH = 1
-RELEASE = 2
+_APPROACH = 1
+_RELEASE = 2
 """Branches of Jankowski's contact."""
 
 
-def next_jankowski(e: Any, guard: int) -> None:
+def next_jankowski_branch(e: Any, guard: int) -> None:
     """Open; approach, with the dashpot; release, without."""
     if guard == START or guard == LOW:
         set_open(e)
         return
-    e.branch = RELEASE if guard == SLOWER else APPROACH
-    set_line(e, 0.0, 0.0, 0.0, 0.0, math.inf, 1 if e.branch == APPROACH else -1)
+    e.branch = _RELEASE if guard == SLOWER else _APPROACH
+    set_line(e, 0.0, 0.0, 0.0, 0.0, math.inf, 1 if e.branch == _APPROACH else -1)
     e.smooth = 1
 
 
@@ -218,8 +218,8 @@ def jankowski_force(e: Any, v: float, r: float) -> float:
     if v <= 0.0:
         return 0.0
     root = math.sqrt(v)
-    spring = e.p[K] * v * root
-    return spring + e.p[DASHPOT] * math.sqrt(root) * r if e.branch == APPROACH else spring
+    spring = e.p[_K] * v * root
+    return spring + e.p[_DASHPOT] * math.sqrt(root) * r if e.branch == _APPROACH else spring
 
 
 class JankowskiDamping(StrEnum):
@@ -240,7 +240,7 @@ class JankowskiDamping(StrEnum):
         return _exact_jankowski(e)
 
 
-def loss_of(ratio: float) -> float:
+def restitution_loss(ratio: float) -> float:
     """-ln e of the coefficient of restitution e that a damping ratio xi >= 0 gives two free masses.
 
     With s = v^1.25 the approach is that of a damped oscillator, m' v' dv' = -0.8 (k s + 2 xi sqrt(k m') v') ds, of the
@@ -257,7 +257,7 @@ def loss_of(ratio: float) -> float:
 def _exact_jankowski(restitution: float) -> float:
     """The xi of which `loss_of` is -ln e."""
     loss = -math.log(restitution)
-    return _root(lambda ratio: loss_of(ratio) - loss, 0.0, math.exp(loss + 1.0)) if loss else 0.0
+    return _root(lambda ratio: restitution_loss(ratio) - loss, 0.0, math.exp(loss + 1.0)) if loss else 0.0
 
 
 @dataclass(frozen=True)
@@ -274,7 +274,7 @@ class Jankowski(HertzSpring):
         ("jankowski2006", "his formula for its damping from the coefficient of restitution"),
     )
     path_dependent = True
-    behaviour = Behaviour(next_jankowski, jankowski_force)
+    behaviour = Behaviour(next_jankowski_branch, jankowski_force)
 
     restitution: float = parameter("coefficient of restitution e", low=MIN_RESTITUTION, high=1.0, open_high=False)
     damping_formula: JankowskiDamping = parameter(DAMPING_FORMULA, default=JankowskiDamping.EXACT)

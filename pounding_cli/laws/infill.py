@@ -8,87 +8,87 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from pounding_cli.laws.guards import FORCE, HIGH, LOW, START
+from pounding_cli.laws.guards import HIGH, LOW, SIGN_CHANGE, START
 from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
-from pounding_cli.laws.pounding import DASHPOT, DashpotLaw, reduced_mass
+from pounding_cli.laws.pounding import DASHPOT_CITATION, DashpotLaw, reduced_mass
 
 MIN_THICKNESS = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
 
-HELD_WITHIN = 1e-7
-HELD_AT_LEAST = 1e-10
+HELD_WIDTH_SHARE = 1e-7
+MIN_HELD_WIDTH = 1e-10
 """Width of the jump of eq. (9) as printed, for floors that pass it slowly: part of the thickness, and at least [m].
 
 A push between the two forces at the jump holds the floors there. They would swing through it ever faster, an endless
 number of times; a spring across this width holds them instead."""
 
-K, CUBIC, ROOT, K_BEYOND, F0_BEYOND, THICKNESS, CUTS, HELD_RATE = range(8)
+_K, _CUBIC, _ROOT, _K_BEYOND, _F0_BEYOND, _THICKNESS, _CUTS, _HELD_RATE = range(8)
 """Parameters: spring [N/m], cubic [N/m3] and dashpot over sqrt(stiffness) [sqrt(kg)] of the material; spring [N/m] and
 force at v = 0 [N] of the line beyond its thickness [m]; 1 where no force pulls; rate [m/s] below which floors at the
 jump are held."""
 
-OPEN, INSIDE, HELD, BEYOND = range(4)
+_OPEN, _INSIDE, _HELD, _BEYOND = range(4)
 """Branches; the last three from 4 on without a force."""
 
-WITHOUT_FORCE = 3
+_WITHOUT_FORCE = 3
 """Places from a branch to the same without a force."""
 
 
 def width_of_jump(thickness: float) -> float:
     """Return the width of the jump of eq. (9) as printed, where it is passed slowly [m]."""
-    return max(HELD_WITHIN * thickness, HELD_AT_LEAST)
+    return max(HELD_WIDTH_SHARE * thickness, MIN_HELD_WIDTH)
 
 
 def set_inside(e: Any) -> None:
     """Set the force inside the thickness."""
-    set_line(e, e.p[K], 0.0, 0.0, 0.0, e.p[THICKNESS])
-    e.cubic, e.root = e.p[CUBIC], e.p[ROOT]
+    set_line(e, e.p[_K], 0.0, 0.0, 0.0, e.p[_THICKNESS])
+    e.cubic, e.root = e.p[_CUBIC], e.p[_ROOT]
 
 
 def set_beyond(e: Any) -> None:
     """Set the force beyond the thickness."""
-    dashpot = e.p[ROOT] * math.sqrt(e.p[K_BEYOND])
-    set_line(e, e.p[K_BEYOND], dashpot, e.p[F0_BEYOND], e.p[THICKNESS], math.inf)
+    dashpot = e.p[_ROOT] * math.sqrt(e.p[_K_BEYOND])
+    set_line(e, e.p[_K_BEYOND], dashpot, e.p[_F0_BEYOND], e.p[_THICKNESS], math.inf)
 
 
 def set_held(e: Any) -> None:
     """Set a spring from the force before the jump to that behind it, across the width of the jump."""
-    thickness = e.p[THICKNESS]
+    thickness = e.p[_THICKNESS]
     width = width_of_jump(thickness)
-    before = e.p[K] * thickness + e.p[CUBIC] * thickness**3
-    behind = e.p[K_BEYOND] * thickness + e.p[F0_BEYOND]
+    before = e.p[_K] * thickness + e.p[_CUBIC] * thickness**3
+    behind = e.p[_K_BEYOND] * thickness + e.p[_F0_BEYOND]
     spring = (behind - before) / width
     force_at_zero = 0.5 * (before + behind) - spring * thickness
-    dashpot = e.p[ROOT] * math.sqrt(e.p[K_BEYOND])
+    dashpot = e.p[_ROOT] * math.sqrt(e.p[_K_BEYOND])
     set_line(e, spring, dashpot, force_at_zero, thickness - 0.5 * width, thickness + 0.5 * width)
 
 
-def next_branch(e: Any, guard: int) -> None:
+def next_infill_branch(e: Any, guard: int) -> None:
     """Open, inside its thickness, held at a jump there, beyond it; where the tension is cut, the last three without a
     force too."""
     if guard == START or (guard == LOW and e.low == 0.0):
         set_open(e)
         return
-    pulls = e.branch > BEYOND
-    branch = e.branch - WITHOUT_FORCE if pulls else e.branch
-    if guard == FORCE:
+    pulls = e.branch > _BEYOND
+    branch = e.branch - _WITHOUT_FORCE if pulls else e.branch
+    if guard == SIGN_CHANGE:
         pulls = not pulls
-    elif branch == OPEN:
-        branch = INSIDE
-    elif branch == HELD:
-        branch = BEYOND if guard == HIGH else INSIDE
-    elif abs(e.r1) < e.p[HELD_RATE]:
-        branch = HELD
+    elif branch == _OPEN:
+        branch = _INSIDE
+    elif branch == _HELD:
+        branch = _BEYOND if guard == HIGH else _INSIDE
+    elif abs(e.r1) < e.p[_HELD_RATE]:
+        branch = _HELD
     else:
-        branch = BEYOND if guard == HIGH else INSIDE
-    if branch == INSIDE:
+        branch = _BEYOND if guard == HIGH else _INSIDE
+    if branch == _INSIDE:
         set_inside(e)
-    elif branch == HELD:
+    elif branch == _HELD:
         set_held(e)
     else:
         set_beyond(e)
-    e.branch = branch + WITHOUT_FORCE if pulls else branch
-    e.cuts = 1 if e.p[CUTS] > 0.0 else 0
+    e.branch = branch + _WITHOUT_FORCE if pulls else branch
+    e.cuts = 1 if e.p[_CUTS] > 0.0 else 0
     e.acts = 0 if pulls else 1
 
 
@@ -110,12 +110,12 @@ class Infill(LinkLaw):
     citation = (
         ("spiliopoulos1996", "infill material, eqs (8) and (9)"),
         ("anagnostopoulos1992", "the viscoelastic impact element"),
-        DASHPOT,
+        DASHPOT_CITATION,
     )
     symbol = "filling"
     stiffness_default = "0.2 x mean storey"
     beyond_gap = "infill compressed beyond its thickness"
-    behaviour = Behaviour(next_branch)
+    behaviour = Behaviour(next_infill_branch)
 
     stiffness: float = parameter("spring of the material s_mat where it is not pressed", "N/m", open_low=True)
     impact_stiffness: float = parameter("what it stiffens to at v = d, s_imp", "N/m", open_low=True)

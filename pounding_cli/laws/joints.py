@@ -8,7 +8,7 @@ from typing import Any
 
 from pounding_cli.laws.bilinear import BILINEAR
 from pounding_cli.laws.law import JOINED, Behaviour, LinkLaw, parameter, set_line
-from pounding_cli.laws.pounding import DASHPOT, DashpotLaw, dashpot_constant
+from pounding_cli.laws.pounding import DASHPOT_CITATION, DashpotLaw, dashpot_constant
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Connector(Joint):
     example = "{link: connector, gap: 5 cm, floors: [3, 5], stiffness: 1/5 mean storey}"
     citation = (
         ("spiliopoulos1996", "permanent connectors, eq. (10)"),
-        DASHPOT,
+        DASHPOT_CITATION,
         ("westermo1989", "connecting buildings"),
     )
     stiffness_default = "0.2 x mean storey"
@@ -69,11 +69,11 @@ class Damper(Joint):
         return 0.0, self.damping_coefficient
 
 
-STABLE_AT_REST = 10.0
+MAX_STABLE_STEP_AT_REST = 10.0
 """Step of DOP853 with a viscous damper near rest, over mass and slope there [-]."""
 
 
-def flow(e: Any, guard: int) -> None:
+def begin_viscous_flow(e: Any, guard: int) -> None:
     """The one branch of a fluid viscous damper, whose force is straight where the power is 1. Parameters: force at
     1 m/s [N], power of the rate [-], rate below which the force is straight, to the power 4."""
     straight = e.p[1] == 1.0
@@ -100,7 +100,7 @@ class Viscous(Joint):
     citation = (("lin2002", "viscous dampers with an exponent"),)
     beyond_gap = "viscous damper closes more than the gap, so the floors would have struck"
     takes_energy = True
-    behaviour = Behaviour(flow, viscous_force)
+    behaviour = Behaviour(begin_viscous_flow, viscous_force)
 
     force_at_1_m_s: float = parameter("force c at a rate of 1 m/s", "N", open_low=True)
     exponent: float = parameter("power a of the rate", low=0.1, high=1.0, open_high=False)
@@ -116,7 +116,7 @@ class Viscous(Joint):
         return 0.0, self.force_at_1_m_s * self.straight_below ** (self.exponent - 1.0)
 
 
-def relax(e: Any, guard: int) -> None:
+def begin_relaxation(e: Any, guard: int) -> None:
     """The one branch of a Maxwell damper, whose force relaxes. Parameters: spring k [N/m] and dashpot c [N s/m]; the
     history variable is the force [N]."""
     set_line(e, e.p[0], 0.0, 0.0, -math.inf, math.inf)
@@ -134,7 +134,7 @@ class Maxwell(Joint):
     beyond_gap = "Maxwell damper closes more than the gap, so the floors would have struck"
     path_dependent = True
     takes_energy = True
-    behaviour = Behaviour(relax)
+    behaviour = Behaviour(begin_relaxation)
 
     stiffness: float = parameter("spring k of the damper and its brace", "N/m", open_low=True)
     damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-from pounding_cli.laws.guards import FORCE, LOW, START
+from pounding_cli.laws.guards import LOW, SIGN_CHANGE, START
 from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
 
 
@@ -29,7 +29,7 @@ class DashpotLaw(StrEnum):
         return reduced if self is DashpotLaw.REDUCED_MASS else 1.0 / reduced
 
 
-DASHPOT = ("anagnostopoulos1988", "the dashpot from the coefficient of restitution, eq. (7)")
+DASHPOT_CITATION = ("anagnostopoulos1988", "the dashpot from the coefficient of restitution, eq. (7)")
 """What a law with this dashpot cites."""
 
 
@@ -58,25 +58,25 @@ def dashpot_constant(ratio: float, stiffness: float, mass: float) -> float:
     return 2 * ratio * math.sqrt(stiffness * mass)
 
 
-K, C, CUTS, F0, SMOOTH, JOINS = range(6)
+_K, _C, _CUTS, _F0, _SMOOTH, _JOINS = range(6)
 """Parameters: spring [N/m], dashpot [N s/m], 1 where no force pulls. The rest is of formulas of a study: force at rest
 [N]; 1 where the formula is carried out; 1 where it acts at all closings."""
 
-OPEN, PRESSED, PULLING = range(3)
+_OPEN, _PRESSED, _PULLING = range(3)
 """Branches; PULLING is closed without a force."""
 
 
-def next_branch(e: Any, guard: int) -> None:
+def next_pounding_branch(e: Any, guard: int) -> None:
     """Open, pressed, and, where the tension is cut, pulling."""
-    joins = e.p[JOINS] > 0.0
+    joins = e.p[_JOINS] > 0.0
     if (guard == START or guard == LOW) and not joins:
         set_open(e)
         return
-    e.branch = PULLING if guard == FORCE and e.branch == PRESSED else PRESSED
-    set_line(e, e.p[K], e.p[C], e.p[F0], -math.inf if joins else 0.0, math.inf)
-    e.smooth = 1 if e.p[SMOOTH] > 0.0 else 0
-    e.cuts = 1 if e.p[CUTS] > 0.0 else 0
-    e.acts = 1 if e.branch == PRESSED else 0
+    e.branch = _PULLING if guard == SIGN_CHANGE and e.branch == _PRESSED else _PRESSED
+    set_line(e, e.p[_K], e.p[_C], e.p[_F0], -math.inf if joins else 0.0, math.inf)
+    e.smooth = 1 if e.p[_SMOOTH] > 0.0 else 0
+    e.cuts = 1 if e.p[_CUTS] > 0.0 else 0
+    e.acts = 1 if e.branch == _PRESSED else 0
 
 
 @dataclass(frozen=True)
@@ -88,10 +88,10 @@ class Pounding(LinkLaw):
     citation = (
         ("spiliopoulos1996", "pounding, eqs (5) to (7)"),
         ("anagnostopoulos1992", "the viscoelastic impact element"),
-        DASHPOT,
+        DASHPOT_CITATION,
     )
     subtracts_gap = True
-    behaviour = Behaviour(next_branch)
+    behaviour = Behaviour(next_pounding_branch)
 
     stiffness: float = parameter("impact spring s_imp", "N/m", open_low=True)
     damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)

@@ -10,24 +10,24 @@ from pounding_cli.laws.guards import SLIPS_RIGHT, START
 from pounding_cli.laws.law import Behaviour, parameter, set_line
 from pounding_cli.laws.storey import StoreyLaw
 
-K, FRICTION = range(2)
+_K, FRICTION = range(2)
 """Parameters: stiffness of the surface W / R [N/m], friction mu W [N]."""
 
-LEFTWARDS, STUCK, RIGHTWARDS = -1, 0, 1
+_LEFTWARDS, _STUCK, _RIGHTWARDS = -1, 0, 1
 """Branches: sliding to either side, and held where it is."""
 
 
-def next_branch(e: Any, guard: int) -> None:
+def next_slider_branch(e: Any, guard: int) -> None:
     """Stuck from the start and whenever the sliding stops; sliding once the friction is overcome. A slider that turns
     sticks first, and leaves that branch at the same instant where its friction does not hold it."""
     if guard == START:
-        e.branch = STUCK if e.r1 == 0.0 else (RIGHTWARDS if e.r1 > 0.0 else LEFTWARDS)
-    elif e.branch != STUCK:
-        e.branch = STUCK
+        e.branch = _STUCK if e.r1 == 0.0 else (_RIGHTWARDS if e.r1 > 0.0 else _LEFTWARDS)
+    elif e.branch != _STUCK:
+        e.branch = _STUCK
     else:
-        e.branch = RIGHTWARDS if guard == SLIPS_RIGHT else LEFTWARDS
-    set_line(e, e.p[K], e.c, e.branch * e.p[FRICTION], -math.inf, math.inf, e.branch)
-    e.holds = 1 if e.branch == STUCK else 0
+        e.branch = _RIGHTWARDS if guard == SLIPS_RIGHT else _LEFTWARDS
+    set_line(e, e.p[_K], e.c, e.branch * e.p[FRICTION], -math.inf, math.inf, e.branch)
+    e.holds = 1 if e.branch == _STUCK else 0
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Slider(StoreyLaw):
 
     name = "slider"
     citation = (("zayas1990", "friction pendulums"),)
-    behaviour = Behaviour(next_branch)
+    behaviour = Behaviour(next_slider_branch)
 
     hardening: float = parameter("none", default=0.0)
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 
 RESIDUAL_DRIFTS = "residual drifts"
@@ -21,8 +22,7 @@ NOT_REQUESTED = "the study does not ask for them (key residual_drift)"
 """The reason to leave them out; without a colon, which ends the name of an effect."""
 
 EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS)
-"""Effects that a reader may expect in any study: where none of its scenes has one, the reason is told."""
-
+"""Effects that a reader may expect in any study: where none of its scenes has one, the reason is stated."""
 
 OVERRULING_REASONS = ("the analysis is elastic", "without a dashpot no link can pull")
 """Reasons to leave out an effect that the study asks for: it is never counted among those that nothing calls for."""
@@ -48,12 +48,12 @@ class DroppedEffect:
 
     @classmethod
     def of_open_gap(cls, neighbours: str, width: float) -> DroppedEffect:
-        """The links of neighbours of which `width` of the gap stays open [m]."""
+        """Return the links of neighbours of which `width` of the gap stays open [m]."""
         return cls(cls.LINKS, f"{NEVER_CLOSES}, {width * 1000:.3g} mm of it stay open", neighbours)
 
     @classmethod
     def parse(cls, line: str) -> DroppedEffect:
-        """Read a line that `str` wrote; names of buildings may have any characters."""
+        """Return the effect of a line that `str` wrote; names of buildings may have any characters."""
         head, _, reason = line.rpartition(": ")
         if reason.startswith(NEVER_CLOSES):
             return cls(cls.LINKS, reason, head.removeprefix(f"{cls.LINKS} "))
@@ -66,9 +66,12 @@ class DroppedEffect:
 def summarize_effects(
     kept: Mapping[str, float], dropped: Mapping[DroppedEffect, float]
 ) -> Iterator[tuple[str, float, float, str]]:
-    """Yield of many scenes every effect, the scenes that simulate it, those that leave it out, and the reason; effects
-    that nothing in the study calls for, and nobody expects, share the last row.
+    """Yield every effect of many scenes, the scenes that simulate it, those that leave it out, and the reason.
 
+    Effects that nothing in the study calls for, and nobody expects, share the last row.
+
+    Parameters
+    ----------
     kept : effect -> scenes with it
     dropped : effect with its reason -> scenes without it; links that never act are no effect and are passed over
     """
@@ -77,17 +80,24 @@ def summarize_effects(
         if not each.links:
             without.setdefault(each.effect, {})[each.reason] = count
     rest = [
-        name for name, reasons in without.items()
+        name
+        for name, reasons in without.items()
         if name not in kept and name not in EXPECTED_EFFECTS and reasons.keys().isdisjoint(OVERRULING_REASONS)
-    ]  # fmt: skip
+    ]
     for name, reasons in without.items():
-        if name not in rest:
-            words = [f"{reason} ({round(n)})" if len(reasons) > 1 else reason for reason, n in reasons.items()]
-            yield name, kept.get(name, 0), sum(reasons.values()), "; ".join(words)
+        if name in rest:
+            continue
+        parts = list(reasons)
+        if len(reasons) > 1:
+            parts = [f"{reason} ({round(count)})" for reason, count in reasons.items()]
+        yield name, kept.get(name, 0), sum(reasons.values()), "; ".join(parts)
     if rest:
-        links = ", ".join(name.removesuffix(" links") for name in rest if name.endswith(" links"))
-        others = [name for name in rest if not name.endswith(" links")] + [f"links of the kinds {links}"] * bool(links)
-        yield "all others", 0, sum(without[rest[0]].values()), f"nothing in the study calls for: {', '.join(others)}"
+        kinds = [name.removesuffix(" links") for name in rest if name.endswith(" links")]
+        others = [name for name in rest if not name.endswith(" links")]
+        if kinds:
+            others.append(f"links of the kinds {', '.join(kinds)}")
+        reason = f"nothing in the study calls for: {', '.join(others)}"
+        yield "all others", 0, sum(without[rest[0]].values()), reason
 
 
 @dataclass(frozen=True)
@@ -106,23 +116,41 @@ class Effects:
     dropped: tuple[DroppedEffect, ...]
 
 
+class LinkTraits(NamedTuple):
+    """Properties of a link that decide about effects.
+
+    kind : its law
+    is_damped : it has a dashpot
+    cuts_tension : no force of it pulls
+    wants_cut : the study asks for that
+    """
+
+    kind: str
+    is_damped: bool
+    cuts_tension: bool
+    wants_cut: bool
+
+    @classmethod
+    def of(cls, link: Link) -> LinkTraits:
+        """Return the traits of a link."""
+        law = link.law
+        return cls(link.kind, law.is_damped, law.cuts_tension, getattr(law, "tension_cut", False))
+
+
 def effects_of(scene: Scene) -> Effects:
-    """Derive what a scene needs from its own data alone."""
-    links = {(e.kind, e.law.is_damped, e.law.cuts_tension, getattr(e.law, "tension_cut", False)) for e in scene.links}
-    return _effects_of(scene.buildings, tuple(sorted(links)), scene.analysis, scene.residual_drift)
+    """Return the effects of a scene, which its own data decide alone."""
+    links = tuple(sorted({LinkTraits.of(link) for link in scene.links}))
+    return _decide_effects(scene.buildings, links, scene.analysis, scene.residual_drift)
 
 
 @functools.lru_cache(maxsize=256)  # the same for every motion and gap
-def _effects_of(
+def _decide_effects(
     buildings: tuple[Building, ...],
-    links: tuple[tuple[str, bool, bool, bool], ...],
+    links: tuple[LinkTraits, ...],
     analysis: Analysis,
     residual_drift: bool,
 ) -> Effects:
-    """Return the effects of scenes that share these.
-
-    links : of each the kind, whether it has a dashpot, whether its tension is cut, whether that is requested
-    """
+    """Return the effects of scenes that share these; links : each kind of traits once."""
     kept = list[str]()
     dropped = list[DroppedEffect]()
 
@@ -139,24 +167,28 @@ def _effects_of(
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )
-    decide(any(building.foundation is not None for building in buildings), "foundation motions", "every base is fixed")
+    has_foundation = any(building.foundation is not None for building in buildings)
+    decide(has_foundation, "foundation motions", "every base is fixed")
     loads = (building.gravity_load for building in buildings)
     decide(any(load is not None and load.any() for load in loads), "P-Delta", "no building has it")
     can_collapse = any(np.isfinite(building.collapse_drift).any() for building in buildings)
-    collapse = decide(
-        inelastic and can_collapse,
-        "collapse",
-        "the analysis is elastic" if can_collapse else "no storey can lose its resistance, and none is asked for",
-    )
+    reason = "no storey can lose strength, and no collapse drift is set"
+    if can_collapse:
+        reason = "the analysis is elastic"
+    collapse = decide(inelastic and can_collapse, "collapse", reason)
     decide(residual_drift, RESIDUAL_DRIFTS, NOT_REQUESTED)
-    decide(any(building.alpha > 0 for building in buildings), "mass-proportional damping", "alpha is 0")
-    decide(any(building.beta > 0 for building in buildings), "stiffness-proportional damping", "beta is 0")
-    kinds = sorted({kind for kind, _, _, _ in links})
-    for kind in (*link_laws(), *(kind for kind in kinds if kind not in link_laws() and kind != Apart.name)):
+    has_alpha = any(building.alpha > 0 for building in buildings)
+    decide(has_alpha, "mass-proportional damping", "alpha is 0")
+    has_beta = any(building.beta > 0 for building in buildings)
+    decide(has_beta, "stiffness-proportional damping", "beta is 0")
+    kinds = sorted({link.kind for link in links})
+    study_kinds = [kind for kind in kinds if kind not in link_laws() and kind != Apart.name]
+    for kind in (*link_laws(), *study_kinds):
         decide(kind in kinds, f"{kind} links", "the case has none")
     if kinds:
-        decide(any(damped for _, damped, _, _ in links), "link dashpots", "restitution is 1")
-        asked = any(asked for _, _, _, asked in links)
-        reason = "without a dashpot no link can pull" if asked else "links may pull, as printed"
-        decide(any(cut for _, _, cut, _ in links), "tension cut-off", reason)
+        decide(any(link.is_damped for link in links), "link dashpots", "restitution is 1")
+        reason = "links may pull, as printed"
+        if any(link.wants_cut for link in links):
+            reason = "without a dashpot no link can pull"
+        decide(any(link.cuts_tension for link in links), "tension cut-off", reason)
     return Effects(yielding, collapse, tuple(kept), tuple(dropped))

@@ -35,7 +35,7 @@ class Strike:
 
     @property
     def storey(self) -> int:
-        """Whose columns are struck, from 1."""
+        """Storey whose columns are struck, from 1."""
         return (self.left_floor, self.right_floor)[self.side]
 
     @property
@@ -44,42 +44,44 @@ class Strike:
         return (self.right_floor, self.left_floor)[self.side]
 
     @property
-    def at(self) -> float:
+    def height(self) -> float:
         """Height of the blow in the storey over the storey height [-]."""
         return (self.left_at, self.right_at)[self.side]
 
 
 def find_meetings(left: Building, right: Building) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
-    """(floors of `left` and `right`, from 1, whose slabs meet; slabs that strike columns), from the ground up.
+    """Return the pairs of floors (from 1) whose slabs meet, and the slabs that strike columns, from the ground up.
 
     A slab reaches half its thickness up and down from the elevation of its floor. Slabs above the neighbour's roof have
     nothing beside them.
     """
     for wall, building in ((left, right), (right, left)):
         if isinstance(wall, Wall):
-            return _at_wall(wall, building), ()
-    both = tuple((b.elevation.tobytes(), b.slab) for b in (left, right))
-    return _meetings(*both)
+            return _find_floors_at_wall(wall, building), ()
+    return _find_slab_meetings((left.elevation.tobytes(), left.slab), (right.elevation.tobytes(), right.slab))
 
 
-def _at_wall(wall: Wall, building: Building) -> tuple[tuple[int, int], ...]:
-    """A wall meets every floor up to its height, and a base that moves (floor 0)."""
+def _find_floors_at_wall(wall: Wall, building: Building) -> tuple[tuple[int, int], ...]:
+    """Return the floors that a wall meets: every floor up to its height, and a base that moves (0)."""
     if isinstance(building, Wall):
         return ()
     reach = float(wall.height[0]) + 0.5 * building.slab + FLOOR_TOLERANCE
-    met = [j for j in range(building.storeys + 1) if building.has_floor(j) and building.level(j) <= reach]
-    return tuple((j, j) for j in met)
+    floors = filter(building.has_floor, range(building.storeys + 1))
+    return tuple((floor, floor) for floor in floors if building.level(floor) <= reach)
 
 
 @functools.lru_cache(maxsize=256)
-def _meetings(*both: tuple[bytes, float]) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
-    """The same from (elevations [m] as bytes, slab thickness [m]) of both buildings."""
-    elevations = [np.frombuffer(levels) for levels, _ in both]
-    reach = 0.5 * sum(slab for _, slab in both) + FLOOR_TOLERANCE
-    apart = np.abs(elevations[0][:, None] - elevations[1])
-    meet: np.ndarray = apart <= reach
-    pairs = [(i, j) for i, j in zip(*(each.tolist() for each in np.nonzero(meet)), strict=True)]
-    nearest = [(i, j) for i, j in pairs if apart[i, j] == apart[i].min() == apart[:, j].min()]
+def _find_slab_meetings(
+    left: tuple[bytes, float], right: tuple[bytes, float]
+) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
+    """Return the same from elevations [m] as bytes and slab thickness [m] of both buildings."""
+    elevations = [np.frombuffer(levels) for levels, _ in (left, right)]
+    reach = 0.5 * (left[1] + right[1]) + FLOOR_TOLERANCE
+    distance = np.abs(elevations[0][:, None] - elevations[1])
+    meet: np.ndarray = distance <= reach
+    nearest = [
+        (i, j) for i, j in np.argwhere(meet).tolist() if distance[i, j] == distance[i].min() == distance[:, j].min()
+    ]
     strikes = []
     for side in (0, 1):
         levels = np.concatenate(([0.0], elevations[side]))
@@ -87,19 +89,26 @@ def _meetings(*both: tuple[bytes, float]) -> tuple[tuple[tuple[int, int], ...], 
             if np.any(meet, axis=side)[slab] or level >= levels[-1]:
                 continue
             storey = int(np.searchsorted(levels, level))
-            at = float((level - levels[storey - 1]) / (levels[storey] - levels[storey - 1]))
-            strike = (slab + 1, storey, 1.0, at) if side == 1 else (storey, slab + 1, at, 1.0)
-            strikes.append((level, Strike(*strike)))
+            storey_height = levels[storey] - levels[storey - 1]
+            height = float((level - levels[storey - 1]) / storey_height)
+            on_right = Strike(slab + 1, storey, 1.0, height)
+            on_left = Strike(storey, slab + 1, height, 1.0)
+            strikes.append((level, on_right if side == 1 else on_left))
     ordered = tuple(strike for _, strike in sorted(strikes, key=lambda pair: pair[0]))
     return tuple((i + 1, j + 1) for i, j in nearest), ordered
 
 
-def column_flexibility(building: Building, storey: int, at: float) -> float:
-    """Deflection of struck columns, clamped in the floors above and below, per force at `at` of their height [m/N].
+def column_flexibility(building: Building, storey: int, height: float) -> float:
+    """Return the deflection of struck columns per force [m/N], clamped in the floors above and below.
 
-    a^3 b^3 / (3 E I L^3) at a = at L above one end and b above the other, where 12 E I / L^3 is `building.columns` of
-    the storey's stiffness.
+    a^3 b^3 / (3 E I L^3) at a = height L above one end and b above the other, where 12 E I / L^3 is `building.columns`
+    of the storey's stiffness.
+
+    Parameters
+    ----------
+    storey : from 1
+    height : of the force in the storey over the storey height L [-]
     """
     assert building.columns is not None
     stiffness = building.columns * float(building.stiffness[storey - 1])
-    return 4.0 * (at * (1.0 - at)) ** 3 / stiffness
+    return 4.0 * (height * (1.0 - height)) ** 3 / stiffness

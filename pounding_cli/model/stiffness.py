@@ -8,8 +8,13 @@ import numpy as np
 
 
 def frequencies(mass: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-    """Circular frequencies [rad/s], lowest first, shape (n,).  Raises ValueError where shapes differ, or numbers are so
-    large or small that there are none."""
+    """Return the circular frequencies [rad/s], lowest first, shape (n,).
+
+    Raises
+    ------
+    ValueError : shapes differ
+    LinAlgError : numbers are so large or small that there are no frequencies
+    """
     if mass.shape != stiffness.shape or mass.size == 0:
         raise ValueError(f"{mass.size} masses and {stiffness.size} stiffnesses: give one of each per storey")
     if mass.size == 1:
@@ -21,7 +26,7 @@ def frequencies(mass: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
 
 
 def stiffness_for_period(mass: np.ndarray, period: float, taper: float = 1.0) -> np.ndarray:
-    """Storey stiffnesses [N/m] of the building whose fixed-base fundamental period is `period`, shape (n,).
+    """Return the storey stiffnesses [N/m] of the building whose fixed-base fundamental period is `period`, shape (n,).
 
     The stiffness varies linearly with the storey's number from the ground up ("varies linearly with height",
     paper, parametric studies).
@@ -36,13 +41,18 @@ def stiffness_for_period(mass: np.ndarray, period: float, taper: float = 1.0) ->
 
 
 def rayleigh_factors(mass: np.ndarray, stiffness: np.ndarray, damping: float) -> tuple[float, float]:
-    """Rayleigh factors (alpha [1/s], beta [s]) that give `damping` in the first two fixed-base modes.
+    """Return the Rayleigh factors (alpha [1/s], beta [s]) that give `damping` in the first two fixed-base modes.
 
     alpha = 2 xi w1 w2 / (w1 + w2), beta = 2 xi / (w1 + w2) (paper, assumptions; Clough & Penzien, Dynamics of
     Structures, sec. 12-5). A one-storey building takes half of its damping from each.
 
+    Parameters
+    ----------
     damping : damping ratio xi [-], 0 <= xi < 1
     """
     w = frequencies(mass, stiffness)
-    first, second = w[0], w[min(1, w.size - 1)]  # one storey: both are its only mode, which halves the shares
-    return float(2 * damping * first * second / (first + second)), float(2 * damping / (first + second))
+    first = w[0]
+    second = w[min(1, w.size - 1)]  # one storey: both are its only mode, which halves the shares
+    alpha = float(2 * damping * first * second / (first + second))
+    beta = float(2 * damping / (first + second))
+    return alpha, beta

@@ -21,7 +21,7 @@ class Wall(Building):
     """One mass in front of the soil, which every floor and every moving base of a neighbour meets up to its height.
 
     moves : on the spring `stiffness` and dashpot beta x stiffness of the soil behind it; False: it moves as the ground
-        does, and its mass and stiffness say nothing
+        does, and its mass and stiffness have no effect
     """
 
     moves: bool = True
@@ -35,7 +35,7 @@ class Wall(Building):
         stiffness: float = np.inf,
         damping: float = 0.0,
     ) -> Wall:
-        """A wall, and what stands behind it.
+        """Return a wall with the soil behind it.
 
         Parameters
         ----------
@@ -48,14 +48,24 @@ class Wall(Building):
         ------
         ValueError : a value is outside its range
         """
-        moves, one = bool(np.isfinite(stiffness)), np.ones(1)
-        k, m, beta = (stiffness, mass, damping / stiffness) if moves else (1.0, 1.0, 0.0)
-        high = max(height, MIN_HEIGHT)
-        return cls(name, m * one, high * one, k * one, np.inf * one, 0.0 * one, 0.0, beta, moves=moves)
+        moves = bool(np.isfinite(stiffness))
+        return cls(
+            name,
+            mass=np.array([mass if moves else 1.0]),
+            height=np.array([max(height, MIN_HEIGHT)]),
+            stiffness=np.array([stiffness if moves else 1.0]),
+            yield_shear=np.array([np.inf]),
+            hardening=np.zeros(1),
+            alpha=0.0,
+            beta=damping / stiffness if moves else 0.0,
+            moves=moves,
+        )
 
     def raise_to(self, roof: float) -> Wall:
-        """The wall up to the highest roof [m] of its row, where it has no height of its own."""
-        return replace(self, height=np.array([roof])) if self.height[0] == UNLIMITED_HEIGHT else self
+        """Return the wall up to the highest roof [m] of its row, where it has no height of its own."""
+        if self.height[0] != UNLIMITED_HEIGHT:
+            return self
+        return replace(self, height=np.array([roof]))
 
     @cached_property
     def periods(self) -> np.ndarray:
@@ -63,9 +73,11 @@ class Wall(Building):
         return super().periods if self.moves else np.full(1, np.nan)
 
     def storey_property(self, name: str) -> np.ndarray:
-        """A property of its one storey, shape (1,); NaN of a mass or stiffness that says nothing."""
-        return getattr(self, name) if self.moves or name in ("height", "yield_shear") else np.full(1, np.nan)
+        """Return a property of its one storey, shape (1,); NaN for a mass or stiffness without effect."""
+        if self.moves or name in ("height", "yield_shear"):
+            return getattr(self, name)
+        return np.full(1, np.nan)
 
     def has_floor(self, floor: int) -> bool:
-        """Whatever floor of its neighbour."""
+        """Return whether a link may end there: at any floor of its neighbour."""
         return floor >= 0

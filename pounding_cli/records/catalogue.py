@@ -46,15 +46,19 @@ class Entry:
     files: Sequence[Mapping[str, Any]]
 
     def compare(self, motion: Motion) -> Iterator[str]:
-        """Length, time step, peak and Arias intensity of a motion in its window, beside those known, in words."""
+        """Yield length, time step, peak and Arias intensity of a motion beside those of the catalogue, in words."""
         facts = self.facts
         window = motion.cut_to(self.duration)
         length = f"{window.duration:g} s"
-        known = "measured on a public digitisation" if facts["of"] == "real" else "estimated from Table 1"
+        is_measured = facts["of"] == "real"
+        origin = "measured on a public digitisation" if is_measured else "estimated from Table 1"
         yield f"length: {motion.duration:g} s; Table 1 uses {self.duration:g} s"
-        yield f"time step: {motion.dt:g} s" + (f"; {facts['dt_s']:g} s {known}" if "dt_s" in facts else "")
-        yield f"peak: {window.pga / GRAVITY:.3f} g in the first {length}; {facts['peak_g']:.3f} g {known}"
-        yield f"Arias intensity: {arias(window):.3f} m/s in the first {length}; {facts['arias']:.3f} m/s {known}"
+        step = f"; {facts['dt_s']:g} s {origin}" if "dt_s" in facts else ""
+        yield f"time step: {motion.dt:g} s{step}"
+        peak = f"{window.pga / GRAVITY:.3f} g in the first {length}"
+        yield f"peak: {peak}; {facts['peak_g']:.3f} g {origin}"
+        intensity = f"{arias(window):.3f} m/s in the first {length}"
+        yield f"Arias intensity: {intensity}; {facts['arias']:.3f} m/s {origin}"
 
 
 def shipped_folder() -> Path:

@@ -1,4 +1,4 @@
-"""The lines over the numbers of a motion file: time step, count and headings of columns, in many languages."""
+"""Read the lines over the numbers of a motion file: time step, count and headings of columns, in many languages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pounding_cli.records.units import (
 )
 
 MAX_ROWS_OF_HEADINGS = 3
-"""Lines over the numbers that may hold headings: names, units and components may be in lines of their own."""
+"""Lines over the numbers that may hold headings: names, units and components may stand in separate lines."""
 
 MAX_HEADING_LENGTH = 2000
 """Characters of a line that are looked at."""
@@ -94,7 +94,7 @@ _COUNT_FIRST = re.compile(
     r"(?<![\d.,-])(?P<count>\d{1,9}) ?(?:data )?(?:points|pts|samples|values)\b(?!\s*(?:per\b|/))", re.IGNORECASE
 )
 _COUNT_AND_STEP = re.compile(rf"(?P<count>\d{{1,9}})[\s,;]+{_NUMBER}(?P<rest>.*)\Z", re.IGNORECASE)
-# The first line of a DEEPSOIL profile motion, with units: 4000 0.01 g
+"""The first line of a DEEPSOIL profile motion, with units: 4000 0.01 g"""
 
 _TIME = re.compile(
     r"(?:t|times?|elapsed\s+time|tiempos?|tempo|temps|zeit|zaman|время|時間|時刻|时间|czas|tid|tijd|vrijeme|χρόνος|s|secs?|seconds?"
@@ -110,7 +110,7 @@ _TIME_UNITS = [
         ("h|hrs?|hours?|horas?|stunden", 3600.0),
     )
 ]
-# Units of times other than seconds, and one of each in seconds.
+"""Units of times other than seconds, and one of each in seconds."""
 _SAMPLE_NUMBER = re.compile(
     r"(?:#|no?\.?|nr\.?|n[º°]|№|num(?:ber|ero|éro)?|index|idx|i|j|k|samples?|samp|points?|pts?|steps?|count(?:er)?|row|line|id|rec"
     r"|unnamed:?\s*0|muestra|punto|paso|[ée]chantillon|campione|nummer|lfd\.?\s*nr\.?|s[ıi]ra|örnek|номер|отсч[её]т|番号|序号|データ番号)"
@@ -124,7 +124,7 @@ _TITLE_OF_A_SPECTRUM = re.compile(
     re.IGNORECASE,
 )
 _MATCHED_TO_A_SPECTRUM = re.compile(r"match|compatib|target|histor|accelerogra|fitted|adjust|scaled", re.IGNORECASE)
-# Words of a motion that was made to fit a spectrum.
+"""Words of a motion that was made to fit a spectrum."""
 _COMPONENT = re.compile(
     r"(?:a(?:_?[xyzgneu\d])?|ch(?:an(?:nel)?)?[ _.]*\d+|ug|x|y|z"
     r"|n-?s|e-?w|u-?d|s-?n|w-?e|n|e|v|h[12n]?[enz]?|hn[enz12]|[nse]\d{2}[nsew]|u\(\+\)|n\(\+\)|e\(\+\)|long\w*|tran\w*|vert\w*|up)\b",
@@ -133,7 +133,12 @@ _COMPONENT = re.compile(
 
 
 class StatedStep(NamedTuple):
-    """A time step [s] as a line of the header says it, and that line (from 1); 0 s where it cannot be read."""
+    """A time step as a line of the header states it.
+
+    seconds : the step [s]; 0 where it cannot be read
+    line : the line, from 1
+    quote : begin of the line
+    """
 
     seconds: float
     line: int
@@ -142,25 +147,32 @@ class StatedStep(NamedTuple):
 
 @dataclass(frozen=True)
 class Heading:
-    """The heading of one column: its words from one or more lines, the nearest to the numbers last."""
+    """The heading of one column.
+
+    words : one text a line, the nearest to the numbers last
+    lines : numbers of these lines, from 1
+    """
 
     words: tuple[str, ...] = ()
     lines: tuple[int, ...] = ()
 
     @property
     def text(self) -> str:
+        """All its words in one line."""
         return " ".join(word for word in self.words if word)
 
     @property
     def is_time(self) -> bool:
+        """True for the heading of a column of times."""
         return any(_TIME.match(word.strip(" \"'")) for word in self.words) and not self.units
 
     @property
     def time_unit(self) -> float:
         """The unit of times that it names [s]; 1 for none."""
-        return next(
-            (seconds for pattern, seconds in _TIME_UNITS if any(pattern.search(word) for word in self.words)), 1.0
-        )
+        for pattern, seconds in _TIME_UNITS:
+            if any(pattern.search(word) for word in self.words):
+                return seconds
+        return 1.0
 
     @property
     def is_component(self) -> bool:
@@ -169,13 +181,16 @@ class Heading:
 
     @property
     def is_sample_number(self) -> bool:
+        """True for the heading of a column of sample numbers, which may be empty."""
         return (not self.is_time and not self.text) or bool(_SAMPLE_NUMBER.match(self.text.strip()))
 
     @property
     def units(self) -> list[tuple[str, int]]:
         """The units of acceleration that it states, each with its line."""
         return [
-            (unit, line) for word, line in zip(self.words, self.lines, strict=True) for unit in find_units(word, True)
+            (unit, line)
+            for word, line in zip(self.words, self.lines, strict=True)
+            for unit in find_units(word, is_heading=True)
         ]
 
     @property
@@ -187,10 +202,12 @@ class Heading:
 
     @property
     def is_of_a_spectrum(self) -> bool:
+        """True for the heading of a column of periods, frequencies or spectral accelerations."""
         return any(_SPECTRUM.match(word.strip(" \"'")) for word in self.words)
 
     @property
     def is_other_quantity(self) -> bool:
+        """True for the heading of a column of velocities or displacements."""
         return self.quantity in ("velocity", "displacement")
 
 
@@ -198,9 +215,11 @@ class Heading:
 class Header:
     """Statements of the lines over the numbers.
 
-    steps : time steps [s];  counts : numbers of samples, with their lines
+    steps : time steps
+    counts : numbers of samples, with their lines
     headings : one a column; empty where no line is one of headings
-    heading_lines : the lines of `headings` (from 1);  words : the other lines by their number
+    heading_lines : the lines of `headings` (from 1)
+    words : the other lines by their number
     """
 
     steps: list[StatedStep] = field(default_factory=list)
@@ -216,9 +235,12 @@ class Header:
 
 
 def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
-    """Return what lines over the numbers say.
+    """Return the statements of the lines over the numbers.
 
-    lines : their numbers (from 1) and texts;  width : columns of the numbers below
+    Parameters
+    ----------
+    lines : their numbers (from 1) and texts
+    width : columns of the numbers below
     """
     header = Header()
     for line, text in lines:
@@ -230,10 +252,12 @@ def read_header(lines: Iterable[tuple[int, str]], width: int) -> Header:
         if line in header.heading_lines:
             del header.words[line]
             continue
-        if (first := _COUNT_AND_STEP.match(text)) and _is_unit_or_step_unit(first["rest"]):
-            header.counts.append((int(first["count"]), line))
-            header.steps.append(StatedStep(float(first["value"].replace(",", ".")), line, text[:60]))
-            header.words[line] = _without_seconds(first["rest"])
+        count_and_step = _COUNT_AND_STEP.match(text)
+        if count_and_step and _is_unit_or_step_unit(count_and_step["rest"]):
+            seconds = float(count_and_step["value"].replace(",", "."))
+            header.counts.append((int(count_and_step["count"]), line))
+            header.steps.append(StatedStep(seconds, line, text[:60]))
+            header.words[line] = _without_seconds(count_and_step["rest"])
             continue
         header.steps += [StatedStep(seconds, line, text[:60]) for seconds in find_steps(text)]
         count = _find_count(text)
@@ -298,11 +322,13 @@ def _find_count(line: str) -> int | None:
 
 
 def _is_unit_or_step_unit(rest: str) -> bool:
+    """Return whether the words behind a count and a time step are units: of the step, of the values, or both."""
     unit = _without_seconds(rest)
     return bool(rest.strip()) and (not unit or find_acceleration_unit(unit) is not None)
 
 
 def _without_seconds(rest: str) -> str:
+    """Return words without the unit of time that they begin with."""
     return re.sub(r"^\W*(?:s|sec|seconds?)\b\W*", "", rest.strip(), flags=re.IGNORECASE).strip(" ,;()[]")
 
 
@@ -361,17 +387,21 @@ def split_headings(line: str, width: int) -> list[str]:
 
 def _looks_like_headings(parts: list[str], by_blanks: bool = False) -> bool:
     """Return whether texts name columns: a time, a sample number, accelerations, components; no sentence."""
-    known = [_names_column(part) for part in parts]
-    if by_blanks and any(map(_is_preposition, parts[:-1])):
-        return False  # acceleration in g
+    are_names = [_names_column(part) for part in parts]
     if by_blanks:
-        return all(known) or (
-            bool(_TIME.match(parts[0])) and any(known[1:]) and len(parts) <= 3 and not _is_preposition(parts[1])
-        )
-    if _SPECTRUM.match(parts[0]) and not any(sign.isdigit() for part in parts for sign in part):
+        if any(map(_is_preposition, parts[:-1])):
+            return False  # acceleration in g
+        if all(are_names):
+            return True
+        begins_with_time = bool(_TIME.match(parts[0])) and not _is_preposition(parts[1])
+        return begins_with_time and any(are_names[1:]) and len(parts) <= 3
+    has_digits = any(sign.isdigit() for part in parts for sign in part)
+    if _SPECTRUM.match(parts[0]) and not has_digits:
         return True
-    has_unit_words = any(_TIME.match(part) or find_units(part, True) or find_quantity(part) for part in parts)
-    return has_unit_words or all(known)
+    names_quantity = any(
+        _TIME.match(part) or find_units(part, is_heading=True) or find_quantity(part) for part in parts
+    )
+    return names_quantity or all(are_names)
 
 
 def _is_statement(part: str) -> bool:
@@ -380,15 +410,17 @@ def _is_statement(part: str) -> bool:
 
 
 def _is_preposition(word: str) -> bool:
+    """Return whether a word belongs to a sentence, not to a heading."""
     return word.lower() in ("in", "en", "em", "of", "de", "history", "step", "series")
 
 
 def _names_column(part: str) -> bool:
+    """Return whether a text names one column: a time, a sample number, a quantity or a component."""
     outside = BRACKETS.sub("", part).strip()
     return bool(
         _TIME.match(part)
         or _SAMPLE_NUMBER.match(part)
-        or find_units(part, True)
+        or find_units(part, is_heading=True)
         or (find_quantity(part) and len(part.split()) <= 4)
         or _COMPONENT.fullmatch(outside)
         or _SPECTRUM.match(part)

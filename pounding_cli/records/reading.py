@@ -1,4 +1,4 @@
-"""Reading a motion file: its format found, its samples read, its unit settled, what cannot be a motion refused."""
+"""Read a motion file: find its format, read its samples, settle their unit, refuse what cannot be a motion."""
 
 from __future__ import annotations
 
@@ -18,17 +18,21 @@ from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_uni
 MOTION_FORMATS = (*NETWORKS, *COLUMN_FORMATS)
 """The formats, as users name them."""
 
-_STRONGEST = 5.0 * GRAVITY
-# The strongest ground accelerations ever recorded lie between 3 and 5 g; above that the unit is wrong.
-_LONGEST_STEP = 0.05
-# Accelerographs sample at 50 Hz at least; a longer step [s] is most often a sample number taken for a time.
+MAX_PEAK = 5.0 * GRAVITY
+"""The strongest ground accelerations ever recorded lie between 3 and 5 g; above that the unit is wrong [m/s2]."""
+
+MAX_USUAL_STEP = 0.05
+"""Accelerographs sample at 50 Hz at least; a longer step is most often a sample number taken for a time [s]."""
 
 
 @dataclass(frozen=True)
 class Reading:
     """A motion and how it was read.
 
-    words : its unit and where that comes from: "in g (as the file says)"
+    motion : the motion
+    format : one of `MOTION_FORMATS`
+    unit : unit in which its samples were read
+    words : that unit and where it comes from: "in g (as the file says)"
     stated : the other unit that the file states where the unit given is not that, else ""
     doubts : warnings about its time step
     """
@@ -79,96 +83,138 @@ def read_file(
     text.column = column
     text.unit = unit
     if unit is not None and find_acceleration_unit(unit) is None:
-        raise text.refuse(
-            f"unknown unit '{unit}' of acceleration", f"write one of {', '.join(ACCELERATION_UNITS)}, or 0.01 g"
-        )
-    kind, samples = _samples(text, format)
-    used, why, stated = _unit(text, kind, samples, unit)
-    said, _ = text.header.get("name", ("", 0))
-    motion = Motion(name or said or Path(path).stem, samples.dt, _sound(text, samples, used), source)
+        hint = f"write one of {', '.join(ACCELERATION_UNITS)}, or 0.01 g"
+        raise text.refuse(f"unknown unit '{unit}' of acceleration", hint)
+    file_format, samples = _read_samples(text, format)
+    used_unit, why, stated_unit = _choose_unit(text, file_format, samples, unit)
+    acceleration = _convert_samples(text, samples, used_unit)
+    name_in_file, _ = text.header.get("name", ("", 0))
+    motion = Motion(name or name_in_file or Path(path).stem, samples.dt, acceleration, source)
     encoding = f", a file in {text.encoding}" if text.encoding else ""
-    return Reading(motion, kind, used, f"in {used} ({why}){encoding}", stated, tuple(_find_doubts(samples)))
+    words = f"in {used_unit} ({why}){encoding}"
+    doubts = tuple(_iter_doubts(samples))
+    return Reading(motion, file_format, used_unit, words, stated_unit, doubts)
 
 
-def _find_doubts(samples: Samples) -> Iterator[MotionWarning]:
+def _iter_doubts(samples: Samples) -> Iterator[MotionWarning]:
     """Yield warnings about a time step that no accelerograph has, or that is not the header's."""
     if samples.doubt is not None:
         yield samples.doubt
-    if samples.dt > _LONGEST_STEP * (1 + 1e-6):
-        message = f"the time step is {samples.dt:g} s, longer than the {_LONGEST_STEP:g} s of any accelerograph"
-        yield MotionWarning(
-            message, "check that the column of times is no sample number; write `dt: 0.01 s` beside `file:` if it is"
-        )
+    if samples.dt > MAX_USUAL_STEP * (1 + 1e-6):
+        message = f"the time step is {samples.dt:g} s, longer than the {MAX_USUAL_STEP:g} s of any accelerograph"
+        hint = "check that the column of times is no sample number; write `dt: 0.01 s` beside `file:` if it is"
+        yield MotionWarning(message, hint)
 
 
-def _samples(text: TextFile, format: str | None) -> tuple[str, Samples]:
-    """The format of a file and what it holds; raises `InputError` for channels and columns that it does not have."""
-    tried = ((name, read(text)) for name, read in NETWORKS.items() if format in (None, name))
-    kind, found = next(((name, found) for name, found in tried if found), ("", None))
-    if found is None and format not in (None, *COLUMN_FORMATS):
-        hint = f"leave 'format' out, or write one of {', '.join(MOTION_FORMATS)}"
-        raise text.refuse(f"its first lines are not those of a file of format '{format}'", hint, 1)
-    if found is None and format is None and (unread := find_unread(text)):
-        raise _refuse_unread(text, *unread)
-    if found is None:
-        kind, found = read_columns(text, format)
-    for given, what, kinds in ((text.channel, "channel", FORMATS_WITH_CHANNELS), (text.column, "column", ("table",))):
-        if given is not None and kind not in kinds:
-            raise text.refuse(f"a file of format '{kind}' has no {what}s to choose from", f"leave '{what}' out")
-    return kind, found
+def _read_samples(text: TextFile, format: str | None) -> tuple[str, Samples]:
+    """Return the format of a file and its samples.
+
+    Raises
+    ------
+    InputError : the file is not of the format given or of one that is read, or a channel or column is selected in a
+        format without them
+    """
+    file_format = ""
+    samples = None
+    for name, read in NETWORKS.items():
+        if format in (None, name):
+            samples = read(text)
+            if samples:
+                file_format = name
+                break
+    if not samples:
+        if format not in (None, *COLUMN_FORMATS):
+            hint = f"leave 'format' out, or write one of {', '.join(MOTION_FORMATS)}"
+            message = f"its first lines are not those of a file of format '{format}'"
+            raise text.refuse(message, hint, 1)
+        unread = find_unread(text) if format is None else None
+        if unread:
+            raise _refuse_unread(text, *unread)
+        file_format, samples = read_columns(text, format)
+    if text.channel is not None and file_format not in FORMATS_WITH_CHANNELS:
+        raise _refuse_selection(text, file_format, "channel")
+    if text.column is not None and file_format != "table":
+        raise _refuse_selection(text, file_format, "column")
+    return file_format, samples
+
+
+def _refuse_selection(text: TextFile, file_format: str, key: str) -> InputError:
+    """Return the refusal of a channel or column in a format that has none to choose from."""
+    message = f"a file of format '{file_format}' has no {key}s to choose from"
+    return text.refuse(message, f"leave '{key}' out")
 
 
 def _refuse_unread(text: TextFile, name: str, line: int) -> InputError:
+    """Return the refusal of a format that is known but not read."""
     example = "{file: a.txt, format: column, unit: cm/s2, dt: 0.01 s}"
     hint = f"export the acceleration as columns of text and give format, unit, dt: {example}"
     return text.refuse(f"the format is {name}, which is not read", hint, line)
 
 
-def _unit(text: TextFile, kind: str, samples: Samples, given: str | None) -> tuple[str, str, str]:
-    """The unit the samples are in, who says so, and another one that headings state, "" for none.
+def _choose_unit(
+    text: TextFile,
+    file_format: str,
+    samples: Samples,
+    users_unit: str | None,
+) -> tuple[str, str, str]:
+    """Return the unit of the samples, the reason in words, and another one that headings state, "" for none.
 
-    Raises `InputError` for other quantities, and where a format that defines its unit contradicts the one given.
+    Raises
+    ------
+    InputError : no unit, a unit of another quantity, or one of the user that contradicts a format which defines its own
     """
     stated = samples.unit
     line = samples.unit_line
     if stated is None:
-        if given is None:
+        if users_unit is None:
             message = samples.unclear or "no line says in which unit the values are"
             raise text.refuse(message, GIVE_UNIT, samples.unclear_line or samples.line)
-        return given, "as given", ""
-    quantity = identify_unit(stated)[0]
+        return users_unit, "as given", ""
+    quantity, _ = identify_unit(stated)
     factor = find_acceleration_unit(stated)
     if quantity in ("velocity", "displacement"):
         raise text.refuse_quantity(quantity, line)
     if quantity == "counts":
-        if given is None:
+        if users_unit is None:
             hint = "download the processed record (V1 or V2), or say what one count is, e.g. unit: 6.34e-4 gal"
             raise text.refuse("the file holds recorder counts without their scale", hint, line)
-        return given, "as given", ""
+        return users_unit, "as given", ""
     if factor is None:
-        if given is not None:
-            return given, f"as given, although the file says {stated}", stated
+        if users_unit is not None:
+            return users_unit, f"as given, although the file says {stated}", stated
+        message = f"the file's unit '{stated}' is none of acceleration that is known"
         hint = f"{GIVE_UNIT}; known are {', '.join(ACCELERATION_UNITS)}"
-        raise text.refuse(f"the file's unit '{stated}' is none of acceleration that is known", hint, line)
-    if given is None or abs((find_acceleration_unit(given) or 0.0) / factor - 1.0) <= 1e-4:
+        raise text.refuse(message, hint, line)
+    if users_unit is None:
         return stated, "as the file says", ""
-    if kind in NETWORKS:
-        hint = "leave the unit out, or correct the file's"
-        raise text.refuse(f"the unit is given as {given}, but the file says {stated}", hint, line)
-    return given, f"as given, although the file says {stated}", stated
+    users_factor = find_acceleration_unit(users_unit) or 0.0
+    if abs(users_factor / factor - 1.0) <= 1e-4:
+        return stated, "as the file says", ""
+    if file_format in NETWORKS:
+        message = f"the unit is given as {users_unit}, but the file says {stated}"
+        raise text.refuse(message, "leave the unit out, or correct the file's", line)
+    return users_unit, f"as given, although the file says {stated}", stated
 
 
-def _sound(text: TextFile, samples: Samples, unit: str) -> np.ndarray:
-    """The samples in m/s2; raises `InputError` where they can be no ground motion."""
+def _convert_samples(text: TextFile, samples: Samples, unit: str) -> np.ndarray:
+    """Return the samples in m/s2, shape (n,).
+
+    Raises
+    ------
+    InputError : they can be no ground motion
+    """
     with np.errstate(over="ignore"):
         values = np.array(samples.values, dtype=float) * (find_acceleration_unit(unit) or 0.0)
     if values.size < 2:
-        raise text.refuse("only one sample found", "a motion needs at least two samples", samples.line)
+        hint = "a motion needs at least two samples"
+        raise text.refuse("only one sample found", hint, samples.line)
     peak = float(np.abs(values).max())
     if peak == 0.0:
-        raise text.refuse("every sample is zero", "give a file that holds a ground motion", samples.line)
-    if peak > _STRONGEST:
-        message = f"the peak is {peak / GRAVITY:.4g} g read in {unit}: no ground motion is that strong"
+        hint = "give a file that holds a ground motion"
+        raise text.refuse("every sample is zero", hint, samples.line)
+    if peak > MAX_PEAK:
+        peak_in_g = f"{peak / GRAVITY:.4g} g"
+        message = f"the peak is {peak_in_g} read in {unit}: no ground motion is that strong"
         units = ", ".join(ACCELERATION_UNITS)
         hint = f"give the unit of the file: {units}; recorder counts need their scale, e.g. 6.34e-4 gal"
         raise text.refuse(message, hint, samples.line)

@@ -11,10 +11,10 @@ from pounding_cli.errors import InputError, Problem
 if TYPE_CHECKING:
     from pounding_cli.report.document import Report
     from pounding_cli.report.sweep import Asked
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 
-def report(results: Results, asked: Asked | None = None) -> Report:
+def report(results: ResultTables, asked: Asked | None = None) -> Report:
     """Return the report of a results file.
 
     Parameters
@@ -36,7 +36,7 @@ def report(results: Results, asked: Asked | None = None) -> Report:
     return make(results, asked)
 
 
-def find_no_sweep(results: Results) -> str:
+def find_no_sweep(results: ResultTables) -> str:
     """Return why a results file has no figures over a sweep; "" where it has some."""
     if results.workflow != "run":
         return f"the file holds the answer of `pound {results.workflow}`"

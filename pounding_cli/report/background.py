@@ -24,7 +24,7 @@ from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.tables import Column, Table
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 _TITLES = {
     "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
@@ -43,7 +43,7 @@ ADVICE = (
 
 
 def report_of(
-    results: Results, shown: Evidence, answer: Section, more: Callable[[], list[Section]] = list,
+    results: ResultTables, shown: Evidence, answer: Section, more: Callable[[], list[Section]] = list,
     is_sampled: bool = False,
 ) -> Report:  # fmt: skip
     """A report of the whole results file, with the sections that stand behind every answer.
@@ -77,7 +77,7 @@ def report_of(
     )
 
 
-def background(results: Results, shown: Evidence, tables: Sequence[str]) -> list[Section]:
+def background(results: ResultTables, shown: Evidence, tables: Sequence[str]) -> list[Section]:
     """The sections behind the answer, with these tables of scenes and those of the answer."""
     found = [results.answer(name) for name in results.answers]
     for name in tables:
@@ -96,7 +96,7 @@ def background(results: Results, shown: Evidence, tables: Sequence[str]) -> list
     ]
 
 
-def advice(results: Results) -> list[str]:
+def advice(results: ResultTables) -> list[str]:
     """What a reader should know of the study: heights that it does not write, an impact stiffness of one value."""
     said, struck = [], results.link("kind", "impacts")
     if results.assumed_heights:
@@ -107,7 +107,7 @@ def advice(results: Results) -> list[str]:
     return said
 
 
-def dashpot_sentences(results: Results) -> list[str]:
+def dashpot_sentences(results: ResultTables) -> list[str]:
     """Return the damping ratios of infills and connectors, case by case, where no axis of the sweep changes them."""
     if any(key.split(".")[-1] in ("damping_ratio", "restitution") for key in results.axes):
         return []
@@ -125,7 +125,7 @@ def dashpot_sentences(results: Results) -> list[str]:
     ]
 
 
-def _limits(results: Results) -> list[Section]:
+def _limits(results: ResultTables) -> list[Section]:
     warned = [
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
@@ -134,7 +134,7 @@ def _limits(results: Results) -> list[Section]:
     return [Section("What limits these numbers", said)] if said else []
 
 
-def _motions(results: Results, shown: Evidence) -> Section:
+def _motions(results: ResultTables, shown: Evidence) -> Section:
     frame, point = _motions_as_written(results)
     columns = columns_of(frame, results.units) | {"record": Column(label="motion")}
     said, pictures = [motion_sentence(shown.records), *_varied_motions(results, point)], []
@@ -147,7 +147,7 @@ def _motions(results: Results, shown: Evidence) -> Section:
     return Section("Motions", said, [Table("", frame, columns, f"Ground motions as used{at}")], pictures)
 
 
-def _motions_as_written(results: Results) -> tuple[pd.DataFrame, dict[str, Any]]:
+def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, Any]]:
     """Return the motions as used where the keys that change them have the values that the study writes, and these
     values by key; a key of which the study writes none has its first value.
 
@@ -178,7 +178,7 @@ def _motions_as_written(results: Results) -> tuple[pd.DataFrame, dict[str, Any]]
     return frame.assign(digest=frame["digest"].str[:12]), point
 
 
-def _varied_motions(results: Results, point: Mapping[str, Any]) -> list[str]:
+def _varied_motions(results: ResultTables, point: Mapping[str, Any]) -> list[str]:
     """Return in a sentence over which values that were solved the study varies its motions; nothing where it does not.
 
     point : swept keys that change a motion
@@ -194,7 +194,7 @@ def _varied_motions(results: Results, point: Mapping[str, Any]) -> list[str]:
     return [f"The motions are varied: {'; '.join(ranges)}."] if ranges else []
 
 
-def _simulated(results: Results, shown: Evidence) -> Section:
+def _simulated(results: ResultTables, shown: Evidence) -> Section:
     scene = results.scene()
     histories = count_histories(int(results.attrs["scenes"]))
     said = [
@@ -255,7 +255,7 @@ def _open_gaps(scene: pd.DataFrame) -> list[str]:
     return [f"{neighbours}: the gap never closes in {count} {of_all}." for neighbours, count in runs.items()]
 
 
-def _study(results: Results) -> Section:
+def _study(results: ResultTables) -> Section:
     """The study as written, software and machine."""
     rows = [[k.removeprefix("software_"), str(v)] for k, v in results.attrs.items() if k.startswith("software_")]
     for name in ("created", "method", "accuracy", "engine", "workers", "scenes", "scenes_failed", "solver_seconds"):

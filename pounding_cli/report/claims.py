@@ -25,7 +25,7 @@ from pounding_cli.solver.response import DONE
 from pounding_cli.workflows.sensitivity import Sensitivity, Series
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Plan
 
 HOLDS, PARTLY, FAILS, UNTESTED = "holds", "holds partly", "does not hold", "not tested here"
@@ -370,7 +370,7 @@ def format_verdicts(numbers: pd.DataFrame) -> list[str]:
     return [mean if mean == largest else f"{mean} ({LARGEST}: {largest})" for mean, largest in both]
 
 
-def judged(results: Results) -> pd.DataFrame:
+def judged(results: ResultTables) -> pd.DataFrame:
     """One row a number found at a point of the sweep: `where` and COLUMNS; of the claims about the figure that the
     study names, `claims: fig6` or `claims: fig7`."""
     data, axes = results.data, [names[0] for names in results.swept]
@@ -415,7 +415,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
 # what is shown of them
 
 
-def claim_sections(results: Results, here: str) -> list[Section]:
+def claim_sections(results: ResultTables, here: str) -> list[Section]:
     """The section of a report; none where the study names no figure.
 
     here : the point of the sweep whose numbers are shown, in words
@@ -439,7 +439,7 @@ def claim_sections(results: Results, here: str) -> list[Section]:
     return [Section("The paper’s claims", [said], tables), Section("Numbers of the claims", (), [numbers], folded=True)]
 
 
-def verdicts(results: Results) -> dict[str, str]:
+def verdicts(results: ResultTables) -> dict[str, str]:
     """Claim -> verdict, where nothing is swept and the study names a figure."""
     if results.axes:
         return {}

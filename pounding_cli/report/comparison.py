@@ -16,10 +16,10 @@ from pounding_cli.results.tables import Table
 from pounding_cli.texts import escape_formulas, write_markdown
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 
-def write_comparison(results: Mapping[str, Results], reports: Sequence[Report], folder: Path) -> list[Path]:
+def write_comparison(results: Mapping[str, ResultTables], reports: Sequence[Report], folder: Path) -> list[Path]:
     """Write `comparison.md`, and `comparison.csv` where some study names a figure of the paper; returns the files.
 
     Parameters
@@ -74,7 +74,7 @@ def _distinct(heads: Iterable[str]) -> list[str]:
     return found
 
 
-def _claims(results: Mapping[str, Results]) -> pd.DataFrame:
+def _claims(results: Mapping[str, ResultTables]) -> pd.DataFrame:
     """Return the numbers of the paper's claims at every point of every file; empty where no study names a figure."""
     frames = {name: judged(each) for name, each in results.items() if each.workflow == "run"}
     named = [

@@ -17,7 +17,7 @@ from pounding_cli.variables import VARIABLES
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 MARK = "†"
 """Stands behind the name of a case whose numbers mean nothing for some motions."""
@@ -33,7 +33,7 @@ class Evidence:
     point : swept key -> value there (SI, as in the tables); empty where nothing is swept
     """
 
-    results: Results
+    results: ResultTables
     point: Mapping[str, Any]
 
     @property
@@ -150,23 +150,23 @@ class Evidence:
         return f"{case} {MARK}" if case in {named for named, _ in self.void} else case
 
 
-def told(results: Results, row: Mapping[Any, Any]) -> str:
+def told(results: ResultTables, row: Mapping[Any, Any]) -> str:
     """The swept keys of a row in words and the units of the study: "cases.gap.gap = 5 cm"; empty where it has none."""
     return ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row)
 
 
-def points_of(results: Results, keys: Sequence[str]) -> list[tuple[Any, ...]]:
+def points_of(results: ResultTables, keys: Sequence[str]) -> list[tuple[Any, ...]]:
     """The points of the axis of some swept keys: a value of every key."""
     return list(zip(*(results.axes[key] for key in keys), strict=True))
 
 
-def at_point(results: Results, index: Mapping[str, int]) -> Evidence:
+def at_point(results: ResultTables, index: Mapping[str, int]) -> Evidence:
     """The evidence at a point: on every axis, by its first key, the number of a value."""
     point = {key: results.axes[key][index[keys[0]]] for keys in results.swept for key in keys}
     return Evidence(results.at(index), point)
 
 
-def nominal(results: Results) -> Evidence:
+def nominal(results: ResultTables) -> Evidence:
     """The evidence where every axis has the value of the study without its sweep, or its first value where none has; at
     the first point that was solved where that one was not."""
     index = {}
@@ -179,7 +179,7 @@ def nominal(results: Results) -> Evidence:
     return at_point(results, index)
 
 
-def written_value(results: Results, key: str) -> Any:
+def written_value(results: ResultTables, key: str) -> Any:
     """Return the value of a swept key in the study without its sweep; None where it writes none."""
     return _at(results.resolved, key.split("."))
 

@@ -24,7 +24,7 @@ from pounding_cli.workflows.fragility import ALONE, CONTRIBUTIONS, CURVES, LINKE
 from pounding_cli.workflows.hazard import INTENSITY_KEYS, YEARS
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 MOST_CASES = 4
 """Cases in one panel; of more, the first are drawn."""
@@ -44,7 +44,7 @@ _MEASURES = {
 Row = Mapping[Any, Any]
 
 
-def fragility_report(results: Results) -> Report:
+def fragility_report(results: ResultTables) -> Report:
     """What the fragility curves say."""
     answer, shown, spec = results.answer(CURVES), nominal(results), results.resolved["fragility"]
     unit, measure, frame = answer.columns["median"].unit, _measure(results), answer.frame
@@ -70,7 +70,7 @@ def fragility_report(results: Results) -> Report:
     return report_of(results, shown, Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes))
 
 
-def _measure(results: Results) -> str:
+def _measure(results: ResultTables) -> str:
     """The intensity measure in words."""
     spec, scale = results.resolved["fragility"], results.resolved["records"]["scale"]
     swept = next((name for key, name in INTENSITY_KEYS.items() if key in results.units), "pga")
@@ -84,7 +84,7 @@ def _measure(results: Results) -> str:
 # In words
 
 
-def _medians(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
+def _medians(results: ResultTables, frame: pd.DataFrame, unit: Unit) -> Table:
     """Medians, their ratios and spreads with their intervals in brackets, a row a curve and point of the sweep."""
 
     def told(row: Row) -> dict[str, str]:
@@ -95,7 +95,7 @@ def _medians(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
     return from_answer(results, "Intensity at which half of the motions pass", frame, *_PLACE, told)
 
 
-def _rates(results: Results, frame: pd.DataFrame) -> Table:
+def _rates(results: ResultTables, frame: pd.DataFrame) -> Table:
     """Annual rates of the limits with their intervals, a row as in `_medians`."""
 
     def told(row: Row) -> dict[str, str]:
@@ -142,7 +142,7 @@ def median_text(row: Row, end: str, unit: Unit, named: str = "") -> str:
     return f"{outcome}: {known} {named}".rstrip() if low > 0 or high < np.inf else outcome
 
 
-def _notes(results: Results, spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
+def _notes(results: ResultTables, spec: Mapping[str, Any], rows: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the rows."""
     if (few := int(rows["motions"].min(skipna=True))) < FEWEST_TOLD:
         yield f"No interval for fewer than {FEWEST_TOLD} motions: {pluralize(few, 'motion')} cannot tell it."

@@ -26,7 +26,7 @@ from pounding_cli.workflows.gap import CASES, CONFIDENCE, EXACT, GB50011, LINE, 
 from pounding_cli.workflows.hazard import YEARS
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 PLACE = ["floor", "right_floor", "columns"]
 """Which floors of two neighbours face each other."""
@@ -43,7 +43,7 @@ _LOOKS = {
 _CODE = ("#666666", (0, (3, 1)), "X")
 
 
-def gap_report(results: Results) -> Report:
+def gap_report(results: ResultTables) -> Report:
     """What the required separations say."""
     answer, cases, line = (results.answer(name) for name in (REQUIRED, CASES, LINE))
     shown, keys = nominal(results), [key for key in results.axes if key in answer.frame]
@@ -74,7 +74,7 @@ def gap_report(results: Results) -> Report:
     return report_of(results, shown, Section("", said, tables, pictures, notes))
 
 
-def _nothing(results: Results, has_codes: bool) -> str:
+def _nothing(results: ResultTables, has_codes: bool) -> str:
     """Why there is no answer; `has_codes` : whether rules of codes are told."""
     ended = results.scene()["status"].value_counts()
     how = ", ".join(f"{count} {status}" for status, count in ended.items())
@@ -144,7 +144,7 @@ def _of_cases(keys: Sequence[str], cases: Table) -> Table:
     return Table("", shown, cases.columns, "Gaps of the cases")
 
 
-def _for_rate(results: Results, frame: pd.DataFrame, unit: Unit) -> Table:
+def _for_rate(results: ResultTables, frame: pd.DataFrame, unit: Unit) -> Table:
     """The gap for an annual rate of contact, of every pair."""
     first = frame.iloc[0]
     often = f"{digits(first['rate'], 3)} times a year, {digits(100 * first['probability'], 3)} % in {YEARS:g} years"
@@ -184,7 +184,7 @@ def _sentences(rows: pd.DataFrame, everywhere: pd.DataFrame, unit: Unit) -> Iter
         yield " ".join(said)
 
 
-def _notes(results: Results, frame: pd.DataFrame, unit: Unit, cases: pd.DataFrame) -> Iterator[str]:
+def _notes(results: ResultTables, frame: pd.DataFrame, unit: Unit, cases: pd.DataFrame) -> Iterator[str]:
     """What a reader should know of the widths and of the cases."""
     exact = _exact(frame)
     error, few = float(exact["error"].max()), exact["motions"].min()

@@ -23,7 +23,7 @@ from pounding_cli.workflows.optimise import DESIGN, OPTIMUM, POINTS, UNSETTLED
 from pounding_cli.workflows.optimise import NOTHING as NO_OPTIMUM
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 MOST_KEYS = 8
 """Keys that are drawn."""
@@ -43,7 +43,7 @@ _OF_KEY = ["value", "written", *(f"{name}_{end}" for name in ("good", "range") f
 Row = Mapping[Any, Any]
 
 
-def optimise_report(results: Results) -> Report:
+def optimise_report(results: ResultTables) -> Report:
     """What the search for an optimum says."""
     shown = nominal(results.first_sample())
     keys, tried, units = _in_units(results)
@@ -57,7 +57,7 @@ def optimise_report(results: Results) -> Report:
     return report_of(results, shown, Section("", said, tables, pictures, list(_notes(keys))), is_sampled=True)
 
 
-def _in_units(results: Results) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Unit]]:
+def _in_units(results: ResultTables) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Unit]]:
     """Keys and points that were tried, in the units in which they are shown, and these by column."""
     keys, points = results.answer(OPTIMUM).frame.copy(), results.answer(POINTS)
     tried, units = points.frame.copy(), {name: column.unit for name, column in points.columns.items()}
@@ -70,7 +70,7 @@ def _in_units(results: Results) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, U
     return keys, tried, units
 
 
-def _unit_of(results: Results, words: str, known: Unit) -> Unit:
+def _unit_of(results: ResultTables, words: str, known: Unit) -> Unit:
     """The unit in which a number is shown that is called "largest drift in stiff", and has a unit: that of the variable
     named alone; `known` of sums, shares and other expressions."""
     named = [word for word in words.split() if word in results.data]
@@ -94,7 +94,7 @@ def _optimum(keys: pd.DataFrame, tried: pd.DataFrame, units: Mapping[str, Unit])
     return from_rows("The optimum", heads, rows)
 
 
-def _design(results: Results, design: Sequence[Row]) -> Table:
+def _design(results: ResultTables, design: Sequence[Row]) -> Table:
     """What the buildings do at the optimum, and beside it with the study as written."""
     rows = []
     for row in design:
@@ -105,7 +105,7 @@ def _design(results: Results, design: Sequence[Row]) -> Table:
     return from_rows("What the buildings do", ("quantity", "at the optimum", "as written"), rows)
 
 
-def _value_text(results: Results, row: Row, value: float) -> str:
+def _value_text(results: ResultTables, row: Row, value: float) -> str:
     """Return a value of a row of the design as people read it: "3 of 5" scenes, "38.5 mm"."""
     if np.isnan(value):
         return NOTHING
@@ -114,7 +114,7 @@ def _value_text(results: Results, row: Row, value: float) -> str:
     return _unit_of(results, row["quantity"], Unit(row["unit"].removeprefix("1"))).text(value, 5)
 
 
-def _over_motions(results: Results, row: Row) -> str:
+def _over_motions(results: ResultTables, row: Row) -> str:
     """Return what is taken of the number sought over several motions and points of a sweep; "" of the other rows."""
     if not row["over_motions"]:
         return ""
@@ -124,7 +124,7 @@ def _over_motions(results: Results, row: Row) -> str:
     return words
 
 
-def _worse(results: Results, direction: str, sought: str, design: Sequence[Row]) -> str:
+def _worse(results: ResultTables, direction: str, sought: str, design: Sequence[Row]) -> str:
     """Return in a sentence what is larger at the optimum than with the study as written, by more than NOTICED; "" where
     nothing is.
 
@@ -141,7 +141,7 @@ def _worse(results: Results, direction: str, sought: str, design: Sequence[Row])
     return f"The optimum makes worse: {'; '.join(said)}." if said else ""
 
 
-def _sentences(results: Results, first: Row, design: Sequence[Row], unit: Unit) -> list[str]:
+def _sentences(results: ResultTables, first: Row, design: Sequence[Row], unit: Unit) -> list[str]:
     """The answer, what is left of contacts and flags at the optimum, and what it makes worse."""
     direction, _, sought = str(first["sought"]).partition(" ")
     what = f"{direction.capitalize()} of {sought}"

@@ -24,10 +24,10 @@ from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_sc
 from pounding_cli.results.tables import Table
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 
-def run_report(results: Results, asked: Asked | None = None) -> Report:
+def run_report(results: ResultTables, asked: Asked | None = None) -> Report:
     """What the results of a run say.
 
     Raises
@@ -40,7 +40,7 @@ def run_report(results: Results, asked: Asked | None = None) -> Report:
     return report_of(results, shown, answer, partial(_more, results, shown, asked))
 
 
-def _more(results: Results, shown: Evidence, asked: Asked | None) -> list[Section]:
+def _more(results: ResultTables, shown: Evidence, asked: Asked | None) -> list[Section]:
     swept = sweep_pictures(results, shown, asked)
     kept, scenes, said = len(results.histories()), players(results), list[str]()
     if not kept:
@@ -76,7 +76,7 @@ def sentences(shown: Evidence) -> list[str]:
     return [f"{shown.main}{where}{over}, largest over the height: {'; '.join(said)}."] if said else []
 
 
-def notes(results: Results, shown: Evidence, scene: pd.DataFrame) -> list[str]:
+def notes(results: ResultTables, shown: Evidence, scene: pd.DataFrame) -> list[str]:
     """How far the numbers go, and what a reader should know of them."""
     said = [
         f"{trust(scene, results.units)} {motion_sentence(shown.records)}",
@@ -92,7 +92,7 @@ def notes(results: Results, shown: Evidence, scene: pd.DataFrame) -> list[str]:
     return [*said, *advice(results)]  # warnings are printed before a run
 
 
-def largest(results: Results, scene: pd.DataFrame) -> Table:
+def largest(results: ResultTables, scene: pd.DataFrame) -> Table:
     """The largest demand, ratio to the building alone, drift, acceleration, closing and shear of struck columns of
     every case and analysis over buildings, storeys, motions and points of the sweep, each with its place."""
     struck, analyses = results.struck(), scene["analysis"].unique().tolist()
@@ -125,7 +125,7 @@ def largest(results: Results, scene: pd.DataFrame) -> Table:
     return from_records("Largest of all time histories, and where", table.to_dict("records"))
 
 
-def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
+def _cells(results: ResultTables, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
     """By case and analysis the largest number as people read it, with that of the building alone where there is one,
     MARK where it means nothing, and below it where it stands."""
     how, found = column_of(name, results.units), {}
@@ -147,7 +147,7 @@ def _cells(results: Results, name: str, frame: pd.DataFrame, void: pd.MultiIndex
     return found
 
 
-def _gaps(results: Results) -> dict[tuple[str, str], str]:
+def _gaps(results: ResultTables) -> dict[tuple[str, str], str]:
     """Return by case and analysis how far the link closes that comes closest to its gap or goes furthest beyond.
 
     Floors that strike are told by their penetration beyond the gap, all others by their closing of the gap.

@@ -22,7 +22,7 @@ from pounding_cli.results.tables import Table
 from pounding_cli.workflows.sensitivity import FOUND, INDICES, OUTPUTS, PERCENTILES, PROBABILITIES
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 MOST = 6
 """Outputs in the figure; of more, the first are drawn."""
@@ -40,7 +40,7 @@ _SHOWN = {
 Row = Mapping[Any, Any]
 
 
-def sensitivity_report(results: Results) -> Report:
+def sensitivity_report(results: ResultTables) -> Report:
     """What a sensitivity study says; figures and sentences at one point of the other swept keys."""
     frame, shown = results.answer(INDICES).frame, nominal(results.first_sample())
     of_cases = frame[frame["case"] != ""]  # claims rest on all cases: their probabilities say what decides
@@ -62,13 +62,13 @@ def sensitivity_report(results: Results) -> Report:
     return report_of(results, shown, Section("", said, tables, pictures, list(_notes(results, frame))), is_sampled=True)
 
 
-def _where(results: Results, row: Row) -> str:
+def _where(results: ResultTables, row: Row) -> str:
     """Point of the other axes, case and analysis in words."""
     said = [f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row]
     return ", ".join([*said, f"case {row['case']}", str(row["analysis"])] if row["case"] else [*said, "all cases"])
 
 
-def parts(results: Results, frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+def parts(results: ResultTables, frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     """Every output in words with where it stands, and its indices, those that decide most first."""
     keys = [key for key in results.axes if key in frame]
     by = "total" if "total" in frame else "mu_star"
@@ -80,7 +80,7 @@ def parts(results: Results, frame: pd.DataFrame) -> Iterator[tuple[str, pd.DataF
         yield title, rows.sort_values(by, ascending=False, kind="stable")
 
 
-def _indices(results: Results, frame: pd.DataFrame) -> Table:
+def _indices(results: ResultTables, frame: pd.DataFrame) -> Table:
     """The indices of every output, those that decide most first, with intervals or standard errors."""
 
     def text(row: Row, name: str) -> str:
@@ -97,7 +97,7 @@ def _indices(results: Results, frame: pd.DataFrame) -> Table:
     return from_records("What decides the outputs", rows)
 
 
-def _probabilities(results: Results, frame: pd.DataFrame) -> Table:
+def _probabilities(results: ResultTables, frame: pd.DataFrame) -> Table:
     """How likely every statement holds, with its interval, and the key that decides it most."""
     rows = [
         [row["statement"], _where(results, row), interval(row, "probability"), row["decided_by"] or NOTHING]
@@ -127,7 +127,7 @@ def spread_sentence(row: Mapping[Any, Any]) -> str:
     return f"{what}: mean {interval(row, 'mean')}{unit}; {high - low} % of the samples from {between}{unit}."
 
 
-def _notes(results: Results, frame: pd.DataFrame) -> Iterator[str]:
+def _notes(results: ResultTables, frame: pd.DataFrame) -> Iterator[str]:
     """What brackets are, and what has no index."""
     spec = results.resolved["sensitivity"]
     yield (

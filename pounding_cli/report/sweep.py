@@ -20,13 +20,13 @@ from pounding_cli.report.figures import framed
 from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.report.table import column_of, digits
 from pounding_cli.solver.outcome import is_meaningless
-from pounding_cli.variables import RESPONSES, VARIABLES
+from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
 WORST = "worst"
@@ -72,7 +72,7 @@ class SweptAxis(NamedTuple):
         return SweptAxis(self.keys, points, self.units, self.coordinates[list(numbers)], names)
 
 
-def swept_axes(results: Results) -> list[SweptAxis]:
+def swept_axes(results: ResultTables) -> list[SweptAxis]:
     """The axes of a results file in the order of the study; none where nothing is swept."""
     found = []
     for keys in results.swept:
@@ -89,7 +89,10 @@ def swept_axes(results: Results) -> list[SweptAxis]:
 
 
 def over_sweep(
-    results: Results, quantity: str, places: Mapping[str, Any] | None = None, index: Mapping[str, Any] | None = None
+    results: ResultTables,
+    quantity: str,
+    places: Mapping[str, Any] | None = None,
+    index: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """A quantity over the sweep: per place the mean over the motions, at every point the place where it is largest.
 
@@ -117,10 +120,10 @@ def over_sweep(
     return found.isel(place=abs(found["mean"]).fillna(-1.0).argmax("place")).transpose(*dims)
 
 
-def _values(results: Results, quantity: str, places: Mapping[str, Any]) -> xr.DataArray:
+def _values(results: ResultTables, quantity: str, places: Mapping[str, Any]) -> xr.DataArray:
     """A quantity over swept axes, case, analysis, record and place, at some places; what is not there is refused with
     what is."""
-    known = (*(v.name for v in RESPONSES if v.dims[-1] in ("storey", "floor", "link")), *OF_SCENES)
+    known = (*(v.name for v in RESPONSE_VARIABLES if v.dims[-1] in ("storey", "floor", "link")), *OF_SCENES)
     if quantity not in known:
         raise InputError(Problem(f"there is no quantity {quantity!r}", f"write one of: {', '.join(known)}"))
     if quantity not in results.data:
@@ -165,7 +168,7 @@ Panels = list[tuple[str, str, dict[str, xr.Dataset]]]
 """What stands in a figure: a quantity, its analysis, and its numbers by case."""
 
 
-def sweep_pictures(results: Results, shown: Evidence, asked: Asked | None = None) -> list[Picture]:
+def sweep_pictures(results: ResultTables, shown: Evidence, asked: Asked | None = None) -> list[Picture]:
     """The figures over the sweep: maps over its two longest axes, or curves where it has one; none where it has none.
 
     shown : the point at which axes that are neither drawn nor cut by `asked.at` are taken
@@ -226,7 +229,7 @@ def _figures(shown: Evidence, asked: Asked) -> Iterator[tuple[str, str, list[tup
     fixed = asked.places
     analyses = [fixed["analysis"]] if "analysis" in fixed else shown.analyses
     buildings = [fixed["building"]] if "building" in fixed else shown.group[:MOST_BUILDINGS]
-    on_links = {v.name for v in RESPONSES if v.dims[-1] == "link"} | set(OF_SCENES)
+    on_links = {v.name for v in RESPONSE_VARIABLES if v.dims[-1] == "link"} | set(OF_SCENES)
     for building in buildings if not asked.quantities else ():
         yield building, building, [(how, quantity) for how, quantity in PANELS if how in analyses]
     for quantity in asked.quantities:
@@ -235,7 +238,7 @@ def _figures(shown: Evidence, asked: Asked) -> Iterator[tuple[str, str, list[tup
 
 
 def _by_case(
-    results: Results, shown: Evidence, quantity: str, places: Mapping[str, Any], index: Mapping[str, Any]
+    results: ResultTables, shown: Evidence, quantity: str, places: Mapping[str, Any], index: Mapping[str, Any]
 ) -> dict[str, xr.Dataset]:
     """A quantity by case; cases that have none of it are left out."""
     found = {}

@@ -18,7 +18,7 @@ from pounding_cli.results.tables import Column, Table
 from pounding_cli.texts import escape_formulas
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 PAGE_ROWS = 400
 """Rows of a table that a page carries in full."""
@@ -108,7 +108,7 @@ def from_records(caption: str, rows: Sequence[Mapping[Any, Any]]) -> Table:
 
 
 def from_answer(
-    results: Results, caption: str, frame: pd.DataFrame, names: Sequence[str], some: Sequence[str],
+    results: ResultTables, caption: str, frame: pd.DataFrame, names: Sequence[str], some: Sequence[str],
     told: Callable[[Mapping[Any, Any]], dict[str, str]],
 ) -> Table:  # fmt: skip
     """The same of the rows of an answer: some columns, swept keys in the units of the study, of `some` those that are
@@ -150,7 +150,7 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None) -> Column:
     return replace(known, unit=replace(unit, name=unit.name.replace("m/s2", "m/s²"), si=known.unit.si or unit.si))
 
 
-def find_unit(results: Results, table: str, name: str) -> Unit:
+def find_unit(results: ResultTables, table: str, name: str) -> Unit:
     """Return the unit that people read a column of a table of a results file in: that of the study, or kN and mm."""
     if table not in results.answers:
         return column_of(name, results.units).unit

@@ -15,10 +15,10 @@ from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_
 from pounding_cli.report.style import for_page, key_words, looks
 from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
 from pounding_cli.report.table import column_of
-from pounding_cli.variables import RESPONSES
+from pounding_cli.variables import RESPONSE_VARIABLES
 
 if TYPE_CHECKING:
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 MOST_VALUES = 120_000
 """Numbers that a page carries; of more only means and the largest over the height, then fewer quantities."""
@@ -28,7 +28,7 @@ MOST_BYTES = 12_000_000
 """What all series together may take on the page, as text."""
 
 
-def explored(results: Results, shown: Evidence) -> dict[str, Any]:
+def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
     """Axes and quantities; none of these where none has room or a number.
 
     `mean`, `low`, `high` of a quantity: over case, motion, analysis, building or pair, level and the points of the
@@ -38,7 +38,7 @@ def explored(results: Results, shown: Evidence) -> dict[str, Any]:
     """
     axes, data, cut = swept_axes(results), results.data.sel(case=shown.cases[:MOST_CASES]), list[str]()
     dims, arrays, motions = [axis.keys[0] for axis in axes], dict[str, xr.DataArray](), shown.names("record")
-    for variable in sorted((v for v in RESPONSES if v.charts and v.name in data), key=lambda v: not v.ratio):
+    for variable in sorted((v for v in RESPONSE_VARIABLES if v.charts and v.name in data), key=lambda v: not v.ratio):
         values = by_floor(data, variable.name) if variable.dims[-1] == "link" else data[variable.name]
         if (values.fillna(0.0) != 0).any():
             arrays[variable.name] = values
@@ -78,7 +78,7 @@ def axis_words(axis: SweptAxis) -> str:
     return ", ".join(f"{u.label(key_words(key))} ({key})" for key, u in zip(axis.keys, axis.units, strict=True))
 
 
-def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], results: Results) -> dict[str, Any]:
+def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], results: ResultTables) -> dict[str, Any]:
     """One quantity, in the unit it is shown in."""
     *_, where, level = map(str, values.dims)
     how = column_of(name, results.units)
@@ -119,7 +119,7 @@ def rounded(value: float) -> float | int | None:
     return int(short) if short.is_integer() and abs(short) < 1e15 else short
 
 
-def players(results: Results) -> list[dict[str, Any]]:
+def players(results: ResultTables) -> list[dict[str, Any]]:
     """The kept scenes as the player reads them, as many as a page has room for: first those with contacts, of these the
     inelastic."""
     scenes, left = list[dict[str, Any]](), MOST_BYTES

@@ -12,8 +12,8 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.results.changes import changed_keys
-from pounding_cli.results.results import Results
-from pounding_cli.variables import COORDINATE_VARIABLES, EXACT, ITSELF, PLACE, RESPONSES
+from pounding_cli.results.results import ResultTables
+from pounding_cli.variables import COORDINATE_VARIABLES, ITSELF, NO_DIFFERENCE, RESPONSE_VARIABLES, SCENE_DIMS
 
 ROUNDING = 1e-12
 """Relative difference [-] that two machines may show in the same computation."""
@@ -62,7 +62,7 @@ class Comparison:
         return self.same_numbers and not self.keys
 
 
-def compare(first: Results, second: Results) -> Comparison:
+def compare(first: ResultTables, second: ResultTables) -> Comparison:
     """Compare two results files, scene by scene and number by number.
 
     A peak storey shear, drift or ductility has changed where it differs, relative to itself, by more than the two
@@ -91,9 +91,9 @@ def compare(first: Results, second: Results) -> Comparison:
     )
 
 
-def _scenes(results: Results) -> pd.DataFrame:
+def _scenes(results: ResultTables) -> pd.DataFrame:
     """The table of accuracy by scene in words."""
-    frame, place = results.accuracy(), [*results.axes, *PLACE]
+    frame, place = results.accuracy(), [*results.axes, *SCENE_DIMS]
     return frame.set_index(pd.Index([_words(place, at) for at in frame[place].itertuples(index=False, name=None)]))
 
 
@@ -105,13 +105,13 @@ def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
     accuracies = [(each, each["accuracy"].fillna(0.0)) for each in (one, other)]  # none is asked of fixed steps
     pairs = [(each["error_estimate"].fillna(accuracy).clip(ROUNDING / 2), accuracy) for each, accuracy in accuracies]
     estimated, asked = sum(estimate for estimate, _ in pairs), sum(np.fmax(*pair) for pair in pairs)
-    for v in RESPONSES:
+    for v in RESPONSE_VARIABLES:
         if not (v.difference_scale and v.name in one and v.name in other):
             continue
         a, b = one[v.name], other[v.name]
         size: Any = np.fmax(abs(a), abs(b))
         error, is_known = asked, (np.isfinite(a) | np.isfinite(b)) & here
-        if v.difference_scale == EXACT:
+        if v.difference_scale == NO_DIFFERENCE:
             error = 0.0 * asked
         elif (
             v.difference_scale == ITSELF
@@ -119,7 +119,7 @@ def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
             error = asked if v.alone else estimated
         else:  # near zero it has no relative error
             whole: Any = np.fmax(abs(one[v.difference_scale]), abs(other[v.difference_scale]))
-            size = whole.max(v.dims[len(PLACE) :])
+            size = whole.max(v.dims[len(SCENE_DIMS) :])
         with np.errstate(invalid="ignore", divide="ignore"):
             difference = (abs(a - b) / size).where(a != b, 0.0).fillna(np.inf).where(is_known, 0.0)
         compared += int(is_known.sum())

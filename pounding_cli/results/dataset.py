@@ -23,7 +23,7 @@ from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
 from pounding_cli.results.group import Array, Group
 from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag
-from pounding_cli.variables import RATIOS, STOREY, VARIABLES, Variable
+from pounding_cli.variables import RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
@@ -38,14 +38,18 @@ def contents(plan: Plan, solved: Solved) -> Group:
     """What a plan came to, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
     scene nobody asked for have no numbers, and no status."""
     axes = tuple(axis.names[0] for axis in plan.axes)
-    kept = [v for v in (*variables.RESPONSES, *variables.SCENES, *variables.LINKS) if _has(plan, v)]
+    kept = [
+        v
+        for v in (*variables.RESPONSE_VARIABLES, *variables.SCENE_VARIABLES, *variables.LINK_VARIABLES)
+        if _has(plan, v)
+    ]
     facts = _facts(plan, axes)
-    arrays = {v.name: getattr(plan.links, v.name) for v in kept if v in variables.LINKS} | _responses(
+    arrays = {v.name: getattr(plan.links, v.name) for v in kept if v in variables.LINK_VARIABLES} | _responses(
         plan, solved, kept
     )
     with np.errstate(all="ignore"):
         height = facts["height"]
-        missing = [place for place, dim in enumerate((*axes, *STOREY)) if dim not in height.dims]
+        missing = [place for place, dim in enumerate((*axes, *STOREY_DIMS)) if dim not in height.dims]
         arrays["drift_ratio"] = arrays["drift"] / np.expand_dims(height.values, missing)
         for v in kept:
             if v.ratio:
@@ -55,7 +59,7 @@ def contents(plan: Plan, solved: Solved) -> Group:
                 arrays[v.name] = v.formula(arrays)
         # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
         errors = solved.values["error_estimate"][plan.numbers[..., 1:]] + arrays["error_estimate"][..., None]
-        for name in RATIOS:
+        for name in RATIO_VARIABLES:
             measures = _statistics(arrays[name], errors[..., None], arrays["sensitivity"][..., None, None])
             arrays |= {f"{name}_{measure}": array for measure, array in measures.items()}
     _flag(plan, solved, arrays)
@@ -66,13 +70,13 @@ def contents(plan: Plan, solved: Solved) -> Group:
         if name in variables.DISPLAY_QUANTITIES:
             attrs |= unit_attributes(plan.study.unit(variables.DISPLAY_QUANTITIES[name]))
         found[name] = each._replace(attrs=attrs)
-    beside = {v.name: found.pop(v.name) for v in variables.RECORDS}
+    beside = {v.name: found.pop(v.name) for v in variables.RECORD_VARIABLES}
     return Group(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
 
 
 def _has(plan: Plan, v: Variable) -> bool:
     """Whether a variable says anything in a study: some have no links, few have links that strike columns."""
-    if v.name in variables.OF_COLUMNS:
+    if v.name in variables.COLUMN_VARIABLES:
         return any(place.is_on_columns for place in plan.links.places)
     return "link" not in v.dims or bool(plan.links.places)
 
@@ -101,7 +105,7 @@ def _responses(plan: Plan, solved: Solved, kept: list[Variable]) -> Arrays:
 
 
 def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:
-    """The measures of `variables.STATISTICS` of a ratio over the motions, the third dimension from behind.
+    """The measures of `variables.STATISTIC_VARIABLES` of a ratio over the motions, the third dimension from behind.
 
     Standard deviations are with n - 1 (NaN of one motion); error and sensitivity of the mean are over the motions that
     were assessed, NaN where none was.
@@ -143,7 +147,7 @@ def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
                 add(of_alone == word, Flag(f"{name} alone collapsed, its ratios are left out"))
             else:
                 add(of_alone == word, Flag(f"{name} alone", f"{word}, ratios refused"))
-    for name in RATIOS:
+    for name in RATIO_VARIABLES:
         base = VARIABLES[name].ratio[1]
         zero = (found[base] == 0).any(axis=(-2, -1))
         if base == "mu0":  # no storey of an elastic analysis yields: nobody asks for its ductility
@@ -237,9 +241,11 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
 
     def motions(point: Any) -> dict[str, Any]:
         uses = [study.motion_uses(point)[name] for name in plan.records]
-        return {v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in variables.RECORDS}
+        return {
+            v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in variables.RECORD_VARIABLES
+        }
 
-    return over("buildings", variables.BUILDINGS, group) | over("records", variables.RECORDS, motions)
+    return over("buildings", variables.BUILDING_VARIABLES, group) | over("records", variables.RECORD_VARIABLES, motions)
 
 
 def _is_constant(array: np.ndarray, axis: int) -> bool:

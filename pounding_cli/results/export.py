@@ -14,7 +14,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
 from pounding_cli.results.file import has_seal, put
 from pounding_cli.results.group import Group, content
-from pounding_cli.results.results import Results
+from pounding_cli.results.results import ResultTables
 from pounding_cli.texts import escape_formulas
 
 FORMATS = {"csv": ".csv", "parquet": ".parquet", "excel": ".xlsx", "netcdf": ".nc"}
@@ -27,7 +27,7 @@ _NEEDS = {"parquet": "pyarrow", "excel": "openpyxl", "netcdf": "h5netcdf"}
 
 
 def export(
-    results: Results, output: Path | None = None, form: str | None = None, tables: Sequence[str] = ()
+    results: ResultTables, output: Path | None = None, form: str | None = None, tables: Sequence[str] = ()
 ) -> list[Path]:
     """Write tables of a results file for other programs; returns the files written.
 
@@ -101,7 +101,7 @@ def _csv(frame: pd.DataFrame) -> bytes:
     return escape_formulas(frame).to_csv(index=False, lineterminator="\n").encode()
 
 
-def _parquet(results: Results, name: str, frame: pd.DataFrame) -> bytes:
+def _parquet(results: ResultTables, name: str, frame: pd.DataFrame) -> bytes:
     """With units and meanings of the columns, title and study."""
     import pyarrow
     from pyarrow import parquet

@@ -235,10 +235,10 @@ def kept_histories(plan: Plan, found: Group, tell: Callable[[str], None]) -> Ite
             continue
         for axis, number in zip(plan.axes, row.point, strict=True):
             place |= dict(zip(axis.names, axis.values[number], strict=True))
-        from pounding_cli.solver.histories import history  # here: a study without any needs no numba
+        from pounding_cli.solver.histories import solve_history  # here: a study without any needs no numba
 
         try:
-            whole = history(plan.scene(row.scene), plan.accuracy, plan.every)
+            whole = solve_history(plan.scene(row.scene), plan.accuracy, plan.every)
         except InputError as error:
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue

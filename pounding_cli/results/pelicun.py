@@ -14,13 +14,13 @@ from pounding_cli.texts import escape_formula_list
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 UNITS = {"PFA": "mps2", "PID": "rad", "RID": "rad"}
 """Demands by Pelicun's names with their units: peak floor acceleration, peak and residual interstorey drift ratio."""
 
 
-def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[pd.DataFrame, int]:
+def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tuple[pd.DataFrame, int]:
     """The demand table of one building in one case and analysis, and the number of scenes that are left out because a
     storey collapsed or they failed: Pelicun takes the probability of collapse apart. A scene without residual drifts
     (a flag of it has the reason) is left out too.
@@ -73,7 +73,7 @@ def demands(results: Results, rows: pd.DataFrame, direction: int = 1) -> tuple[p
     return pd.concat([pd.DataFrame(units, index=["Units"]), demand]), len(points) - len(demand)
 
 
-def _refuse_without_residual_drifts(results: Results) -> None:
+def _refuse_without_residual_drifts(results: ResultTables) -> None:
     """Raise InputError where the study of a file asks for no residual drifts, which Pelicun reads."""
     effects = results.scene()["effects"]
     if not effects.map(lambda cell: RESIDUAL_DRIFTS in cell.splitlines()).any():

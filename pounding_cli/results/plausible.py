@@ -11,12 +11,12 @@ from pounding_cli.laws import link_symbol
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, count_histories
 from pounding_cli.units import GRAVITY
-from pounding_cli.variables import ALONE
+from pounding_cli.variables import ALONE_VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pounding_cli.results.results import Results
+    from pounding_cli.results.results import ResultTables
 
 MAX_DUCTILITY = 10.0
 """Ductility that few buildings reach before they fail [-]."""
@@ -35,7 +35,7 @@ _PLACES = {"building": "{}", "storey": "storey {}", "floor": "floor {}", "link":
            "analysis": "{}"}  # fmt: skip
 
 
-def implausible_results(results: Results, hidden: Sequence[str] = ()) -> list[str]:
+def implausible_results(results: ResultTables, hidden: Sequence[str] = ()) -> list[str]:
     """Return a sentence for every kind of result that is hardly plausible: the largest, where it stands, and why.
 
     hidden : swept keys whose values are not told, of samples
@@ -47,7 +47,7 @@ def implausible_results(results: Results, hidden: Sequence[str] = ()) -> list[st
     return [sentence for describe in describe_all for sentence in describe(results, data, hidden)]
 
 
-def _describe_ductility(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_ductility(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest ductility demand of inelastic analyses, if it is above `MAX_DUCTILITY`."""
     inelastic = data.sel(analysis=[each for each in data["analysis"].values if each == Analysis.INELASTIC])
     found = _largest(results, inelastic, "mu", MAX_DUCTILITY, Unit(), hidden)
@@ -64,7 +64,7 @@ def _describe_ductility(results: Results, data: xr.Dataset, hidden: Sequence[str
     yield f"Hardly plausible: a ductility of {text}. Few buildings reach {MAX_DUCTILITY:g}: {cause}."
 
 
-def _describe_drift(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_drift(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest interstorey drift, if it is above `MAX_DRIFT_RATIO`."""
     found = _largest(results, data, "drift_ratio", MAX_DRIFT_RATIO, _PERCENT, hidden)
     if found is None:
@@ -78,7 +78,7 @@ def _describe_drift(results: Results, data: xr.Dataset, hidden: Sequence[str]) -
     yield f"Hardly plausible: an interstorey drift of {text}. Most storeys lose their strength below {limit}: {cause}."
 
 
-def _describe_acceleration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_acceleration(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest floor acceleration, if it is above `MAX_ACCELERATION`."""
     found = _largest(results, data, "acceleration", MAX_ACCELERATION, _ACCELERATION, hidden)
     if found is None:
@@ -92,7 +92,7 @@ def _describe_acceleration(results: Results, data: xr.Dataset, hidden: Sequence[
     yield f"Hardly plausible: a floor acceleration of {text}. Beyond {limit} it is that of a blow: {cause}."
 
 
-def _describe_penetration(results: Results, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_penetration(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest penetration of floors that strike, if it is beyond the thinner slab."""
     if "link" not in data.dims or "slab" not in data:
         return
@@ -128,7 +128,7 @@ def _known(data: xr.Dataset, name: str) -> Any:
 
 
 def _largest(
-    results: Results, data: xr.Dataset, name: str, limit: float, unit: Unit, hidden: Sequence[str]
+    results: ResultTables, data: xr.Dataset, name: str, limit: float, unit: Unit, hidden: Sequence[str]
 ) -> tuple[str, dict[str, Any], float] | None:
     """Return the largest value of a variable in words, its building and analysis, and the value of the building alone;
     None where none is above a limit.
@@ -154,7 +154,7 @@ def _of_alone(data: xr.Dataset, name: str) -> float:
     """Return a variable of the building alone at one place; NaN where it is not known."""
     if name == "drift_ratio":
         return float(data["drift0"] * data["drift_ratio"] / data["drift"])
-    return float(data[ALONE[name]])
+    return float(data[ALONE_VARIABLES[name]])
 
 
 def _index_of_largest(values: xr.DataArray) -> dict[Any, int]:
@@ -163,7 +163,7 @@ def _index_of_largest(values: xr.DataArray) -> dict[Any, int]:
     return {dim: int(index) for dim, index in zip(values.dims, at, strict=True)}
 
 
-def _where(results: Results, here: xr.Dataset, at: dict[Any, int], hidden: Sequence[str]) -> str:
+def _where(results: ResultTables, here: xr.Dataset, at: dict[Any, int], hidden: Sequence[str]) -> str:
     """Return a place in words: "stiff, storey 1, elcentro, touching, elastic, cases.gap.gap = 5 cm".
 
     here : the variables at the place; at : its index on the dimensions that say where it is
@@ -177,7 +177,7 @@ def _where(results: Results, here: xr.Dataset, at: dict[Any, int], hidden: Seque
     return ", ".join(words)
 
 
-def _building_of_study(results: Results, place: str) -> dict[str, Any]:
+def _building_of_study(results: ResultTables, place: str) -> dict[str, Any]:
     """Return what the study says of the building at a place of the group."""
     number = results.resolved["places"].index(place)
     return dict(results.resolved["buildings"][results.resolved["group"][number]])

@@ -25,15 +25,15 @@ from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_o
 from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.texts import escape_controls, escape_controls_in_tree
 from pounding_cli.variables import (
+    COLUMN_VARIABLES,
     DISPLAY_QUANTITIES,
-    FLOOR,
-    LINK,
-    OF_COLUMNS,
-    PLACE,
-    RATIOS,
-    RESPONSES,
-    SCENES,
-    STOREY,
+    FLOOR_DIMS,
+    LINK_DIMS,
+    RATIO_VARIABLES,
+    RESPONSE_VARIABLES,
+    SCENE_DIMS,
+    SCENE_VARIABLES,
+    STOREY_DIMS,
     VARIABLES,
 )
 
@@ -42,9 +42,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _OVER = {
-    dims: [v.name for v in RESPONSES if v.dims == dims and v.name not in OF_COLUMNS] for dims in (STOREY, FLOOR, LINK)
+    dims: [v.name for v in RESPONSE_VARIABLES if v.dims == dims and v.name not in COLUMN_VARIABLES]
+    for dims in (STOREY_DIMS, FLOOR_DIMS, LINK_DIMS)
 }
-_SCENE = [v.name for v in SCENES if v.name not in ("orders", "scene")]
+_SCENE = [v.name for v in SCENE_VARIABLES if v.name not in ("orders", "scene")]
 _ACCURACY = [
     "status", "method", "accuracy", "time_step", "error_estimate", "sensitivity", "energy_residual", "steps", "events",
     "orders", "seconds",
@@ -61,7 +62,7 @@ _SOLVED: Wanted = {"status": lambda status: status != ""}
 """A question need not ask for all scenes."""
 
 
-class Results:
+class ResultTables:
     """The tables of one results file (docs/results.md), each read when asked for.
 
     Attributes
@@ -93,7 +94,7 @@ class Results:
 
     def _start(self) -> None:
         data = self.data
-        needed = {v.name for v in VARIABLES.values() if v.always and LINK[-1] not in v.dims}
+        needed = {v.name for v in VARIABLES.values() if v.always and LINK_DIMS[-1] not in v.dims}
         if missing := sorted(needed - set(data.variables)):
             raise ValueError(f"no {', '.join(missing)}")
         self.attrs = {str(name): plain_value(value) for name, value in data.attrs.items()}
@@ -166,29 +167,33 @@ class Results:
     def storey(self, *columns: str) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
         are named."""
-        return self._frame(columns or _OVER[STOREY], (*PLACE, "building", "storey"), {"mass": np.isfinite, **_SOLVED})
+        return self._frame(
+            columns or _OVER[STOREY_DIMS], (*SCENE_DIMS, "building", "storey"), {"mass": np.isfinite, **_SOLVED}
+        )
 
     def floor(self, *columns: str) -> pd.DataFrame:
         """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]; all unless some are
         named."""
-        return self._frame(columns or _OVER[FLOOR], (*PLACE, "building", "floor"), {"mass": np.isfinite, **_SOLVED})
+        return self._frame(
+            columns or _OVER[FLOOR_DIMS], (*SCENE_DIMS, "building", "floor"), {"mass": np.isfinite, **_SOLVED}
+        )
 
     def link(self, *columns: str) -> pd.DataFrame:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
         some are named."""
-        names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK], "link_right_floor"]
-        names = list(columns) or [*names, *(name for name in OF_COLUMNS if name in self.data)]
+        names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK_DIMS], "link_right_floor"]
+        names = list(columns) or [*names, *(name for name in COLUMN_VARIABLES if name in self.data)]
         if "link" not in self.data:
             import pandas as pd
 
-            return pd.DataFrame(columns=[*self.axes, *PLACE, "link", *(n.removeprefix("link_") for n in names)])
-        frame = self._frame(names, (*PLACE, "link"), {"kind": lambda kind: kind != "", **_SOLVED})
+            return pd.DataFrame(columns=[*self.axes, *SCENE_DIMS, "link", *(n.removeprefix("link_") for n in names)])
+        frame = self._frame(names, (*SCENE_DIMS, "link"), {"kind": lambda kind: kind != "", **_SOLVED})
         return frame.rename(columns=lambda name: str(name).removeprefix("link_"))
 
     def base(self) -> pd.DataFrame:
         """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
         names = [name for name in _BASE if name in self.data]
-        frame = self._frame(names, (*PLACE, "building"), _SOLVED)
+        frame = self._frame(names, (*SCENE_DIMS, "building"), _SOLVED)
         return frame[(frame[names] > 0).any(axis=1)].reset_index(drop=True)
 
     def struck(self) -> pd.DataFrame:
@@ -201,11 +206,13 @@ class Results:
             "by": ("right", "left"), "by_floor": ("right_floor", "floor"),
         }  # fmt: skip
         link = self.link()
-        link = link.reindex(columns=[*dict.fromkeys([*link.columns, *OF_COLUMNS])])
+        link = link.reindex(columns=[*dict.fromkeys([*link.columns, *COLUMN_VARIABLES])])
         link = link[link["shear_below"].notna()].reset_index(drop=True)
         is_left = link["link"].astype(str).str.contains(", left")
         found = {name: link[left].where(is_left, link[right]) for name, (left, right) in sides.items()}
-        return link[[*self.axes, *PLACE]].assign(**found, **link[["gap", *OF_COLUMNS[2:], "impacts", "peak_force"]])
+        return link[[*self.axes, *SCENE_DIMS]].assign(
+            **found, **link[["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force"]]
+        )
 
     def scene(self) -> pd.DataFrame:
         """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
@@ -213,7 +220,7 @@ class Results:
 
     @cached_property
     def _scene(self) -> pd.DataFrame:
-        return self._frame(_SCENE, PLACE, _SOLVED)
+        return self._frame(_SCENE, SCENE_DIMS, _SOLVED)
 
     def flagged(self) -> pd.DataFrame:
         """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, severity, meaningless; no
@@ -230,7 +237,7 @@ class Results:
         """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
         energy left open [-], steps, events, Taylor orders, seconds in the solver.
         """
-        return self._frame(_ACCURACY, PLACE, _SOLVED)
+        return self._frame(_ACCURACY, SCENE_DIMS, _SOLVED)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
@@ -240,10 +247,10 @@ class Results:
         whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`),
         `records_collapsed` those in whose scene a storey collapsed.
         """
-        names = [*(f"{ratio}_{measure}" for ratio in RATIOS for measure in _MEASURES), "V_ratio_count"]
+        names = [*(f"{ratio}_{measure}" for ratio in RATIO_VARIABLES for measure in _MEASURES), "V_ratio_count"]
         frame = self._frame(names, ("case", "analysis", "building", "storey"), {"mass": np.isfinite})
         place = [*self.axes, "case", "analysis"]
-        scenes = self._frame(["flags", "status"], PLACE)
+        scenes = self._frame(["flags", "status"], SCENE_DIMS)
         counts = scenes[place].assign(
             records_flagged=scenes["flags"] != "",
             records_meaningless=scenes["flags"].map(is_void),
@@ -279,7 +286,7 @@ class Results:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
         import pandas as pd
 
-        return pd.DataFrame(kept(self.path), columns=[*self.axes, *PLACE, "number", "scene", "every", "times"])
+        return pd.DataFrame(kept(self.path), columns=[*self.axes, *SCENE_DIMS, "number", "scene", "every", "times"])
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
@@ -307,11 +314,11 @@ class Results:
             said, hint = "", "add `keep: histories` to the study and run it again; what is solved stays"
         raise InputError(Problem(f"keeps {len(meant) or 'no'} histories{said}", hint, str(self.path)))
 
-    def first_sample(self) -> Results:
+    def first_sample(self) -> ResultTables:
         """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
         return self.at({self.swept[-1][0]: 0})
 
-    def at(self, index: Mapping[str, int]) -> Results:
+    def at(self, index: Mapping[str, int]) -> ResultTables:
         """The same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
         found = copy.copy(self)
         for name in ("buildings", "_scene"):  # of the whole
@@ -348,7 +355,7 @@ class Results:
 
     def _repr_html_(self) -> str:
         """With the largest mean ratio over the storeys and the sweep by case and building."""
-        means = [f"{ratio}_mean" for ratio in RATIOS]
+        means = [f"{ratio}_mean" for ratio in RATIO_VARIABLES]
         worst = self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
         return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format='{:.3f}'.format, max_rows=40)}"
 
@@ -387,9 +394,13 @@ def _describe_columns(names: Sequence[str]) -> str:
 
 
 for _table, _columns in {
-    Results.storey: _OVER[STOREY], Results.floor: _OVER[FLOOR], Results.link: ("kind", "gap", *_OVER[LINK]),
-    Results.base: _BASE, Results.scene: _SCENE, Results.accuracy: _ACCURACY,
-}.items():  # fmt: skip
+    ResultTables.storey: _OVER[STOREY_DIMS],
+    ResultTables.floor: _OVER[FLOOR_DIMS],
+    ResultTables.link: ("kind", "gap", *_OVER[LINK_DIMS]),
+    ResultTables.base: _BASE,
+    ResultTables.scene: _SCENE,
+    ResultTables.accuracy: _ACCURACY,
+}.items():
     _table.__doc__ = f"{_table.__doc__}{_describe_columns(_columns)}"
 
 

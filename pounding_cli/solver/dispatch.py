@@ -14,7 +14,7 @@ from pounding_cli.laws import BEHAVIOURS
 from pounding_cli.laws.formula import WRITTEN_BEHAVIOUR, evaluate_operations
 from pounding_cli.solver.options import CALLED, PART
 
-WRITTEN = BEHAVIOURS.index(WRITTEN_BEHAVIOUR)
+WRITTEN_KIND = BEHAVIOURS.index(WRITTEN_BEHAVIOUR)
 """Kind of the elements whose force is a formula of the study."""
 
 
@@ -75,4 +75,4 @@ def force(e, v, r, formula):
 @njit(**PART)
 def smooth_force(e, v, r, formula):
     """Force [N] of a law without a Taylor series, beside that of its line, at v [m] and v' [m/s]."""
-    return _written_force(formula, v, r) if e.kind == WRITTEN else _force(e, v, r)
+    return _written_force(formula, v, r) if e.kind == WRITTEN_KIND else _force(e, v, r)

@@ -13,10 +13,10 @@ from pounding_cli.laws.guards import (
     COLLAPSE_LOW,
     CROSSES,
     FASTER,
-    FORCE,
     HIGH,
     LEVELS,
     LOW,
+    SIGN_CHANGE,
     SLIPS_LEFT,
     SLIPS_RIGHT,
     SLOWER,
@@ -231,7 +231,7 @@ def _may_meet(el, guard, is_link):
         return max(abs(el.v0), abs(el.v1)) + el.dv > el.collapse
     if guard == SLIPS_RIGHT or guard == SLIPS_LEFT:
         return el.holds != 0
-    return el.cuts != 0 if guard == FORCE else el.crosses != 0
+    return el.cuts != 0 if guard == SIGN_CHANGE else el.crosses != 0
 
 
 @njit(**PART)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numba import njit
 
-from pounding_cli.laws.guards import FASTER, FORCE, HIGH, LOW, SLOWER
+from pounding_cli.laws.guards import FASTER, HIGH, LOW, SIGN_CHANGE, SLOWER
 from pounding_cli.model.links import Link
 from pounding_cli.solver.assemble import Layout, term_matrix
 from pounding_cli.solver.dispatch import force, line_force, next_branch, smooth_force
@@ -58,7 +58,7 @@ def _settle(el, formula):
         elif el.cuts:
             f = force(el, el.v1, el.r1, formula)
             if (f < 0.0 and el.acts) or (f > 0.0 and not el.acts):
-                guard = FORCE
+                guard = SIGN_CHANGE
         if guard < 0:
             return
         was_open = el.closed == 0

@@ -49,7 +49,7 @@ History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
 """Dimensions, values and attributes of FIELDS and of their coordinates, by name."""
 
 
-def history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
+def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
     """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does: FIELDS over
     the names of buildings and links (`left|right floor j`); NaN pads buildings with fewer storeys.
 

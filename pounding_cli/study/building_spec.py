@@ -72,7 +72,7 @@ def _read_base_shear(value: Any) -> float:
 Coefficient = Annotated[float, ParsedText(_read_base_shear, "part of the weight W", ("0.10 W", 0.1), _COEFFICIENT)]
 Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
 ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
-Behaviour = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
+DisplacementBehaviourFactor = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
 
 
 class BaseShearSpec(Model):
@@ -85,7 +85,9 @@ class BaseShearSpec(Model):
     overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]")
     cd: Amplification | None = spec_field(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
     ie: ImportanceIe | None = spec_field(None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie")
-    qd: Behaviour | None = spec_field(None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`")
+    qd: DisplacementBehaviourFactor | None = spec_field(
+        None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`"
+    )
 
 
 BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
@@ -163,7 +165,7 @@ def _isolation_kind(value: Any) -> str:
     return "rubber" if isinstance(value, _RUBBER) or "damping_ratio" in given else "bearings"
 
 
-Isolation: Any = tagged_union(_isolation_kind, pendulum=_PENDULUM, bearings=_BEARINGS, rubber=_RUBBER)
+IsolationSpec: Any = tagged_union(_isolation_kind, pendulum=_PENDULUM, bearings=_BEARINGS, rubber=_RUBBER)
 
 
 class FoundationSpec(Model):
@@ -175,7 +177,7 @@ class FoundationSpec(Model):
     sway_stiffness: Annotated[float, _build_quantity(Sway, "sway_stiffness", "200 kN/mm")] | None = spec_field(
         None, f"{_describe(Sway, 'sway_stiffness')}; absent: no sway"
     )
-    isolation: Isolation | None = spec_field(
+    isolation: IsolationSpec | None = spec_field(
         None, "isolators under the base, instead of sway_stiffness; its displacement is the `sway` of the results"
     )
     sway_damping: Annotated[float, _build_quantity(Sway, "sway_damping", "1e6 N s/m")] = spec_field(

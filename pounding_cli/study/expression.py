@@ -21,10 +21,10 @@ from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, 
 STOREY, FLOOR, LINK = (
     {
         v.name: v.unit.removeprefix("1")
-        for v in variables.RESPONSES
-        if v.dims == dims and v.name not in variables.OF_COLUMNS
+        for v in variables.RESPONSE_VARIABLES
+        if v.dims == dims and v.name not in variables.COLUMN_VARIABLES
     }
-    for dims in (variables.STOREY, variables.FLOOR, variables.LINK)
+    for dims in (variables.STOREY_DIMS, variables.FLOOR_DIMS, variables.LINK_DIMS)
 )
 QUANTITIES = STOREY | FLOOR | LINK
 """What an expression may name, as the tables do, and the SI unit of each."""

@@ -63,7 +63,7 @@ class Meeting:
 
 def _build_column_strike(struck: Building, strike: Strike) -> ColumnStrike:
     assert struck.columns is not None  # of these the share is known
-    return ColumnStrike(strike, column_flexibility(struck, strike.storey, strike.at), struck.columns)
+    return ColumnStrike(strike, column_flexibility(struck, strike.storey, strike.height), struck.columns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +194,7 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
         for strike in strikes:
             columns, slab = (left, right)[strike.side], (right, left)[strike.side]
             said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
-            said += f", at {100 * strike.at:.3g} % of its height"
+            said += f", at {100 * strike.height:.3g} % of its height"
             left_out = f"left out: {said}; write `columns:` in {columns.name}"
             share = f"{said}, {100 * (columns.columns or 0.0):.3g} % of the storey"
             found.append((slab.level(strike.slab), left_out if columns.columns is None else share))

@@ -9,7 +9,7 @@ from typing import Any
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
-from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN, FormulaError, WrittenLaw
+from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN_LAWS, FormulaError, WrittenLaw
 from pounding_cli.study.file import Map, Quoted, get, locate
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 from pounding_cli.study.link_specs import NO_LINK
@@ -35,11 +35,11 @@ class OwnLaw:
     @property
     def is_contact(self) -> bool:
         """Whether it acts across a gap, as floors that strike each other do."""
-        return bool(WRITTEN[self.acts].subtracts_gap)
+        return bool(WRITTEN_LAWS[self.acts].subtracts_gap)
 
     def build(self, gap: float) -> WrittenLaw:
         """Return the law across a gap [m].  Raises FormulaError, ValueError: the formula cannot be read."""
-        return WRITTEN[self.acts](
+        return WRITTEN_LAWS[self.acts](
             gap, called=self.name, formula=self.formula, constants=self.constants, tension_cut=self.tension_cut
         )
 

@@ -16,7 +16,7 @@ from pounding_cli.study.quantity import TIME, Quantity
 from pounding_cli.study.questions import FragilitySpec, GapSpec, OptimiseSpec, SensitivitySpec
 from pounding_cli.study.records_spec import RecordsSpec
 
-Analysis = Literal["elastic", "inelastic"]
+AnalysisName = Literal["elastic", "inelastic"]
 _Kind = TypeVar("_Kind")
 _Buildings = Annotated[dict[Name, _Kind], Field(min_length=1, max_length=1000)]
 _Cases = Annotated[dict[Name, _Kind], Field(min_length=1, max_length=20_000)]
@@ -43,7 +43,7 @@ class HistoriesSpec(Model):
     """Scenes whose histories are kept."""
 
     cases: Annotated[tuple[str, ...], _FILLED] | None = spec_field(None, "cases; default: all")
-    analyses: Annotated[tuple[Analysis, ...], _FILLED] | None = spec_field(None, "analyses; default: all")
+    analyses: Annotated[tuple[AnalysisName, ...], _FILLED] | None = spec_field(None, "analyses; default: all")
     records: Annotated[tuple[str, ...], _FILLED] | None = spec_field(None, "motions; default: all")
     where: dict[str, Any] = spec_field({}, "swept keys with the value or the list of values to keep; default: all")
     every: Annotated[float, TIME.replace(name="output step", example="2 ms", low=1e-6, high=1.0, open_low=False)] = (
@@ -98,7 +98,7 @@ class StudySpec(Model):
     impact: ImpactSpec = spec_field(ImpactSpec(), "impact element")
     laws: _Laws[OwnLawSpec] = spec_field({}, "the study's own laws of links, by name")
     cases: _Cases[CaseSpec] = spec_field(..., "cases by name", {"near": {"link": "pounding", "gap": "5 cm"}})
-    analyses: Annotated[tuple[Analysis, ...], Field(min_length=1)] = spec_field(
+    analyses: Annotated[tuple[AnalysisName, ...], Field(min_length=1)] = spec_field(
         ("elastic", "inelastic"), "whether storeys may yield"
     )
     accuracy: Annotated[float, Quantity("accuracy", "", ACCURACY.example, 1e-14, 0.1)] = spec_field(

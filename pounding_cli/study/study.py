@@ -173,7 +173,7 @@ class Study:
         return sweep_map(separate, *displacements)
 
 
-def load_study(path: str | Path) -> Study:
+def load_study_file(path: str | Path) -> Study:
     """Read and validate a study file.
 
     Raises

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from pounding_cli.errors import Problem
-from pounding_cli.laws.joints import STABLE_AT_REST, Viscous
+from pounding_cli.laws.joints import MAX_STABLE_STEP_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
@@ -459,7 +459,7 @@ def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: KeyPath, dou
     """Note a viscous damper whose slope at rest takes more steps than is usual."""
     lightest = min(float(building.mass.min()) for building in _frames(group))
     slope = law.force_at_1_m_s * law.straight_below ** (law.exponent - 1.0)
-    steps = slope / (STABLE_AT_REST * lightest)
+    steps = slope / (MAX_STABLE_STEP_AT_REST * lightest)
     if steps <= MAX_STEPS_PER_SECOND:
         return
     dashpot = f"near rest the viscous damper is a dashpot of {slope:.2g} N s/m, beside a floor of {lightest:.3g} kg"

@@ -9,31 +9,31 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from pounding_cli.points import PointCommand, SweepPoint
 from pounding_cli.report.style import finish, new_figure, styled
-from pounding_cli.wall.study import Study
+from pounding_cli.wall.study import WallStudySpec
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from pounding_cli.points import SweepPoint
     from pounding_cli.report.document import Picture
 
-SHOWN = ("peak_force", "separation", "wall_stress", "averaged_stress")
+WALL_NUMBERS = ("peak_force", "separation", "wall_stress", "averaged_stress")
 """The numbers of a table that fits a terminal; the page and the CSV table have all."""
 
 _COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
 """Of the histories of points; of as many they are drawn."""
 
 
-def solve(study: Study) -> xr.Dataset:
-    """Solve one impact, as `impact.solve`."""
+def solve_wall(study: WallStudySpec) -> xr.Dataset:
+    """Solve one impact, as `impact.solve_impact`."""
     from pounding_cli.wall import impact  # here: `pound check` needs the study alone
 
-    return impact.solve(study)
+    return impact.solve_impact(study)
 
 
-def cites(study: Study) -> dict[str, str]:
+def cite_wall(study: WallStudySpec) -> dict[str, str]:
     """The references of a study."""
     return {
         "spiliopoulos1996": "the bumper wall, Fig. 8",
@@ -43,7 +43,7 @@ def cites(study: Study) -> dict[str, str]:
     }
 
 
-def pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
+def build_wall_pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
     """The stresses at the last point, and histories."""
     from pounding_cli.report.document import Picture
 
@@ -112,3 +112,14 @@ def draw_histories(title: str, points: Sequence[SweepPoint]) -> Figure:
         force.legend(fontsize=6.5)
     finish(figure, title)
     return figure
+
+
+WALL_COMMAND = PointCommand(
+    name="wall",
+    spec=WallStudySpec,
+    solve=solve_wall,
+    terminal_numbers=WALL_NUMBERS,
+    cite_references=cite_wall,
+    build_pictures=build_wall_pictures,
+)
+"""`pound wall`."""

@@ -19,9 +19,13 @@ from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.points import to_variable
-from pounding_cli.wall.study import Section, Study
+from pounding_cli.wall.study import SectionSpec, WallStudySpec
 
-MOST_ELEMENTS, MOST_STEPS = 250_000, 200_000
+MAX_ELEMENTS = 250_000
+"""Elements of the mesh of the wall."""
+
+MAX_WALL_STEPS = 200_000
+"""Time steps of one impact."""
 
 HISTORIES = {
     "time": ("s", "time"),
@@ -36,7 +40,7 @@ HISTORIES = {
 """What is known at every instant: unit and meaning."""
 
 
-def solve(study: Study) -> xr.Dataset:
+def solve_impact(study: WallStudySpec) -> xr.Dataset:
     """Solve one impact: numbers, histories, stresses at the struck face and on the mesh of the wall.
 
     Raises InputError where it would take too many steps or gave a number that is not finite, with what to change.
@@ -44,8 +48,8 @@ def solve(study: Study) -> xr.Dataset:
     system = build_system(study)
     end = study.time.end
     wished = natural_step(system, study) if isinstance(study.time.step, str) else study.time.step
-    if end / wished > MOST_STEPS:
-        hint = f"give an earlier `time.end`, e.g. {MOST_STEPS / 10 * wished:.1g} s, or a heavier striker"
+    if end / wished > MAX_WALL_STEPS:
+        hint = f"give an earlier `time.end`, e.g. {MAX_WALL_STEPS / 10 * wished:.1g} s, or a heavier striker"
         raise InputError(Problem(f"an impact this short needs {end / wished:.0f} time steps", hint))
     steps = max(10, math.ceil(end / wished - 1e-9))
     history = list[tuple[float, ...]]()
@@ -100,7 +104,7 @@ def solve(study: Study) -> xr.Dataset:
         "wall_shear": to_variable("N", "largest shear force in a cross-section of the wall", shear),
         "wall_moment": to_variable("N m", "largest bending moment in a cross-section of the wall", moment),
         "reach": to_variable("m", "farthest from the contact that the averaged stress exceeds half its largest",
-                       reach(distance, averaged)),
+                       interpolate_stress_reach(distance, averaged)),
         "step": to_variable("s", "time step", end / steps),
         "freedoms": to_variable("1", "degrees of freedom", float(system.M.size)),
         "time_of_peak": to_variable("s", "instant of the largest stress of an element", at_peak),
@@ -123,7 +127,7 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
     return np.sqrt(sx**2 - sx * sy + sy**2 + 3 * t**2)
 
 
-def reach(distance: np.ndarray, stress: np.ndarray) -> float:
+def interpolate_stress_reach(distance: np.ndarray, stress: np.ndarray) -> float:
     """Farthest distance at which the stress is half its largest [m], on straight lines between the cells."""
     half = 0.5 * stress.max()
     ends = [float(distance[stress >= half].max())]
@@ -157,7 +161,7 @@ def factorise(matrix: sp.csc_matrix) -> SuperLU:
         raise InputError(Problem("the stiffness matrix is singular", hint)) from None
 
 
-def natural_step(system: System, study: Study) -> float:
+def natural_step(system: System, study: WallStudySpec) -> float:
     """A time step that leaves force and energy with errors below 1e-3 [s].
 
     A 100th of the striker's half period on the wall, pi / s, at most 0.1 ms; s^2 = 1 / (m C(s)) with the
@@ -177,7 +181,9 @@ def natural_step(system: System, study: Study) -> float:
     return step
 
 
-def integrate_impact(system: System, study: Study, steps: int) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
+def integrate_impact(
+    system: System, study: WallStudySpec, steps: int
+) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
     """Values of HISTORIES and displacements at the beginning and after every step.
 
     Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step:
@@ -245,7 +251,7 @@ class System:
     read: dict[str, sp.csr_matrix]
 
 
-def build_system(study: Study) -> System:
+def build_system(study: WallStudySpec) -> System:
     """Couple the plane-stress wall and the frame at the floors; the base is fixed.  InputError: too many elements."""
     low, high = study.patch
     floors = study.frame.floors
@@ -253,9 +259,9 @@ def build_system(study: Study) -> System:
     breaks = [y for place, y in enumerate(breaks) if place == 0 or y - breaks[place - 1] > 1e-9]
     x = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0))
     y = _grid_lines(breaks, study, (low, high))
-    if x.size * y.size > MOST_ELEMENTS:
+    if x.size * y.size > MAX_ELEMENTS:
         raise InputError(
-            Problem(f"a mesh of more than {MOST_ELEMENTS} elements", "give a larger `mesh.size`, or `growth: 0.2`")
+            Problem(f"a mesh of more than {MAX_ELEMENTS} elements", "give a larger `mesh.size`, or `growth: 0.2`")
         )
     mesh = MeshQuad.init_tensor(x, y)
     linear = study.mesh.element == "linear"
@@ -282,7 +288,7 @@ def build_system(study: Study) -> System:
     return System(mesh, (pick.T @ stiffness @ pick).tocsc(), mass[free], push[free], beams, height, read)
 
 
-def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) -> np.ndarray:
+def _grid_lines(breaks: list[float], study: WallStudySpec, centre: tuple[float, float]) -> np.ndarray:
     """Positions of mesh lines [m]: every break is one; between two, intervals of at most the wished size.
 
     The wished size at a distance r from the interval `centre` is size + growth * r [m].
@@ -293,7 +299,7 @@ def _grid_lines(breaks: list[float], study: Study, centre: tuple[float, float]) 
         distance = np.maximum(np.maximum(centre[0] - fine, fine - centre[1]), 0.0)
         density = 1.0 / (study.mesh.size + study.mesh.growth * distance)
         count = cumulative_trapezoid(density, fine, initial=0.0)
-        pieces = max(1, int(np.ceil(min(count[-1], MOST_ELEMENTS) - 1e-9)))  # of more the mesh is refused
+        pieces = max(1, int(np.ceil(min(count[-1], MAX_ELEMENTS) - 1e-9)))  # of more the mesh is refused
         lines.extend(np.interp(np.linspace(0, count[-1], pieces + 1)[1:-1], count, fine))
         lines.append(high)
     return np.array(lines)
@@ -307,7 +313,7 @@ def _spread(basis: Basis, left: float, low: float, high: float, part: int = 0) -
     return LinearForm(lambda v, _: v[part]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
-def _contact(study: Study, basis: Basis, mass: np.ndarray) -> np.ndarray:
+def _contact(study: WallStudySpec, basis: Basis, mass: np.ndarray) -> np.ndarray:
     """Shares of the contact force over the wall's displacements [-]: one node, or a uniform pressure; sum 1.
 
     The horizontal mass of the struck nodes is handed to their neighbours, in place: a struck node with mass would have
@@ -330,7 +336,7 @@ def _contact(study: Study, basis: Basis, mass: np.ndarray) -> np.ndarray:
     return shares
 
 
-def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
+def _frame(study: WallStudySpec, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
     """Stiffness of the frame, edge stresses of its members, and the masses of the floors, over all displacements.
 
     The wall's come first, then (u, v, theta) of every column at every floor. A beam's end at the wall follows the
@@ -380,7 +386,7 @@ def _frame(study: Study, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np
     return stiffness, sp.vstack(stresses, format="csr"), mass
 
 
-def _member(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _member(young: float, section: SectionSpec, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return, of an Euler-Bernoulli member that spans `along` [m], elongation and rotations of its ends against the
     chord, from their displacements (u, v, theta), shape (3, 6); axial force and end moments from those, (3, 3)."""
     length = float(np.hypot(*along))
@@ -393,7 +399,7 @@ def _member(young: float, section: Section, along: np.ndarray) -> tuple[np.ndarr
     return deformation, young / length * np.array(resistance)
 
 
-def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+def _stresses(study: WallStudySpec, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
     """Mean stresses of elements, resultants of the rows of elements: as in `System`.
 
     The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress
@@ -428,7 +434,7 @@ def _stresses(study: Study, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_m
     return elements, group_rows([gather @ txy, gather @ bending])
 
 
-def _cells(study: Study, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
+def _cells(study: WallStudySpec, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
     """Square cells every quarter side up the face, one of them centred on the contact where there is room: heights of
     their centres [m], and the share of each cell's area that lies in each element [-], sparse (cells, elements)."""
     side = study.averaging_length

@@ -17,8 +17,8 @@ _HEIGHT = LENGTH.replace(name="height", example="13.5 m, `mid-storey 5` or `floo
 
 
 def _read_height(value: Any) -> float | str:
-    found = _PLACE.match(value) if isinstance(value, str) else None
-    return f"{found[1]} {int(found[2])}" if found else _HEIGHT.read(value)
+    place = _PLACE.match(value) if isinstance(value, str) else None
+    return f"{place[1]} {int(place[2])}" if place else _HEIGHT.read(value)
 
 
 Height = Annotated[float | str, ParsedText(_read_height, "height of the impact", ("13.5 m", "mid-storey 5", "floor 4"))]
@@ -34,21 +34,21 @@ Share = Annotated[float, Quantity("number", "", "0.2", 0.0, 1.0)]
 Step = Annotated[float | str, TIME.replace(name="time step", example="0.1 ms", words=("auto",))]
 
 
-class Wall(Model):
+class BumperWallSpec(Model):
     """The bumper wall."""
 
     length: Length = spec_field(2.0, "length of the wall, at right angles to the gap", "2 m")
     thickness: Length = spec_field(0.25, "thickness of the wall", "25 cm")
 
 
-class Section(Model):
+class SectionSpec(Model):
     """A rectangular cross-section."""
 
     width: Length = spec_field(..., "width, out of the frame's plane", "25 cm")
     depth: Length = spec_field(..., "depth, in the frame's plane", "60 cm")
 
 
-class Frame(Model):
+class FrameSpec(Model):
     """The building behind the wall; the mass of a floor is shared over its length, the wall's part over its width."""
 
     storeys: Annotated[int, WholeNumber(1, 100)] = spec_field(5, "number of storeys", 5)
@@ -56,8 +56,8 @@ class Frame(Model):
     bays: tuple[Length, ...] = spec_field(
         (5.0, 5.0, 5.0), "spans from the wall's inner edge", ["5 m"], min_length=1, max_length=50
     )
-    beam: Section = spec_field(Section(width=0.25, depth=0.60), "section of the beams")
-    column: Section = spec_field(Section(width=0.60, depth=0.60), "section of the columns")
+    beam: SectionSpec = spec_field(SectionSpec(width=0.25, depth=0.60), "section of the beams")
+    column: SectionSpec = spec_field(SectionSpec(width=0.60, depth=0.60), "section of the columns")
     floor_mass: Annotated[float, MASS] = spec_field(200e3, "mass of every floor", "200 t")
 
     @property
@@ -71,7 +71,7 @@ class Frame(Model):
         return self.storey_height * np.arange(1, self.storeys + 1)
 
 
-class Concrete(Model):
+class ConcreteSpec(Model):
     """Linear elastic concrete."""
 
     young: Modulus = spec_field(30e9, "Young's modulus", "30 GPa")
@@ -79,7 +79,7 @@ class Concrete(Model):
     density: Density = spec_field(0.0, "density of the wall beyond the floor masses", "2500 kg/m3")
 
 
-class Striker(Model):
+class StrikerSpec(Model):
     """The floor that strikes, a rigid mass."""
 
     mass: Annotated[float, MASS] = spec_field(200e3, "mass of the striker", "200 t")
@@ -87,7 +87,7 @@ class Striker(Model):
     height: Height = spec_field("mid-storey 5", "where it strikes", "mid-storey 5")
 
 
-class Contact(Model):
+class ContactSpec(Model):
     """The contact: its area and its bond. Under one node stress grows without bound as the mesh is refined."""
 
     over: Literal["patch", "node"] = spec_field("patch", "patch of uniform pressure, or node", "patch")
@@ -95,7 +95,7 @@ class Contact(Model):
     patch: Length = spec_field(0.20, "height of the patch: the striking slab's thickness", "20 cm")
 
 
-class Mesh(Model):
+class MeshSpec(Model):
     """The mesh of the wall: four-node (linear) or nine-node (quadratic) quadrilaterals."""
 
     size: Size = spec_field(0.05, "element size at the contact", "0.05 m")
@@ -103,7 +103,7 @@ class Mesh(Model):
     element: Literal["linear", "quadratic"] = spec_field("quadratic", "linear or quadratic", "quadratic")
 
 
-class Integration(Model):
+class IntegrationSpec(Model):
     """The integration in time."""
 
     end: Annotated[float, TIME] = spec_field(0.060, "end of the analysis", "60 ms")
@@ -111,17 +111,17 @@ class Integration(Model):
     rho: Share = spec_field(0.9, "spectral radius at infinite frequency; 1: no damping", 0.9)
 
 
-class Study(Model):
+class WallStudySpec(Model):
     """A study of the bumper wall (paper, Fig. 8); everything not said is the paper's."""
 
     title: str = spec_field(..., "one line that says what is studied", "The bumper wall of Fig. 8")
-    wall: Wall = Wall()
-    frame: Frame = Frame()
-    concrete: Concrete = Concrete()
-    striker: Striker = Striker()
-    contact: Contact = Contact()
-    mesh: Mesh = Mesh()
-    time: Integration = Integration()
+    wall: BumperWallSpec = BumperWallSpec()
+    frame: FrameSpec = FrameSpec()
+    concrete: ConcreteSpec = ConcreteSpec()
+    striker: StrikerSpec = StrikerSpec()
+    contact: ContactSpec = ContactSpec()
+    mesh: MeshSpec = MeshSpec()
+    time: IntegrationSpec = IntegrationSpec()
     averaging_length: Size = spec_field(0.5, "side of the cell over which stress is averaged", "0.5 m")
     sweep: Any = spec_field(None, "keys and the values they take", {"wall.length": ["1 m", "2 m"]})
 

@@ -23,7 +23,7 @@ from pounding_cli.study.file import get
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import Factor
-from pounding_cli.variables import RATIOS, VARIABLES
+from pounding_cli.variables import RATIO_VARIABLES, VARIABLES
 from pounding_cli.workflows.workflow import Workflow
 
 
@@ -59,7 +59,7 @@ def _error(name: str, data: xr.Dataset) -> np.ndarray:
     """The error of a variable, all motions alike where few were solved more finely; NaN where none was."""
     values = _numbers(name, data)
     alone = "mu0" if name == "drift0" else name  # a ductility is a drift over the yield drift
-    for ratio in RATIOS:
+    for ratio in RATIO_VARIABLES:
         if name == ratio or alone == VARIABLES[ratio].ratio[-1]:  # it has the error of the ratio to the building alone
             with np.errstate(all="ignore"):
                 share = data[f"{ratio}_mean_error"].values / np.abs(data[f"{ratio}_mean"].values)

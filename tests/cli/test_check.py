@@ -132,7 +132,7 @@ def test_times_are_by_rates_of_earlier_runs(folder, pound, monkeypatch, tmp_path
     longer = replace(plan, estimate="none")
     one = forecast.expected_duration(longer, every, len(every), rates).seconds
     twice = forecast.expected_duration(longer, every, 2 * len(every), rates).seconds
-    assert twice - forecast.START == pytest.approx(2 * (one - forecast.START))
+    assert twice - forecast.TIME_BESIDE_SCENES == pytest.approx(2 * (one - forecast.TIME_BESIDE_SCENES))
 
 
 INCHES = """\

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from pounding_cli import open_results
-from pounding_cli.study import load_study
+from pounding_cli.study import load_study_file
 
 STUDY = """\
 title: Two small buildings
@@ -411,7 +411,7 @@ def test_a_study_with_an_anchor_at_a_value_is_written_anew(pound):
 def test_a_study_whose_best_is_written_is_read_once(pound, monkeypatch):
     """So that what is written is what was solved, whatever has become of the file meanwhile."""
     read = []
-    monkeypatch.setattr("pounding_cli.study.load_study", lambda path: read.append(path) or load_study(path))
+    monkeypatch.setattr("pounding_cli.study.load_study_file", lambda path: read.append(path) or load_study_file(path))
     Path("few.yaml").write_text(few("impact.restitution", "0.4", "0.65"))
     assert pound("optimise", "few.yaml", "-q", "--write", "best.yaml")[0] == 0
     assert read == [Path("few.yaml")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -128,14 +129,14 @@ def test_points_that_fail_are_told_and_have_no_numbers(folder, pound, command, s
 
 @pytest.mark.parametrize("fault", [IndexError, RecursionError, NotImplementedError])
 def test_a_fault_in_one_point_leaves_the_others(folder, pound, monkeypatch, fault):
-    usual = connector.solve
+    usual = connector.CONNECTOR_COMMAND
 
     def solve(study):
         if study.damping > 0.08:
             raise fault("unforeseen")
-        return usual(study)
+        return usual.solve(study)
 
-    monkeypatch.setattr(connector, "solve", solve)
+    monkeypatch.setattr(connector, "CONNECTOR_COMMAND", replace(usual, solve=solve))
     Path("a.yaml").write_text(PAIR)
     code, out, err = pound("connector", "a.yaml", "-o", "a.h5")
     assert (code, "Points: 1 solved, 1 failed" in out) == (1, True)

@@ -57,7 +57,7 @@ def folder(tmp_path):
     """A folder with the list of variables as the page changes it, and a study."""
     entry = next(block.text for block in blocks(PAGE) if "Variable(" in block.text)
     text = (ROOT / "pounding_cli" / "variables.py").read_text(encoding="utf-8")
-    before, end, after = text.partition(')  # fmt: skip\n"""What responses say')
+    before, end, after = text.partition(')  # fmt: skip\n"""Variables of responses')
     assert end
     (tmp_path / "variables.py").write_text(before + entry + end + after)
     (tmp_path / "study.yaml").write_text(STUDY)

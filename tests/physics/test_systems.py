@@ -15,7 +15,7 @@ from skfem import Basis
 from skfem.element import ElementQuad1, ElementQuad2, ElementVector
 
 from pounding_cli.wall.impact import build_system
-from pounding_cli.wall.study import Study
+from pounding_cli.wall.study import WallStudySpec
 from tests.adapter import system
 
 
@@ -105,7 +105,9 @@ def test_stresses_of_the_wall(tmp_path: Path, element: str) -> None:
     """Of any displacements: each component of an element's stress is its mean over the element, by quadrature, and that
     of a cell the mean over its area, here of whole elements. Fails if components of two places are mixed."""
     mesh = {"size": 0.25, "growth": 0, "element": element}
-    study = Study.model_validate({"title": "one", "mesh": mesh, "striker": {"height": 10.5}, "contact": {"patch": 0.5}})
+    study = WallStudySpec.model_validate(
+        {"title": "one", "mesh": mesh, "striker": {"height": 10.5}, "contact": {"patch": 0.5}}
+    )
     read = build_system(study)
     kind = ElementVector(ElementQuad1() if element == "linear" else ElementQuad2())
     basis = Basis(read.mesh, kind, intorder=6)

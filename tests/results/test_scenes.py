@@ -89,7 +89,7 @@ REFUSED = [
     (lambda: pound.motion([0.1, 0.2], dt=0.1, unit="m"), "unknown unit 'm'"),
     (lambda: pound.motion("elcentroo"), "did you mean 'elcentro'"),
     (lambda: pound.motion("nowhere/x.at2"), "o such file"),
-    (lambda: pound.motion("elcentro", dt=0.01), "knows its time step"),
+    (lambda: pound.motion("elcentro", dt=0.01), "its time step and unit are fixed"),
     (lambda: pound.motion("elcentro", scale=2, pga=1), "both 'scale' and 'pga'"),
 ]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pounding_cli.records.motion import spectrum
-from pounding_cli.study import load_study
+from pounding_cli.study import load_study_file
 
 STUDY = """\
 records:
@@ -31,7 +31,7 @@ def test_the_mean_spectrum_is_nowhere_below_its_part_of_the_target(tmp_path: Pat
     then falls to 0.89."""
     text = STUDY.replace("WAY", way).replace("TARGET", target).replace("DAMPING", damping)
     (tmp_path / "s.yaml").write_text(text)
-    study = load_study(tmp_path / "s.yaml")
+    study = load_study_file(tmp_path / "s.yaml")
     match = study.spectrum_match()
     assert match is not None
     motions = list(study.motions(study.first_point).values())
