@@ -98,6 +98,8 @@ def _find_offset(error: FormulaError, path: KeyPath, tree: Map) -> int:
     """Return the place of an error in characters behind the beginning of a formula; 0 in Python data and in blocks."""
     text = get(tree, *path)
     _, column = locate(tree, path)
+    if not isinstance(text, str):  # a number, of which the schema makes the formula
+        return 0
     if error.line != 0 or "\n" in text or not isinstance(column, int):
         return 0
     return error.column + len(text) - len(text.lstrip()) + isinstance(text, Quoted)
