@@ -123,7 +123,7 @@ def most_storeys(plan: Plan) -> int:
 
 
 def points(plan: Plan, *path: str) -> np.ndindex:
-    """Return a point of the sweep for every combination of the values that change a section of the study, or an entry."""
+    """Return a point of the sweep for every combination of the values that change a section or an entry of one."""
     changing = plan.study.axes_changing(*path)
     return np.ndindex(*(len(axis) if number in changing else 1 for number, axis in enumerate(plan.axes)))
 

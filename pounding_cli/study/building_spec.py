@@ -236,7 +236,7 @@ Heights: Any = _one_or_each(LENGTH.replace(usual=PLAUSIBLE_RANGES["storey height
 
 
 class StiffnessAtSpec(Model):
-    """StoreyMultiple stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
+    """Stiffnesses that give a period with certain masses; they stay when the masses of the building change."""
 
     period: PERIOD_OF_BUILDING = spec_field(
         ..., "fundamental period of the fixed-base building with these masses [s]", "0.42 s"
@@ -257,8 +257,8 @@ class WallSpec(Model):
     height: Annotated[float, LENGTH.replace(name="height of the wall", example="2 m", open_low=False)] | None = (
         spec_field(
             None,
-            "height above the ground [m]: floors of a neighbour up to it can strike the wall, and its base if it moves; "
-            "`0 m` for a wall that meets the base alone; default: all floors",
+            "height above the ground [m]: floors of a neighbour up to it can strike the wall, and its base if it "
+            "moves; `0 m` for a wall that meets the base alone; default: all floors",
         )
     )
     stiffness: Annotated[float, STIFFNESS] | None = spec_field(
@@ -334,8 +334,8 @@ class _BuildingSpec(Model):
     columns: Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)] | None = (
         spec_field(
             None,
-            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; without it "
-            "such blows are left out",
+            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; "
+            "without it such blows are left out",
         )
     )
     wall: word_or(Literal["fixed"], WallSpec) | None = spec_field(  # type: ignore[valid-type]

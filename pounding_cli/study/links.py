@@ -239,7 +239,10 @@ class Names:
 
 @dataclass(frozen=True)
 class NamedInLink:
-    """What a link names: its law, the number of a pair (0 for every pair), and its stiffness; None where it is unknown."""
+    """What a link names: its law, the number of a pair (0 for every pair), and its stiffness.
+
+    None stands for what is unknown.
+    """
 
     path: KeyPath
     law: str | None

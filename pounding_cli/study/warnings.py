@@ -452,7 +452,7 @@ def warn_case(
 
 
 MAX_STEPS_PER_SECOND = 20_000
-"""KeyPath for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
+"""Steps for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
 
 
 def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: KeyPath, doubts: Doubts) -> None:

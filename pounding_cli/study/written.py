@@ -188,7 +188,8 @@ def iter_named_in_links(tree: Map, path: KeyPath) -> Iterator[NamedInLink]:
         listed = [(path, case)]
     for place, entry in listed:
         word = entry.get("link") if isinstance(entry, Map) else entry
-        law = word if isinstance(word, str) and (isinstance(entry, Map) or place != path) else None
+        is_law = isinstance(word, str | int | float) and not isinstance(word, bool)
+        law = str(word) if is_law and (isinstance(entry, Map) or place != path) else None
         pair = entry.get("pair") if isinstance(entry, Map) else None
         is_pair = isinstance(pair, int) and not isinstance(pair, bool) and pair <= MAX_PAIR
         stiffness = _read_multiple(entry.get("stiffness")) if isinstance(entry, Map) else None
