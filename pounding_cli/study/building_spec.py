@@ -105,7 +105,7 @@ class RayleighSpec(Model):
 
 
 def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
-    """How a study writes a parameter that a law declares; `absent`: 0 stands for what is not there."""
+    """The quantity of a parameter that a law declares; `absent`: 0 stands for what is not there."""
     declared = law.parameters()[name].metadata["parameter"]
     ends = declared.low, declared.high, declared.open_low and not absent, declared.open_high
     unit = "" if declared.unit == "-" else declared.unit.removesuffix("/rad")
@@ -114,7 +114,7 @@ def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> 
 
 
 def _describe(law: Any, name: str) -> str:
-    """What it means, with its unit."""
+    """Its meaning, with its unit."""
     return str(law.parameters()[name].metadata["parameter"].description)
 
 
@@ -125,7 +125,7 @@ class _IsolatorsSpec(Model):
 
     @property
     def law(self) -> FrictionPendulum | Bearings | Rubber:
-        """What they do."""
+        """Their effect, in words."""
         given: Any = {name: value for name, value in vars(self).items() if value is not None}
         return type(self).kind(**given)
 
@@ -193,7 +193,7 @@ class FoundationSpec(Model):
 
     @property
     def sways(self) -> bool:
-        """Whether it translates."""
+        """True if it translates."""
         return self.sway_stiffness is not None or self.isolation is not None
 
     def issues(self) -> Iterator[SpecIssue]:

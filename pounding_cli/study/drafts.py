@@ -1,4 +1,4 @@
-"""What is sound of a faulty case, so that everything wrong with it is told at once."""
+"""Keep the sound keys of a faulty case, so that everything wrong with it is told at once."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class CompleteLink:
 
     @property
     def title(self) -> str:
-        """What messages call its law."""
+        """The name of its law in messages."""
         return self.law if self.law == self.spec.link else f"{POUNDING} of {self.law}"
 
 
@@ -230,7 +230,7 @@ def find_losses(values: Mapping[str, Any], law: Any) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Names:
-    """What a study calls its laws and buildings, and the number of pairs of neighbours."""
+    """The names of the laws and buildings of a study, and the number of pairs of neighbours."""
 
     laws: tuple[str, ...]
     buildings: tuple[str, ...]
@@ -239,7 +239,7 @@ class Names:
 
 @dataclass(frozen=True)
 class NamedInLink:
-    """What a link names: its law, the number of a pair (0 for every pair), and its stiffness.
+    """The names in a link: its law, the number of a pair (0 for every pair), and its stiffness.
 
     None stands for what is unknown.
     """
