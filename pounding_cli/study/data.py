@@ -112,7 +112,7 @@ def links_between(
         links = check_links(name, spec, complete_links(name, spec, element))
         stiffnesses = resolve_multiples(list_multiples(links, element), group)
         floors = find_floors(name, spec, group.meetings)
-        laws = build_laws(links, element, {}, stiffnesses)
+        laws = build_laws(links, element, {}, stiffnesses, floors)
         return build_links(links, laws, floors, group.meetings)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from pounding_cli.errors import Problem
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_from_damping
@@ -420,23 +421,29 @@ def build_laws(
     impact: Any,
     laws: Mapping[str, OwnLaw],
     multiples: Sequence[tuple[StoreyMultiple, float]],
+    floors: Floors,
 ) -> tuple[LinkLaw | None, ...]:
     """Return the law of every link of a case; None of no link.
 
     Raises
     ------
-    IssuesFound : the parameters of a law do not go together
+    IssuesFound : the parameters of a law do not go together, of a link that joins something
     """
     issues = Issues()
     built = []
-    for link in links:
+    for number, link in enumerate(links):
         law = None
+        is_at_columns = link.spec.at is not None or link.law_class is Pounding
+        joins = is_at_columns or any(of_pair[number] for of_pair in floors)
+        found: Sequence[Issue | Problem] = ()
         try:
             law = _build_law(link, impact, laws, dict(multiples))
         except IssuesFound as refused:
-            issues.add_written(refused.issues)
+            found = refused.issues
         except ValueError as error:
-            issues.add_written([Issue(link.path, str(error).removeprefix("link: "), "correct it")])
+            found = [Issue(link.path, str(error).removeprefix("link: "), "correct it")]
+        if joins:
+            issues.add_written(found)
         built.append(law)
     issues.check()
     return tuple(built)

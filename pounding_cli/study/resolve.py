@@ -220,7 +220,7 @@ class _Resolver:
             checked = self.map(partial(_check_links, name), sound_case, complete[name], sound_impact)
             multiples = self.map(list_multiples, checked, contact).merge_equal()
             stiffnesses = self.map(resolve_multiples, multiples, group).merge_equal()
-            link_laws[name] = self.map(build_laws, checked, contact, laws, stiffnesses)
+            link_laws[name] = self.map(build_laws, checked, contact, laws, stiffnesses, floors)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
