@@ -118,7 +118,7 @@ def load_sweep(path: Path, name: str) -> Sweep:
             for issue in describe_errors(error, (), command.spec, tree):
                 problems.add_issue(tree, issue)
     problems.check()
-    warnings = sorted(doubts.merged(), key=lambda warning: (warning.line, warning.column))
+    warnings = sorted(doubts.iter_merged(), key=lambda warning: (warning.line, warning.column))
     return Sweep(command, points[0].study.title, text, axes, tuple(points), tuple(warnings))
 
 

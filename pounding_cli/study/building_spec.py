@@ -107,7 +107,7 @@ class RayleighSpec(Model):
 
 
 def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> Quantity:
-    """How a study writes a parameter that a law declares; `absent`: 0 stands for what is not there."""
+    """The quantity of a parameter that a law declares; `absent`: 0 stands for what is not there."""
     declared = law.parameters()[name].metadata["parameter"]
     ends = declared.low, declared.high, declared.open_low and not absent, declared.open_high
     unit = "" if declared.unit == "-" else declared.unit.removesuffix("/rad")
@@ -116,7 +116,7 @@ def _build_quantity(law: Any, name: str, example: str, absent: bool = False) -> 
 
 
 def _describe(law: Any, name: str) -> str:
-    """What it means, with its unit."""
+    """Its meaning, with its unit."""
     return str(law.parameters()[name].metadata["parameter"].description)
 
 
@@ -127,7 +127,7 @@ class _IsolatorsSpec(Model):
 
     @property
     def law(self) -> FrictionPendulum | Bearings | Rubber:
-        """What they do."""
+        """Their effect, in words."""
         given: Any = {name: value for name, value in vars(self).items() if value is not None}
         return type(self).kind(**given)
 
@@ -195,7 +195,7 @@ class FoundationSpec(Model):
 
     @property
     def sways(self) -> bool:
-        """Whether it translates."""
+        """True if it translates."""
         return self.sway_stiffness is not None or self.isolation is not None
 
     def issues(self) -> Iterator[SpecIssue]:
@@ -259,8 +259,8 @@ class WallSpec(Model):
     height: Annotated[float, LENGTH.replace(name="height of the wall", example="2 m", open_low=False)] | None = (
         spec_field(
             None,
-            "height above the ground [m]: floors of a neighbour up to it can strike the wall, and its base if it moves; "
-            "`0 m` for a wall that meets the base alone; default: all floors",
+            "height above the ground [m]: floors of a neighbour up to it can strike the wall, and its base if it "
+            "moves; `0 m` for a wall that meets the base alone; default: all floors",
         )
     )
     stiffness: Annotated[float, STIFFNESS] | None = spec_field(
@@ -336,8 +336,8 @@ class _BuildingSpec(Model):
     columns: Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)] | None = (
         spec_field(
             None,
-            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; without it "
-            "such blows are left out",
+            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; "
+            "without it such blows are left out",
         )
     )
     wall: word_or(Literal["fixed"], WallSpec) | None = spec_field(  # type: ignore[valid-type]

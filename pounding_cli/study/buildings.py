@@ -66,11 +66,20 @@ def _build_frame(name: str, spec: Any) -> Building:
 def _find_stiffness(spec: Any, mass: np.ndarray) -> np.ndarray:
     """Return the storey stiffnesses [N/m], shape (storeys,)."""
     if spec.stiffness is None:
-        return stiffness_for_period(mass, spec.period, spec.taper)
+        return _find_finite_stiffness(mass, spec.period, spec.taper)
     if isinstance(spec.stiffness, StiffnessAtSpec):
         mass = _fill_storeys(spec.stiffness.mass, spec.count)
-        return stiffness_for_period(mass, spec.stiffness.period, spec.taper)
+        return _find_finite_stiffness(mass, spec.stiffness.period, spec.taper)
     return np.array(spec.stiffness)
+
+
+def _find_finite_stiffness(mass: np.ndarray, period: float, taper: float) -> np.ndarray:
+    """Return the storey stiffnesses for a period [N/m].  Raises ValueError: they are too large for a number."""
+    with np.errstate(over="ignore"):
+        stiffness = stiffness_for_period(mass, period, taper)
+    if not np.isfinite(stiffness).all():
+        raise ValueError(f"a period of {period:g} s takes storeys of a stiffness above 1e308 N/m")
+    return stiffness
 
 
 def _find_yield_shear(spec: Any, mass: np.ndarray, height: np.ndarray, period: float) -> np.ndarray:

@@ -53,7 +53,7 @@ class Map(dict[str, Any]):
         self.marks[key] = source.marks[name or key]
 
 
-class Quoted(str):
+class QuotedText(str):
     """A text that stands in quotes."""
 
     __slots__ = ()
@@ -98,7 +98,7 @@ def _to_yaml_types(value: Any) -> Any:
 
 
 def get(node: Any, *path: str | int) -> Any:
-    """What stands at a path, or None; of a function, in what it makes."""
+    """Return the value at a path, or None; of a function, in what it makes."""
     node = node() if callable(node) else node
     for step in path:
         if isinstance(node, dict) and str(step) in node:
@@ -131,7 +131,10 @@ def with_value(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
 
 
 def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
-    """Where the value (or its key) at `path` begins; steps that the file lacks, as tags of unions, are passed over."""
+    """Return the place where the value (or its key) at `path` begins.
+
+    Steps that the file lacks, as tags of unions, are passed over.
+    """
     node = root() if callable(root) else root
     mark = own = getattr(node, "mark", (1, 1))
     for step in path:
@@ -297,7 +300,7 @@ class _Reader:
                 mark, f"'{escape_controls(word)[:60]}' holds a control character", "write letters, digits and signs"
             )
         if not _is_plain(event):
-            return Quoted(word) if event.style in ("'", '"') else word
+            return QuotedText(word) if event.style in ("'", '"') else word
         if word.lower() in _WORDS:
             return _WORDS[word.lower()]
         if _INTEGER.match(word) and len(word) < 19:
@@ -336,7 +339,7 @@ def _height(node: Any) -> int:
 
 
 def _syntax(file: str, error: yaml.MarkedYAMLError, text: str) -> Problem:
-    """What is no YAML at all, with the slip that it comes from where that is known."""
+    """Return the problem of a text that is no YAML, with the slip that it comes from where that is known."""
     mark = error.problem_mark or error.context_mark
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     what, lines = error.problem or "unreadable", text.split("\n")

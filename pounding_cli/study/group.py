@@ -40,7 +40,7 @@ class ColumnStrike:
 
 @dataclass(frozen=True)
 class Meeting:
-    """Where two neighbours meet.
+    """The floors at which two neighbours meet, and blows on columns.
 
     left, right : their names
     floors : of both, from 1, that meet; 0 is a base
@@ -79,7 +79,7 @@ class Group:
 
     @cached_property
     def meetings(self) -> tuple[Meeting, ...]:
-        """Where every two neighbours meet."""
+        """The meeting of every two neighbours, left to right."""
         return tuple(Meeting.of(*pair) for pair in pairwise(self.buildings))
 
     def stiffness(self, given: float | StoreyMultiple) -> float:

@@ -1,4 +1,4 @@
-"""What is wrong with a part of a study, by its path; line and column are found at the edge."""
+"""Issues of parts of a study, by path; line and column are found at the edge."""
 
 from __future__ import annotations
 

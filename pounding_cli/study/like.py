@@ -92,7 +92,10 @@ def _find_alternatives(kind: str, stiffness: Any) -> tuple[Sides, ...]:
 
 
 def resolve_all_likes(tree: Map) -> Map:
-    """Return a file with the keys that buildings take from others, to find where these stand; faulty ones as written."""
+    """Return a file with the keys that buildings take from others, to find where these stand.
+
+    Faulty buildings stay as written.
+    """
     buildings = tree.get("buildings")
     if not isinstance(buildings, Map):
         return tree

@@ -102,6 +102,11 @@ def _enumerations(law: Any) -> dict[str, type[StrEnum]]:
     return {name: kind for name, kind in hints if isinstance(kind, type) and issubclass(kind, StrEnum)}
 
 
+def list_words(law: Any, name: str) -> list[str]:
+    """Return the words that a parameter of a law may be; none of a number."""
+    return [str(word) for word in _enumerations(law).get(name, ())]
+
+
 def to_enum(law: Any, name: str, value: Any) -> Any:
     """Return a value as the law takes it: a word as a member of its enumeration, others as they are."""
     enumeration = _enumerations(law).get(name)
@@ -169,12 +174,6 @@ def _floors_kind(value: Any) -> str:
 Floors: Any = tagged_union(
     _floors_kind, word=Literal["all", "rest"], mapping=ExceptSpec, floors=one_or_many(_Floor, as_list=True)
 )
-
-
-def _both_losses(owner: Any) -> Iterator[SpecIssue]:
-    if getattr(owner, "restitution", None) is not None and getattr(owner, "damping_ratio", None) is not None:
-        hint = "remove one: 'damping_ratio' stands in place of 'restitution'"
-        yield ("damping_ratio",), "'damping_ratio' and 'restitution' cannot both be given", hint, True
 
 
 class LinkSpec(Model):

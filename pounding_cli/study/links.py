@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from pounding_cli.errors import Problem
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_from_damping
@@ -24,6 +25,7 @@ from pounding_cli.study.link_specs import (
     LinkSpec,
     SeveralLinksSpec,
     link_keys,
+    list_words,
     needs_key,
     own_parameters,
     to_enum,
@@ -58,7 +60,7 @@ class CompleteLink:
 
     @property
     def title(self) -> str:
-        """What messages call its law."""
+        """The name of its law in messages."""
         return self.law if self.law == self.spec.link else f"{POUNDING} of {self.law}"
 
 
@@ -118,18 +120,29 @@ def check_links(name: str, case: Any, links: tuple[CompleteLink, ...]) -> tuple[
     ------
     IssuesFound : a key is missing, does not apply to the law of its link, or to no link of the case
     """
-    issues: list[Issue] = []
-    for link in links:
-        if link.law != NO_LINK:
-            issues += _find_missing_keys(link)
-            issues += _find_idle_keys(link)
+    issues = [issue for link in links for issue in find_key_issues(link)]
     if isinstance(case, SeveralLinksSpec):
-        taken = frozenset().union(*(_keys_of_law(link.law) - {"stiffness"} for link in links))
-        for key in case.model_fields_set - {"links"} - taken:
-            issues.append(Issue(("cases", name, key), *refuse_beside_links(key), at_key=True))
+        issues += find_idle_shared_keys(name, case, links)
     if issues:
         raise IssuesFound(issues)
     return links
+
+
+def find_key_issues(link: CompleteLink, left_out: Collection[str] = ()) -> list[Issue]:
+    """Return what is wrong with the keys of a link: missing, not of its law, or a word that its law does not know.
+
+    left_out : keys that are written, but faulty
+    """
+    if link.law == NO_LINK:
+        return []
+    return [*_find_missing_keys(link, left_out), *_find_idle_keys(link), *_find_unknown_words(link)]
+
+
+def find_idle_shared_keys(name: str, case: SeveralLinksSpec, links: Sequence[CompleteLink]) -> list[Issue]:
+    """Return an issue for every key beside `links:` that none of them takes."""
+    taken = frozenset().union(*(_keys_of_law(link.law) - {"stiffness"} for link in links))
+    idle = [key for key in case.model_fields_set if key != "links" and key not in taken]
+    return [Issue(("cases", name, key), *refuse_beside_links(key), at_key=True) for key in idle]
 
 
 def refuse_beside_links(key: str) -> tuple[str, str]:
@@ -149,16 +162,17 @@ def refuse_key(key: str, title: str, keys: Iterable[str]) -> tuple[str, str]:
     return f"'{key}' does not apply to link: {title}", hint
 
 
-def _find_missing_keys(link: CompleteLink) -> list[Issue]:
+def _find_missing_keys(link: CompleteLink, left_out: Collection[str]) -> list[Issue]:
     """Return an issue for every key that a law needs and nothing gives."""
     issues = []
-    if "gap" not in link.values:
+    given = {*link.values, *left_out}
+    if "gap" not in given:
         field = SHARED_KEYS["gap"][1]
         hint = f"write {field.description}, e.g. `gap: {field.examples[0]}`"
         issues.append(Issue(link.path, "'gap' is missing", hint))
     law = link.law_class
     for key, declared in own_parameters(law).items() if law is not None else ():
-        if needs_key(law, key) and key not in link.values:
+        if needs_key(law, key) and key not in given:
             contact = " here or under `impact`" if law.subtracts_gap else ""
             message = f"a {law.name} needs it{contact}: {declared.description}"
             issues.append(Issue(link.path, f"'{key}' is missing", message))
@@ -178,6 +192,21 @@ def _find_idle_keys(link: CompleteLink) -> list[Issue]:
         message = f"'damping_ratio' is that of a Kelvin-Voigt contact; a {law.name} takes 'restitution'"
         hint = f"write `restitution: {restitution_from_damping(ratio):.3g}`, the e of that ratio there"
         issues.append(Issue(link.paths["damping_ratio"], message, hint, at_key=True))
+    return issues
+
+
+def _find_unknown_words(link: CompleteLink) -> list[Issue]:
+    """Return an issue for every word that the law of a link does not know, though another law does."""
+    issues = []
+    for key, value in link.values.items() if link.law_class is not None else ():
+        words = list_words(link.law_class, key)
+        if words and value not in words:
+            known = ", ".join(f"'{word}'" for word in words[:-1])
+            choice = f"{known} or '{words[-1]}'" if known else f"'{words[-1]}'"
+            is_here = link.paths[key][:-1] == link.path
+            message = f"{key}: '{value}' is not known to link: {link.title}"
+            hint = f"write {choice}" if is_here else f"write `{key}:` in this link: {choice}"
+            issues.append(Issue(link.paths[key] if is_here else link.path, message, hint))
     return issues
 
 
@@ -202,7 +231,7 @@ def find_losses(values: Mapping[str, Any], law: Any) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Names:
-    """What a study calls its laws and buildings, and the number of pairs of neighbours."""
+    """The names of the laws and buildings of a study, and the number of pairs of neighbours."""
 
     laws: tuple[str, ...]
     buildings: tuple[str, ...]
@@ -211,7 +240,10 @@ class Names:
 
 @dataclass(frozen=True)
 class NamedInLink:
-    """What a link names: its law, the number of a pair (0 for every pair), and its stiffness; None where it is unknown."""
+    """The names in a link: its law, the number of a pair (0 for every pair), and its stiffness.
+
+    None stands for what is unknown.
+    """
 
     path: KeyPath
     law: str | None
@@ -391,24 +423,27 @@ def build_laws(
     multiples: Sequence[tuple[StoreyMultiple, float]],
     floors: Floors,
 ) -> tuple[LinkLaw | None, ...]:
-    """Return the law of every link of a case; None of no link, and of one that joins nothing.
+    """Return the law of every link of a case; None of no link.
 
     Raises
     ------
-    IssuesFound : the parameters of a law do not go together
+    IssuesFound : the parameters of a law do not go together, of a link that joins something
     """
     issues = Issues()
     built = []
     for number, link in enumerate(links):
         law = None
         is_at_columns = link.spec.at is not None or link.law_class is Pounding
+        joins = is_at_columns or any(of_pair[number] for of_pair in floors)
+        found: Sequence[Issue | Problem] = ()
         try:
-            if is_at_columns or any(of_pair[number] for of_pair in floors):
-                law = _build_law(link, impact, laws, dict(multiples))
+            law = _build_law(link, impact, laws, dict(multiples))
         except IssuesFound as refused:
-            issues.add_written(refused.issues)
+            found = refused.issues
         except ValueError as error:
-            issues.add_written([Issue(link.path, str(error).removeprefix("link: "), "correct it")])
+            found = [Issue(link.path, str(error).removeprefix("link: "), "correct it")]
+        if joins:
+            issues.add_written(found)
         built.append(law)
     issues.check()
     return tuple(built)

@@ -360,8 +360,11 @@ class _Scaler:
 
 
 def _iter_doubts(vertical: Sequence[str], readings: Sequence[records.Reading]) -> Iterator[tuple[str, str]]:
-    """Yield message and hint of files named like vertical components, of time steps that no accelerograph has, and of units
-    other than the study's that the files state."""
+    """Yield message and hint of what is doubtful about files.
+
+    These are names of vertical components, time steps that no accelerograph has, and units in the files other than
+    those of the study.
+    """
     if vertical:
         hint = "name the horizontal ones, e.g. `{file: motions/*.NS}`"
         yield f"named like vertical components, will shake the buildings sideways: {join_limited(vertical)}", hint

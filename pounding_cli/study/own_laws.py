@@ -10,7 +10,7 @@ from typing import Any
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import FORMULA_VARIABLES, WRITTEN_LAWS, FormulaError, WrittenLaw
-from pounding_cli.study.file import Map, Quoted, get, locate
+from pounding_cli.study.file import Map, QuotedText, get, locate
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 from pounding_cli.study.link_specs import NO_LINK
 
@@ -34,7 +34,7 @@ class OwnLaw:
 
     @property
     def is_contact(self) -> bool:
-        """Whether it acts across a gap, as floors that strike each other do."""
+        """True of a law that acts across a gap, as floors that strike each other do."""
         return bool(WRITTEN_LAWS[self.acts].subtracts_gap)
 
     def build(self, gap: float) -> WrittenLaw:
@@ -98,6 +98,8 @@ def _find_offset(error: FormulaError, path: KeyPath, tree: Map) -> int:
     """Return the place of an error in characters behind the beginning of a formula; 0 in Python data and in blocks."""
     text = get(tree, *path)
     _, column = locate(tree, path)
+    if not isinstance(text, str):  # a number, of which the schema makes the formula
+        return 0
     if error.line != 0 or "\n" in text or not isinstance(column, int):
         return 0
-    return error.column + len(text) - len(text.lstrip()) + isinstance(text, Quoted)
+    return error.column + len(text) - len(text.lstrip()) + isinstance(text, QuotedText)

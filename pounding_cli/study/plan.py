@@ -98,7 +98,7 @@ class Plan:
     workflow: str = "run"
 
     def __len__(self) -> int:
-        """How many different scenes there are."""
+        """Return the number of different scenes."""
         return len(self.digests)
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
@@ -14,12 +15,14 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.buildings import build_building, find_code_displacements
-from pounding_cli.study.file import Map, with_value
+from pounding_cli.study.drafts import check_draft, check_draft_names, read_draft
+from pounding_cli.study.file import Map, get, with_value
 from pounding_cli.study.group import Group, build_group, check_group_names
-from pounding_cli.study.issues import Issues, IssuesFound, KeyPath
+from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.like import inherits_key
 from pounding_cli.study.links import (
     CompleteLink,
+    Names,
     build_laws,
     build_links,
     check_case_names,
@@ -33,6 +36,7 @@ from pounding_cli.study.links import (
 )
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
+from pounding_cli.study.quantity import quote
 from pounding_cli.study.swept import Point, Swept, build_array, build_constant, sweep_map
 from pounding_cli.study.written import find_names, read_spec
 
@@ -73,18 +77,39 @@ class Resolved:
 def tree_at(tree: Map, axes: Sequence[Axis], point: Point) -> Map:
     """Return the file at a point of the sweep; -1 on an axis stands for what the file has itself."""
     for axis, place in zip(axes, point, strict=True):
-        if place >= 0:
-            tree = _set_columns(tree, axis, place, range(len(axis.names)))
+        for column in range(len(axis.names)) if place >= 0 else ():
+            with suppress(IssuesFound):  # which `resolve` notes
+                tree = _set_columns(tree, axis, place, [column])
     return tree
 
 
 def _set_columns(tree: Map, axis: Axis, place: int, columns: Sequence[int]) -> Map:
-    """Return the file with some of the keys of an axis at one of their values."""
+    """Return the file with some of the keys of an axis at one of their values.
+
+    Raises
+    ------
+    IssuesFound : another axis has put a value there that has no keys
+    """
     values = axis.written_values[place]
     for column in columns:
-        if values[column] is not UNWRITTEN:
+        if values[column] is UNWRITTEN:
+            continue
+        try:
             tree = with_value(tree, axis.paths[column], values[column], axis.marks[place][column])
+        except KeyError:
+            raise IssuesFound([_refuse_key_below(tree, axis.paths[column])]) from None
     return tree
+
+
+def _refuse_key_below(tree: Map, path: Sequence[str]) -> Issue:
+    """Return what is wrong with a swept key below a swept value that has no keys."""
+    parent = list(path[:-1])
+    while parent and get(tree, *parent) is None:
+        parent.pop()
+    value = get(tree, *parent)
+    key = ".".join(path)
+    message = f"the sweep varies '{key}', but '{'.'.join(parent)}' is {quote(value)} here, which has no keys"
+    return Issue(tuple(parent), message, f"sweep one of the two, or write `{'.'.join(parent)}` as mappings")
 
 
 def changes_part(key: str, path: tuple[str, ...], tree: Map) -> bool:
@@ -123,9 +148,9 @@ def sweep_part(
         key = tuple([texts[number][place] for number, place in zip(numbers, index, strict=True)])
         if key not in known:
             there = tree
-            for number, place in zip(numbers, index, strict=True):
-                there = _set_columns(there, axes[number], place, columns[number])
             try:
+                for number, place in zip(numbers, index, strict=True):
+                    there = _set_columns(there, axes[number], place, columns[number])
                 known[key] = read(there), ()
             except IssuesFound as refused:
                 known[key] = None, refused.issues
@@ -187,16 +212,27 @@ class _Resolver:
         complete, link_laws, links = {}, {}, {}
         for name in self.entries("cases"):
             case = self.sweep_spec("cases", name)
+            if not case.is_sound:
+                self.note_faulty_case(name, impact, meetings, names)
             sound_case = self.map(partial(check_case_names, name, names=names), case)
             floors = self.map(partial(find_floors, name), case, meetings)
             complete[name] = self.map(partial(complete_links, name), case, impact)
-            checked = self.map(partial(_check_links, name), sound_case, complete[name], contact)
+            checked = self.map(partial(_check_links, name), sound_case, complete[name], sound_impact)
             multiples = self.map(list_multiples, checked, contact).merge_equal()
             stiffnesses = self.map(resolve_multiples, multiples, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, contact, laws, stiffnesses, floors)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
+
+    def note_faulty_case(self, name: str, impact: Swept[Any], meetings: Swept[Any], names: Names) -> None:
+        """Note what else is wrong with a faulty case: names that the study lacks, and keys and floors of its links."""
+        path = ("cases", name)
+        drafts = sweep_part(self.tree, self.axes, path, partial(read_draft, path=path), self.issues)
+        self.map(partial(check_draft_names, names=names), drafts)
+        self.map(partial(check_draft, name, names=names), drafts, impact)
+        cases = self.map(lambda draft: draft.case, drafts)
+        self.map(partial(find_floors, name), cases, meetings)
 
     def build_group(self, types: Mapping[str, Swept[Building]]) -> Swept[Group]:
         """Return the buildings in their places."""

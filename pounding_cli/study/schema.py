@@ -164,10 +164,8 @@ def json_schema() -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of a study file, for editors."""
     schema = StudySpec.model_json_schema(by_alias=True)
     for name, model in link_models().items():
-        if name == OWN_LAW:
-            word = {"type": "string", "not": {"enum": [*link_laws(), NO_LINK]}}
-        else:
-            word = {"const": name}
+        own_name = {"type": "string", "not": {"enum": [*link_laws(), NO_LINK]}}
+        word = own_name if name == OWN_LAW else {"const": name}
         link = schema["$defs"][model.__name__]
         link["properties"]["link"] = {**word, "description": link["properties"]["link"]["description"]}
     listed = schema["$defs"]["Case_links"]["properties"]["links"]

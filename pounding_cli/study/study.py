@@ -72,7 +72,7 @@ class Study:
 
     @property
     def file(self) -> str:
-        """What messages call the file."""
+        """The name of the file in messages."""
         return shorten_path(self.path)
 
     @property
@@ -82,7 +82,7 @@ class Study:
 
     @property
     def wants_residual_drift(self) -> bool:
-        """Whether the drifts at rest are asked for, by their key or by a question that names them."""
+        """True if the drifts at rest are asked for, by their key or by a question that names them."""
         return bool(self.spec.residual_drift) or any(_names_residual_drift(self.tree.get(name)) for name in QUESTIONS)
 
     def with_axes(self, axes: Sequence[Axis], tree: Map | None = None) -> Study:

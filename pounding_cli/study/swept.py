@@ -37,7 +37,7 @@ class Swept(Generic[T]):
 
     @property
     def is_sound(self) -> bool:
-        """Whether nothing is wrong with it at any point."""
+        """True if nothing is wrong with it at any point."""
         return all(value is not None for value in self.values.flat)
 
     def iter_values(self) -> Iterator[tuple[Point, T]]:

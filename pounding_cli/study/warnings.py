@@ -87,7 +87,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     for _, suite in study.resolved.suite.iter_values():
         for issue in suite.doubts:
             notes.add_issue(study.tree, issue)
-    notes.extend(warner.doubts.merged())
+    notes.extend(warner.doubts.iter_merged())
     warn_held_period(study, notes)
     if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
@@ -233,7 +233,7 @@ class Doubts:
         if problem not in [doubt.problem for doubt in doubts]:
             doubts.append(Doubt(problem, is_bare, excess))
 
-    def merged(self) -> Iterator[Problem]:
+    def iter_merged(self) -> Iterator[Problem]:
         """Yield one warning a key: that of its worst value, which counts the others."""
         for doubts in self.by_key.values():
             worst = max(doubts, key=lambda doubt: (doubt.is_bare, doubt.excess))
@@ -337,7 +337,7 @@ def _sweeps_pga(tree: Map) -> bool:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What values of a key are compared with.
+    """The plausible range of values of a key, beside something else.
 
     fits : plausible range of value * share
     share : reciprocal of what they are compared with [1/SI unit of the value]
@@ -394,7 +394,7 @@ def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: KeyPat
     for fits, share in compared:
         if fits.holds(period * share):
             continue
-        message = f"a period of {_rounded(period)} s for {pluralize(storeys, 'storey')}: {fits.reason}"
+        message = f"a period of {_format_rounded(period)} s for {pluralize(storeys, 'storey')}: {fits.reason}"
         hint = _hint(_text_at(root, at), period, fits, share) if at[-1] == "period" else "check its unit"
         key = at if at[-1] == "period" else at[:-1]
         doubts.add(root, at, key, message, hint, excess=fits.excess(period * share))
@@ -416,7 +416,7 @@ def _warn_base(building: Building, root: Any, path: KeyPath, doubts: Doubts) -> 
         reach = base.isolation.capacity if np.isfinite(base.isolation.capacity) else 0.1
         period, _ = base.isolation.effective(weight, reach)
     if not fits.holds(period):
-        message = f"{building.name} has a period of {_rounded(period)} s on its base: {fits.reason}"
+        message = f"{building.name} has a period of {_format_rounded(period)} s on its base: {fits.reason}"
         text = _text_at(root, at)
         is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER}\s*", text))
         hint = f"did you mean {text} kN/m? otherwise write `{text} N/m`" if is_bare else "check its stiffness"
@@ -452,7 +452,7 @@ def warn_case(
 
 
 MAX_STEPS_PER_SECOND = 20_000
-"""KeyPath for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
+"""Steps for a second of the motion from which a viscous damper near rest is warned about: some tenths of a second."""
 
 
 def _warn_stiff_damper(law: Viscous, group: Group, root: Any, path: KeyPath, doubts: Doubts) -> None:
@@ -763,10 +763,10 @@ def format_value(value: float, units: Mapping[str, float]) -> str:
     sizes = sorted(units.items(), key=lambda unit: unit[1])
     fitting = [unit for unit in sizes if value >= unit[1] * (0.01 if unit[0] == "s" else 1 - 1e-12)]
     unit, factor = (fitting or sizes[:1])[-1]
-    return f"{_rounded(value / factor)} {unit}"
+    return f"{_format_rounded(value / factor)} {unit}"
 
 
-def _meant(text: str, value: float, fits: PlausibleRange, share: float) -> list[str]:
+def _find_plausible_texts(text: str, value: float, fits: PlausibleRange, share: float) -> list[str]:
     """Return the number of a text in the other units in which it would be plausible, the likeliest first."""
     parted = _NUMBER_AND_UNIT.match(text)
     written = parted[1] if parted else "0"
@@ -783,7 +783,7 @@ def _hint(text: str, value: float, fits: PlausibleRange, share: float = 1.0, si:
 
     si : the unit in which a number without one was read
     """
-    meant = _meant(text, value, fits, share)
+    meant = _find_plausible_texts(text, value, fits, share)
     meant += [format_value(value * f, fits.units) for f in (0.1, 10.0, 0.01, 100.0) if fits.holds(value * f * share)]
     otherwise = f"otherwise write `{text} {si}`" if si else f"otherwise leave it, {AS_MEANT}"
     return f"did you mean {meant[0]}? {otherwise}" if meant else f"leave it if meant, {AS_MEANT}"
@@ -799,7 +799,7 @@ def _hint_for_bare(
     """
     if fits is None:
         return f"write `{text} {customary_unit(si)}`, or `{text} {si}` if that is meant"
-    meant = [each for each in _meant(text, value, fits, share) if not each.endswith("MN/mm")]
+    meant = [each for each in _find_plausible_texts(text, value, fits, share) if not each.endswith("MN/mm")]
     number = _NUMBER_AND_UNIT.match(text)
     if multiple and number and fits.holds(float(number[1])):
         meant.insert(0, f"{text} x {multiple}")
@@ -815,5 +815,5 @@ def _text_at(root: Any, path: KeyPath) -> str:
     return "" if value is None else str(value)
 
 
-def _rounded(value: float) -> str:
+def _format_rounded(value: float) -> str:
     return f"{value:.3g}" if value < 1000 else f"{value:.0f}"

@@ -11,10 +11,10 @@ from typing import Any, get_args, get_origin, get_type_hints
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.laws import link_laws
+from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.study.file import dump_yaml, get, nearest
 from pounding_cli.study.issues import Issue, KeyPath
-from pounding_cli.study.link_specs import NO_LINK, SeveralLinks, link_models, union_tag
+from pounding_cli.study.link_specs import NO_LINK, POUNDING, SeveralLinks, link_keys, link_models, union_tag
 from pounding_cli.study.links import refuse_beside_links, refuse_key
 from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser, quote
 
@@ -211,13 +211,26 @@ def _describe_unknown(name: str, path: KeyPath, model: type[BaseModel], tree: An
         is_known = str(word) in (*link_laws(), NO_LINK, *(get(tree, "laws") or ()))
         if name in all_link_keys:
             # That `link` is missing, or its law unknown, is told elsewhere.
-            return (*refuse_key(name, str(word), keys), True) if is_known else ("", "", True)
+            return (
+                (*refuse_key(name, str(word), _keys_taken(str(word), keys, tree)), True) if is_known else ("", "", True)
+            )
         keys = keys if is_known else [*all_link_keys]
     elif "links" in keys and (name in all_link_keys):
         return (*refuse_beside_links(name), True)
     if name in keys:
         return f"'{name}' does not go with the other keys here", "remove it, or them", True
     return f"unknown key '{name}'", nearest(name, dict.fromkeys(keys)), True
+
+
+def _keys_taken(word: str, keys: list[str], tree: Any) -> list[str]:
+    """Return those keys of a link as written that its law takes: none of no link, of pounding those of its contact.
+
+    word : the law as written
+    """
+    if word == NO_LINK:
+        return []
+    law = contact_laws().get(str(get(tree, "impact", "law") or KELVIN_VOIGT))
+    return [key for key in keys if key in link_keys(law)] if word == POUNDING and law is not None else keys
 
 
 def _describe_missing(name: str, path: KeyPath, model: type[BaseModel], tree: Any) -> Described:

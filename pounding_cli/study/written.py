@@ -181,11 +181,11 @@ def note_unknown_names(tree: Map, specs: Mapping[KeyPath, Any], issues: Issues) 
         issues.add_written(find_impact_name_issues(law if isinstance(law, str) else None, stiffness, names))
     for path, spec in specs.items():
         if path[0] == "cases" and spec is None:
-            for named in _iter_named_in_links(tree, path):
+            for named in iter_named_in_links(tree, path):
                 issues.add_written(find_link_name_issues(named, names))
 
 
-def _iter_named_in_links(tree: Map, path: KeyPath) -> Iterator[NamedInLink]:
+def iter_named_in_links(tree: Map, path: KeyPath) -> Iterator[NamedInLink]:
     """Yield what the links of a case name, as the file has them."""
     case = get(tree, *path)
     entries = case.get("links") if isinstance(case, Map) else None
@@ -195,7 +195,8 @@ def _iter_named_in_links(tree: Map, path: KeyPath) -> Iterator[NamedInLink]:
         listed = [(path, case)]
     for place, entry in listed:
         word = entry.get("link") if isinstance(entry, Map) else entry
-        law = word if isinstance(word, str) and (isinstance(entry, Map) or place != path) else None
+        is_law = isinstance(word, str | int | float) and not isinstance(word, bool)
+        law = str(word) if is_law and (isinstance(entry, Map) or place != path) else None
         pair = entry.get("pair") if isinstance(entry, Map) else None
         is_pair = isinstance(pair, int) and not isinstance(pair, bool) and pair <= MAX_PAIR
         stiffness = _read_multiple(entry.get("stiffness")) if isinstance(entry, Map) else None
