@@ -22,7 +22,7 @@ from pounding_cli.study.expression import (
 from pounding_cli.study.file import get
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.study import Study
-from pounding_cli.study.vary import Factor
+from pounding_cli.study.vary import UncertainInput
 from pounding_cli.variables import RATIOS, VARIABLES
 from pounding_cli.workflows.workflow import Workflow
 
@@ -143,19 +143,21 @@ def parse_all(
 # A study at chosen points: one more axis, on which all keys that vary move together
 
 
-def study_at_points(study: Study, factors: Sequence[Factor], points: np.ndarray, and_written: bool = False) -> Study:
+def study_at_points(
+    study: Study, inputs: Sequence[UncertainInput], points: np.ndarray, and_written: bool = False
+) -> Study:
     """The study with an axis, its last, of some points.
 
-    factors : the keys that vary
-    points : u of every factor, between 0 and 1, shape (points, factors); no two come to the same values
+    inputs : what varies
+    points : u of every input, between 0 and 1, shape (points, inputs); no two come to the same values
     and_written : whether one more point, the last, stands for the study as it is written
 
     Raises
     ------
     InputError : the study is not sound at one of them
     """
-    members = [member for factor in factors for member in factor.members]
-    given = key_values_at(factors, points)
+    members = [member for each in inputs for member in each.members]
+    given = key_values_at(inputs, points)
     if and_written:
         written = [get(study.tree, *member.key.split(".")) for member in members]
         given.append(tuple(UNWRITTEN if value is None else value for value in written))
@@ -164,30 +166,31 @@ def study_at_points(study: Study, factors: Sequence[Factor], points: np.ndarray,
     return study.with_axes((*study.axes, axis))
 
 
-def key_values_at(factors: Sequence[Factor], points: np.ndarray) -> list[tuple[object, ...]]:
+def key_values_at(inputs: Sequence[UncertainInput], points: np.ndarray) -> list[tuple[object, ...]]:
     """What stands in the study at points, a value for every key; points as in `study_at_points`."""
-    columns = [member.values(u) for factor, u in zip(factors, points.T, strict=True) for member in factor.members]
+    columns = [member.values(u) for each, u in zip(inputs, points.T, strict=True) for member in each.members]
     return list(zip(*columns, strict=True)) or [()] * len(points)
 
 
-def key_columns(factors: Sequence[Factor], points: np.ndarray) -> tuple[pd.DataFrame, Meanings, dict[str, Unit]]:
+def key_columns(inputs: Sequence[UncertainInput], points: np.ndarray) -> tuple[pd.DataFrame, Meanings, dict[str, Unit]]:
     """A column of every key at points, with unit and meaning of each, and the unit that people read numbers in; points
     as in `study_at_points`."""
-    columns, meant, units = dict[str, Any](), Meanings(), dict[str, Unit]()
-    for factor, u in zip(factors, points.T, strict=True):
-        for member in factor.members:
-            values = member.number(u)
-            columns[member.key] = [member.labels[int(n)] for n in values] if member.options else values
-            meant[member.key] = "" if member.options else member.unit.si or "1", f"varies: {member.key}"
-            if not member.options:
+    columns: dict[str, Any] = {}
+    meanings: Meanings = {}
+    units: dict[str, Unit] = {}
+    for each, u in zip(inputs, points.T, strict=True):
+        for member in each.members:
+            columns[member.key] = member.to_column(u)
+            meanings[member.key] = member.column_unit, f"varies: {member.key}"
+            if member.column_unit:
                 units[member.key] = member.unit
-    return pd.DataFrame(columns), meant, units
+    return pd.DataFrame(columns), meanings, units
 
 
-def find_distinct_points(factors: Sequence[Factor], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The points that differ in what stands in the study, in the order in which they come first, shape (n, factors);
+def find_distinct_points(inputs: Sequence[UncertainInput], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The points that differ in what stands in the study, in the order in which they come first, shape (n, inputs);
     and of every point its place among them, shape (points,)."""
     first: dict[str, int] = {}
-    places = np.array([first.setdefault(repr(values), len(first)) for values in key_values_at(factors, points)])
+    places = np.array([first.setdefault(repr(values), len(first)) for values in key_values_at(inputs, points)])
     _, kept = np.unique(places, return_index=True)
     return points[kept], places
