@@ -389,7 +389,7 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
     the largest storey, at every sample of `pound sensitivity`; NaN of a sample with a scene that failed, and where
     nothing tests the claim."""
     axes = [axis.names[0] for axis in plan.axes]  # the samples are the last one
-    data = data.drop_vars(axes[-1]).isel({axes[-1]: xr.DataArray(question.keys[2], dims=axes[-1])})
+    data = data.drop_vars(axes[-1]).isel({axes[-1]: xr.DataArray(question.point_of_sample, dims=axes[-1])})
     scenes = data
     if question.drawn is not None:
         drawn = xr.DataArray(question.drawn, dims=(axes[-1], "record"))

@@ -14,45 +14,51 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def with_values(text: str, values: Mapping[str, Any], file: str) -> str:
-    """The text of a study with new values of dotted keys. A key that it lacks is added to the mapping that it belongs
-    in. Where an anchor (&) or alias (*) makes a value part of something else, the whole study is written anew, without
-    comments.
+    """Return the text of a study with new values of dotted keys.
 
-    text : a sound YAML study; file : what errors call it
+    A key that the study lacks is added to the mapping that it belongs in. Where an anchor (&) or alias (*) makes a
+    value part of something else, the whole study is written anew, without comments.
+
+    text : a sound YAML study
+    file : name of the study in errors
     """
-    wanted, new = parse(text, file), text
+    tree = parse(text, file)
     for key, value in values.items():
         steps = key.split(".")
-        wanted = with_value(wanted, steps, value, wanted.mark)
-        new = _edited(new, yaml.compose(new, Loader=_LOADER), steps, value)
+        tree = with_value(tree, steps, value, tree.mark)
+        text = _replace_value(text, yaml.compose(text, Loader=_LOADER), steps, value)
         try:
-            is_sound = parse(new, file) == wanted
+            is_sound = parse(text, file) == tree
         except InputError:
             is_sound = False
         if not is_sound:
-            new = dump_yaml(wanted, flow=False) + "\n"
-    return new
+            text = dump_yaml(tree, flow=False) + "\n"
+    return text
 
 
-def _edited(text: str, here: Any, steps: list[str], value: Any) -> str:
-    """The text with one value changed, or added where a step is missing; here : the node that the steps begin at."""
+def _replace_value(text: str, here: Any, steps: list[str], value: Any) -> str:
+    """Return the text with one value changed, or added where a step is missing.
+
+    here : node at which the steps begin
+    """
     for place, step in enumerate(steps):
         if isinstance(here, yaml.MappingNode):
-            found = next((below for key, below in here.value if canonical(key.value) == step), None)
-            if found is None and here.value:
-                return _added(text, here, steps[place:], value)
-            here = found or here
+            below = next((node for key, node in here.value if canonical(key.value) == step), None)
+            if below is None and here.value:
+                return _add_key(text, here, steps[place:], value)
+            here = below or here
         elif isinstance(here, yaml.SequenceNode) and step.isdigit() and int(step) < len(here.value):
             here = here.value[int(step)]
-    begin, end = here.start_mark.index, _end(here)
+    begin = here.start_mark.index
+    end = _find_end(here)
     if isinstance(here, yaml.CollectionNode) and not here.flow_style:  # a block begins on a line of its own
         begin = text.rindex(":", 0, begin) + 1
     blank = " " if text[begin - 1 : begin] == ":" else ""
     return text[:begin] + blank + dump_yaml(value) + text[end:]
 
 
-def _added(text: str, mapping: yaml.MappingNode, steps: list[str], value: Any) -> str:
-    """The text with a key before the first one of a mapping."""
+def _add_key(text: str, mapping: yaml.MappingNode, steps: list[str], value: Any) -> str:
+    """Return the text with a key before the first one of a mapping."""
     for step in reversed(steps):
         value = {step: value}
     mark = mapping.value[0][0].start_mark
@@ -60,9 +66,9 @@ def _added(text: str, mapping: yaml.MappingNode, steps: list[str], value: Any) -
     return text[: mark.index] + dump_yaml(value).removeprefix("{").removesuffix("}") + between + text[mark.index :]
 
 
-def _end(node: yaml.Node) -> int:
-    """Where a value ends; of a block, where its last value does."""
+def _find_end(node: yaml.Node) -> int:
+    """Return the index at which a value ends; that of its last value where it is a block."""
     if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
         last = node.value[-1]
-        return _end(last[1] if isinstance(last, tuple) else last)
+        return _find_end(last[1] if isinstance(last, tuple) else last)
     return int(node.end_mark.index)

@@ -18,24 +18,30 @@ from pounding_cli import variables
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, written_unit
 
-STOREY, FLOOR, LINK = (
-    {
-        v.name: v.unit.removeprefix("1")
-        for v in variables.RESPONSE_VARIABLES
-        if v.dims == dims and v.name not in variables.COLUMN_VARIABLES
+
+def _find_units(dims: tuple[str, ...]) -> dict[str, str]:
+    """Return the SI unit of every response over some dimensions, by name; those of struck columns are left out."""
+    return {
+        variable.name: variable.unit.removeprefix("1")
+        for variable in variables.RESPONSE_VARIABLES
+        if variable.dims == dims and variable.name not in variables.COLUMN_VARIABLES
     }
-    for dims in (variables.STOREY_DIMS, variables.FLOOR_DIMS, variables.LINK_DIMS)
-)
+
+
+STOREY = _find_units(variables.STOREY_DIMS)
+FLOOR = _find_units(variables.FLOOR_DIMS)
+LINK = _find_units(variables.LINK_DIMS)
 QUANTITIES = STOREY | FLOOR | LINK
-"""What an expression may name, as the tables do, and the SI unit of each."""
+"""SI unit of every quantity that an expression may name, by its name in the tables."""
 
 REDUCTIONS = ("largest", "smallest", "mean")
-"""What is taken of several storeys, floors or links; `largest` unless written."""
+"""Reductions of several storeys, floors or links; `largest` unless written."""
 
 
 def expression_hint(buildings: Sequence[str]) -> str:
     """Return how an expression is written, with the buildings of the study."""
-    first, last = buildings[0], buildings[-1]
+    first = buildings[0]
+    last = buildings[-1]
     return (
         f"write e.g. `mu`, `mean V_ratio in {first}`, `drift in {last} storey 1` or "
         f"`max(V_ratio in {first}, V_ratio in {last})`"
@@ -83,7 +89,7 @@ class Expression:
 
     text : as people read it
     unit : SI unit; "" of a pure number, and where the parts have different ones
-    quantities : what it takes from the tables
+    quantities : the numbers of the tables that it rests on
     """
 
     text: str
@@ -92,7 +98,7 @@ class Expression:
     _work: Work
 
     def __call__(self, value: Value) -> np.ndarray:
-        """The expression from the values of its quantities; not finite where it has none (a root of -1)."""
+        """Return the expression from the values of its quantities; not finite where it has none (a root of -1)."""
         with np.errstate(all="ignore"):
             return self._work(value)
 
@@ -101,11 +107,11 @@ class Expression:
 
 
 class ExpressionError(ValueError):
-    """What is wrong with an expression; the second argument says what to write."""
+    """A fault in an expression; the second argument says what to write."""
 
 
 def parse_expression(text: str, buildings: Sequence[str]) -> Expression:
-    """An expression over the tables of a study.
+    """Return an expression over the tables of a study.
 
     buildings : names of the group by place, left to right
 
@@ -115,15 +121,16 @@ def parse_expression(text: str, buildings: Sequence[str]) -> Expression:
     """
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"{len(text)} characters are not an expression", expression_hint(buildings))
-    text, quantities = " ".join(text.split()), list[TableQuantity]()
+    text = " ".join(text.split())
+    quantities: list[TableQuantity] = []
     names = "|".join(map(re.escape, sorted(buildings, key=len, reverse=True)))
 
-    def replace_phrase(found: re.Match[str]) -> str:
-        """A name, `_0`, `_1`, in place of every quantity."""
-        if found["name"] in _FUNCTIONS and found["how"] is None:
-            return found[0]
+    def replace_phrase(match: re.Match[str]) -> str:
+        """Return a name, `_0`, `_1`, in place of a quantity."""
+        if match["name"] in _FUNCTIONS and match["how"] is None:
+            return match[0]
         try:
-            quantities.append(_parse_quantity(found, buildings))
+            quantities.append(_parse_quantity(match, buildings))
         except ExpressionError as error:
             raise ExpressionError(f"'{text}': {error.args[0]}", error.args[1]) from None
         return f"_{len(quantities) - 1}"
@@ -131,48 +138,53 @@ def parse_expression(text: str, buildings: Sequence[str]) -> Expression:
     arithmetic = re.sub(_PHRASE.format(buildings=names), replace_phrase, text)
     try:
         unit, work = _compile_node(ast.parse(arithmetic.strip(), mode="eval").body, quantities)
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        open_bracket = arithmetic.count("(") > arithmetic.count(")")
-        what = "a bracket is not closed" if open_bracket else "this is not arithmetic with the numbers of the tables"
-        raise ExpressionError(
-            f"'{text}': {error if isinstance(error, ExpressionError) else what}", expression_hint(buildings)
-        ) from None
+    except ExpressionError as error:
+        raise ExpressionError(f"'{text}': {error}", expression_hint(buildings)) from None
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        message = "this is not arithmetic with the numbers of the tables"
+        if arithmetic.count("(") > arithmetic.count(")"):
+            message = "a bracket is not closed"
+        raise ExpressionError(f"'{text}': {message}", expression_hint(buildings)) from None
     if not quantities or "#" in arithmetic:
         raise ExpressionError(f"'{text}': it takes nothing from the tables", expression_hint(buildings))
     return Expression(text, unit, tuple(quantities), work)
 
 
-def _parse_quantity(found: re.Match[str], buildings: Sequence[str]) -> TableQuantity:
-    """The quantity of a phrase: `mean mu in soft storey 2`.  Raises ExpressionError."""
-    name, building, level = found["name"], found["building"], 0
+def _parse_quantity(match: re.Match[str], buildings: Sequence[str]) -> TableQuantity:
+    """Return the quantity of a phrase such as `mean mu in soft storey 2`.  Raises ExpressionError."""
+    name = match["name"]
+    building = match["building"]
+    level = 0
     if name not in QUANTITIES:
         raise ExpressionError(f"no quantity '{name}' is known", nearest(name, (*QUANTITIES, *_FUNCTIONS)))
-    if found["in"] is not None:
+    if match["in"] is not None:
         if name in LINK:
             raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
-        if building is None and found["kind"] is None:
-            wrong = re.split(r"[-+*/(),]", found.string[found.end() :])[0].strip()[:40]
-            raise ExpressionError(f"no building '{wrong}' in the group", nearest(wrong, buildings))
-        level = _parse_level(found, name in FLOOR, name)
-    return TableQuantity(
-        name, found["how"] or REDUCTIONS[0], None if building is None else buildings.index(building), level
-    )
+        if building is None and match["kind"] is None:
+            unknown = re.split(r"[-+*/(),]", match.string[match.end() :])[0].strip()[:40]
+            raise ExpressionError(f"no building '{unknown}' in the group", nearest(unknown, buildings))
+        level = _parse_level(match, name in FLOOR, name)
+    place = None if building is None else buildings.index(building)
+    return TableQuantity(name, match["how"] or REDUCTIONS[0], place, level)
 
 
-def _parse_level(found: re.Match[str], of_floors: bool, what: str) -> int:
-    """The number of a storey or floor; 0 for all.  Raises ExpressionError: it is the other of the two, or 0."""
-    if found["kind"] is None:
+def _parse_level(match: re.Match[str], is_of_floors: bool, owner: str) -> int:
+    """Return the number of a storey or floor; 0 for all.  Raises ExpressionError: it is the other of the two, or 0.
+
+    owner : quantity of the storey or floor, in words
+    """
+    if match["kind"] is None:
         return 0
-    own = "floor" if of_floors else "storey"
-    if found["kind"] != own:
-        raise ExpressionError(f"{what} belongs to a {own}", f"write `{own} {found['level']}`")
-    if int(found["level"]) < 1:
-        raise ExpressionError(f"there is no {own} 0", f"the lowest is `{own} 1`")
-    return int(found["level"])
+    kind = "floor" if is_of_floors else "storey"
+    if match["kind"] != kind:
+        raise ExpressionError(f"{owner} belongs to a {kind}", f"write `{kind} {match['level']}`")
+    if int(match["level"]) < 1:
+        raise ExpressionError(f"there is no {kind} 0", f"the lowest is `{kind} 1`")
+    return int(match["level"])
 
 
 def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[str, Work]:
-    """Unit and work of a part.  Raises ExpressionError."""
+    """Return the unit of a part of an expression, and the function that computes it.  Raises ExpressionError."""
     match node:
         case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
             return "", lambda value: np.asarray(float(number))
@@ -196,7 +208,8 @@ def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[
 def _compile_operation(
     work: Callable[..., np.ndarray], nodes: Sequence[ast.expr], quantities: Sequence[TableQuantity], keeps_unit: bool
 ) -> tuple[str, Work]:
-    """Unit and work of parts that are joined, two at a time where there are several."""
+    """Return the unit of parts that are joined, two at a time where there are several, and the function that computes
+    them."""
     parts = [_compile_node(node, quantities) for node in nodes]
     units = {unit for unit, _ in parts}
 
@@ -208,7 +221,8 @@ def _compile_operation(
             first = work(first, other)
         return first
 
-    return units.pop() if keeps_unit and len(units) == 1 else "", operate
+    unit = units.pop() if keeps_unit and len(units) == 1 else ""
+    return unit, operate
 
 
 # Statements
@@ -225,10 +239,10 @@ _VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N 
 
 @dataclass(frozen=True)
 class Statement:
-    """That an expression lies above or below a value.
+    """A statement that an expression lies above or below a value.
 
     text : as people read it
-    is_above : whether above; below otherwise
+    is_above : above; below otherwise
     value : in the unit of the expression, SI
     """
 
@@ -239,11 +253,11 @@ class Statement:
 
     @property
     def quantities(self) -> tuple[TableQuantity, ...]:
-        """What it takes from the tables."""
+        """The numbers of the tables that it rests on."""
         return self.expression.quantities
 
     def holds(self, values: np.ndarray) -> np.ndarray:
-        """1 where it holds of a value of its expression, 0 where it does not, NaN where there is no value."""
+        """Return 1 where it holds of a value of its expression, 0 where it does not, NaN where there is no value."""
         holds = values > self.value if self.is_above else values < self.value
         return np.where(np.isnan(values), np.nan, holds)
 
@@ -252,21 +266,23 @@ class Statement:
 
 
 def parse_statement(text: str, buildings: Sequence[str]) -> Statement:
-    """A statement over the tables of a study; arguments and errors as those of `parse_expression`."""
+    """Return a statement over the tables of a study; arguments and errors as those of `parse_expression`."""
     text = " ".join(text[: MAX_LENGTH + 1].split())
-    found = _STATEMENT.match(text)
-    if found is None:
+    match = _STATEMENT.match(text)
+    if match is None:
         raise ExpressionError(f"'{text}' is not compared with a value by < or >", statement_hint(buildings))
-    expression, written = parse_expression(found["expression"], buildings), found["value"].strip()
-    unit, example = expression.unit, f"{expression} {found['sign']} {_VALUES[expression.unit]}"
+    expression = parse_expression(match["expression"], buildings)
+    written = match["value"].strip()
+    unit = expression.unit
+    example = f"{expression} {match['sign']} {_VALUES[unit]}"
     if unit == "m" and written.endswith("%"):
         example = text.replace("drift", DRIFT_RATIO)  # of the storey height
     value = _parse_number(text, Quantity("value", unit, _VALUES[unit]), written, f"write e.g. `{example}`")
-    return Statement(text, expression, found["sign"] == ">", value)
+    return Statement(text, expression, match["sign"] == ">", value)
 
 
 def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> float:
-    """A value with its unit in SI.  Raises ExpressionError."""
+    """Return a value with its unit in SI.  Raises ExpressionError."""
     try:
         number = float(measure.read(written))
     except PydanticCustomError as error:
@@ -279,9 +295,12 @@ def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> floa
 # Limits
 
 
-CONTACT, COLLAPSE, SHEAR_DEMAND, DRIFT_RATIO = "contact", "collapse", "shear_demand", "drift_ratio"
+CONTACT = "contact"
+COLLAPSE = "collapse"
+SHEAR_DEMAND = "shear_demand"
+DRIFT_RATIO = "drift_ratio"
 LIMITS = ("mu", "drift", DRIFT_RATIO, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE)
-"""What may be limited."""
+"""Quantities that may be limited."""
 
 LIMITS_OF_PAIRS = (CONTACT, SHEAR_DEMAND)
 """Limits that a building alone cannot pass."""
@@ -294,7 +313,7 @@ _MEASURES = {
     "drift": LENGTH.replace(name="drift", example="drift > 6 cm"),
     DRIFT_RATIO: Quantity("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
 }
-_WHERE = re.compile(r"(?P<what>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
+_WHERE = re.compile(r"(?P<comparison>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
 _PLACE = re.compile(r"(?P<building>.*?)\s*(?:\b(?P<kind>storey|floor)\s+(?P<level>[0-9]{1,3}))?\Z")
 
 
@@ -323,29 +342,34 @@ class Limit:
 
 @dataclass(frozen=True)
 class Target:
-    """What a curve is about: a limit and the building it concerns, by place, or the left one of a pair (contact)."""
+    """The limit of a curve, and the building that it concerns.
+
+    building : its place in the group; of contact that of the left one of a pair
+    """
 
     limit: Limit
     building: int
 
     def label(self, names: tuple[str, ...]) -> str:
-        """The building, or the pair."""
+        """Return the name of the building, or of the pair."""
         if self.limit.quantity == CONTACT:
             return f"{names[self.building]}|{names[self.building + 1]}"
         return names[self.building]
 
 
 def parse_limit(value: Any) -> Limit:
-    """A limit as the file says it.  Raises PydanticCustomError saying what to write."""
+    """Return a limit as the file writes it.  Raises PydanticCustomError saying what to write."""
     text = " ".join(value.split())[:200] if isinstance(value, str) else ""
-    parted = _WHERE.match(text)
-    what, where = (parted["what"], parted["where"]) if parted else (text, "")
-    quantity, sign, written = (part.strip() for part in what.partition(">"))
-    if quantity not in LIMITS or bool(sign) != (quantity in _MEASURES):
-        known = quantity in LIMITS
-        takes = f"{quantity} takes {'`>` and a value' if quantity in _MEASURES else 'no value'}"
-        hint = LIMIT_FORM if known else f"{nearest(quantity, LIMITS)}; {LIMIT_FORM}"
-        raise refuse(f"'{text[:60]}' is not a limit{f': {takes}' * known}", hint)
+    match = _WHERE.match(text)
+    comparison = match["comparison"] if match else text
+    where = match["where"] if match else ""
+    quantity, sign, written = (part.strip() for part in comparison.partition(">"))
+    if quantity not in LIMITS:
+        raise refuse(f"'{text[:60]}' is not a limit", f"{nearest(quantity, LIMITS)}; {LIMIT_FORM}")
+    has_value = quantity in _MEASURES
+    if bool(sign) != has_value:
+        usage = f"{quantity} takes {'`>` and a value' if has_value else 'no value'}"
+        raise refuse(f"'{text[:60]}' is not a limit: {usage}", LIMIT_FORM)
     place = _PLACE.match(where)
     assert place is not None  # it matches everything
     building = place["building"].strip()

@@ -41,7 +41,7 @@ class PlausibleRange:
     name: str
 
     def holds(self, value: float) -> bool:
-        """Whether a value is plausible; nothing at all (no gap, no damping) is."""
+        """Return whether a value is plausible; nothing at all (no gap, no damping) is."""
         return value == 0 or self.low <= value <= self.high
 
     def excess(self, value: float) -> float:
@@ -88,33 +88,39 @@ NUMBER = r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
 _QUANTITY = re.compile(rf"({NUMBER})(?:\s*/\s*({NUMBER}))?\s*([A-Za-zµ°%].*)?\Z")
 _COMMA = re.compile(r"([-+]?[0-9]{1,15}),([0-9]{1,15})((?: ?[A-Za-z%][^,]*)?)\Z")
 LONGEST = 200
-"""Characters of a quantity."""
+"""Largest number of characters of a quantity."""
 
 
 def written_unit(value: Any) -> str:
-    """The unit in a text such as "5 cm"; "" where it names none or is no quantity."""
-    found = _QUANTITY.match(value.strip()) if isinstance(value, str) and len(value) <= LONGEST else None
-    return (found[3] or "") if found else ""
+    """Return the unit in a text such as "5 cm"; "" where it names none or is no quantity."""
+    if not isinstance(value, str) or len(value) > LONGEST:
+        return ""
+    match = _QUANTITY.match(value.strip())
+    return (match[3] or "") if match else ""
 
 
 def lacks_unit(value: Any, quantity: Quantity | None) -> bool:
-    """Whether a value is written without the unit that it has."""
+    """Return whether a value is written without the unit that it has."""
     if quantity is None or not quantity.si or isinstance(value, list | dict | bool) or value in quantity.words:
         return False
     try:
         number = quantity.read(value)
         return isinstance(number, int | float) and number != 0 and not written_unit(str(value))
     except PydanticCustomError:
-        return False  # said where it is read
+        return False  # it is refused where it is read
 
 
 def refuse(message: str, hint: str = "", key: bool = False, whole: bool = False) -> PydanticCustomError:
-    """A pydantic error with a hint; key : it stands at the key, not at the value; whole : it says whose it is."""
+    """Return a pydantic error with a hint.
+
+    key : it stands at the key, not at the value
+    whole : the message names its owner itself
+    """
     return PydanticCustomError("refused", "{message}", {"message": message, "hint": hint, "key": key, "whole": whole})
 
 
 def quote(value: Any) -> str:
-    """A value as messages quote it."""
+    """Return a value as messages quote it."""
     if isinstance(value, list | tuple | dict):
         return "a mapping" if isinstance(value, dict) else "a list"
     if value is None or isinstance(value, bool):
@@ -123,22 +129,26 @@ def quote(value: Any) -> str:
 
 
 def format_location(mark: tuple[Any, int]) -> str:
-    """A place of the study in words."""
+    """Return a place of the study in words."""
     return f"at {mark[0]}" if isinstance(mark[0], str) else f"in line {mark[0]}"
 
 
 class ValueParser:
-    """What stands in `Annotated[...]`: `read` gives the value or raises; `form` and `examples` say how it looks."""
+    """A parser of the values of a key, for `Annotated[...]`.
+
+    form : what is read, in words
+    examples : values as the file writes them
+    """
 
     form: str = ""
     examples: tuple[Any, ...] = ()
 
     def read(self, value: Any) -> Any:
-        """The value as the program takes it.  Raises PydanticCustomError saying what to write."""
+        """Return the value as the program takes it.  Raises PydanticCustomError saying what to write."""
         raise NotImplementedError
 
     def schema(self) -> dict[str, Any]:
-        """Its JSON Schema."""
+        """Return the JSON Schema of its values."""
         return {"anyOf": [{"type": "number"}, {"type": "string"}], "title": self.form, "examples": list(self.examples)}
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
@@ -152,10 +162,14 @@ class ValueParser:
 class Quantity(ValueParser):
     """A number with a unit.
 
-    name, si, example : what it is, its SI unit ("" for a plain number), how to write one
-    low, high, open_low, open_high : the range allowed, in SI; the end itself is excluded where open
-    words : other texts, taken as they are;  percent : it is written with its %
-    usual : what is plausible; values beyond are warned of
+    name : in words, e.g. "gap"
+    si : SI unit; "" for a plain number
+    example : one as the file writes it
+    low, high : the range allowed, in SI
+    open_low, open_high : the end itself is excluded
+    words : other texts, taken as they are
+    percent : it is written with its %
+    usual : plausible range; values beyond are warned of
     """
 
     name: str
@@ -176,19 +190,25 @@ class Quantity(ValueParser):
     @property
     def range(self) -> str:
         """The range in words, e.g. "above 0 s and at most 20 s"."""
-        unit, parts, scale = (" %", [], 100) if self.percent else (f" {self.si}" if self.si else "", [], 1)
+        ends = []
         if self.low > -math.inf:
-            parts.append(f"{'above' if self.open_low else 'at least'} {scale * self.low:g}{unit}")
+            ends.append(f"{'above' if self.open_low else 'at least'} {self._format_number(self.low)}")
         if self.high < math.inf:
-            parts.append(f"{'below' if self.open_high else 'at most'} {scale * self.high:g}{unit}")
-        return " and ".join(parts)
+            ends.append(f"{'below' if self.open_high else 'at most'} {self._format_number(self.high)}")
+        return " and ".join(ends)
+
+    def _format_number(self, number: float) -> str:
+        """Return an SI number with its unit, or in %."""
+        return f"{100 * number:g} %" if self.percent else f"{number:g} {self.si}".rstrip()
 
     @property
     def usage(self) -> str:
-        """What to write, in words."""
-        what = f"{'an' if self.name[0] in 'aeio' else 'a'} {self.name}" + (f" [{self.si}]" if self.si else "")
+        """The way to write one, in words."""
+        article = "an" if self.name[0] in "aeio" else "a"
+        unit = f" [{self.si}]" if self.si else ""
+        range_in_words = f" {self.range}" if self.range else ""
         words = "".join(f" or {word}" for word in self.words)
-        return f"write {what}{f' {self.range}' if self.range else ''}{words}, e.g. {self.example}"
+        return f"write {article} {self.name}{unit}{range_in_words}{words}, e.g. {self.example}"
 
     @property
     def form(self) -> str:  # type: ignore[override]
@@ -197,19 +217,19 @@ class Quantity(ValueParser):
         return ", ".join(filter(None, (self.si or "-", self.range, *(f"`{word}`" for word in self.words))))
 
     def read(self, value: Any) -> Any:
-        """The SI number, or one of `words`.  Raises PydanticCustomError saying what to write."""
+        """Return the SI number, or one of `words`.  Raises PydanticCustomError saying what to write."""
         if isinstance(value, str) and value.strip() in self.words:
             return value.strip()
-        number = self._number(value)
+        number = self._parse_number(value)
         if not math.isfinite(number):
             raise refuse(f"{value} is not a finite number", self.usage)
         at_end = (self.open_low and number == self.low) or (self.open_high and number == self.high)
         if at_end or not self.low <= number <= self.high:
-            shown = f"{100 * number:g} %" if self.percent else f"{number:g}{f' {self.si}' if self.si else ''}"
-            raise refuse(f"the {self.name} is {shown}; it must be {self.range}", self.usage)
+            raise refuse(f"the {self.name} is {self._format_number(number)}; it must be {self.range}", self.usage)
         return number
 
-    def _number(self, value: Any) -> float:
+    def _parse_number(self, value: Any) -> float:
+        """Return the number in SI, whatever its range.  Raises PydanticCustomError."""
         if isinstance(value, list | tuple | dict):
             hint = f"{self.usage}; several values to run one after the other stand under `sweep:`"
             raise refuse(f"{quote(value)} stands where one {self.name} belongs", hint)
@@ -219,28 +239,33 @@ class Quantity(ValueParser):
             raise refuse(f"{quote(value)} is not a {self.name}: it lacks its %", self.usage)
         if not isinstance(value, str):
             return float(value)
-        value = value.strip()
-        found = _QUANTITY.match(value) if len(value) <= LONGEST else None
-        if not found:
-            raise refuse(f"{quote(value)} is not a number with a unit{_slip(value[:LONGEST])}", self.usage)
-        number = float(found[1])
-        if found[2] is not None:
-            if float(found[2]) == 0:
-                raise refuse(f"'{value}' divides by zero", self.usage)
-            number /= float(found[2])
-        if found[3] is None:
+        return self._parse_text(value.strip())
+
+    def _parse_text(self, text: str) -> float:
+        """Return the number in a text, `5 cm` or `1/475`, in SI.  Raises PydanticCustomError."""
+        match = _QUANTITY.match(text) if len(text) <= LONGEST else None
+        if match is None:
+            slip = _describe_slip(text[:LONGEST])
+            raise refuse(f"{quote(text)} is not a number with a unit{slip}", self.usage)
+        numerator, denominator, unit = match.groups()
+        number = float(numerator)
+        if denominator is not None:
+            if float(denominator) == 0:
+                raise refuse(f"'{text}' divides by zero", self.usage)
+            number /= float(denominator)
+        if unit is None:
             return number
         try:
-            one = find_unit_factor(found[3], self.si)
+            factor = find_unit_factor(unit, self.si)
         except ValueError:
             hint = f"{self.usage}; the units are {KNOWN_UNITS}, and products such as kN/mm"
-            raise refuse(f"'{found[3]}' is not a unit this program knows{_slip(value)}", hint) from None
-        if one is None:
-            hint = self._meant_by(number, found[3]) or self.usage
-            raise refuse(f"'{value}' is no {self.name}: expected {self.si or 'a plain number'}", hint)
-        return number * one
+            raise refuse(f"'{unit}' is not a unit this program knows{_describe_slip(text)}", hint) from None
+        if factor is None:
+            hint = self._suggest_related(number, unit) or self.usage
+            raise refuse(f"'{text}' is no {self.name}: expected {self.si or 'a plain number'}", hint)
+        return number * factor
 
-    def _meant_by(self, number: float, unit: str) -> str:
+    def _suggest_related(self, number: float, unit: str) -> str:
         """Return what to write where the unit is that of a related quantity: a weight for a mass, the coefficient of a
         damper for its force at 1 m/s; "" where it is of none."""
         size, dimension = parse_unit(unit)
@@ -262,15 +287,22 @@ class Quantity(ValueParser):
         return {"anyOf": kinds, "title": title, "examples": [self.example, *self.words]}
 
 
-def _slip(value: str) -> str:
-    if found := _COMMA.match(value):
-        return f": it has a decimal comma, write `{found[1]}.{found[2]}{found[3]}`"
-    return ": a comment needs a blank before its #" if "#" in value else ""
+def _describe_slip(text: str) -> str:
+    """Return the likely slip in a text that is no quantity; "" where none is seen."""
+    match = _COMMA.match(text)
+    if match is not None:
+        return f": it has a decimal comma, write `{match[1]}.{match[2]}{match[3]}`"
+    return ": a comment needs a blank before its #" if "#" in text else ""
 
 
 @dataclass(frozen=True)
 class StoreyMultiple:
-    """A stiffness as a multiple of the stiffest or the mean storey of a building, or of all of the group."""
+    """A stiffness as a multiple of that of a storey.
+
+    factor : multiple [-]
+    which : `stiffest` or `mean`
+    building : the one whose storey it is; None for all of the group
+    """
 
     factor: float
     which: str
@@ -296,13 +328,14 @@ class Stiffness(Quantity):
         if not isinstance(value, str) or "stor" not in value:
             return super().read(value)
         hint = "write an SI or unit value such as 200 kN/mm, or `20 x stiffest storey`, or `1/5 mean storey of NAME`"
-        found = _RULE.match(value) if len(value) <= LONGEST else None
-        if not found or float(found["bottom"] or 1) == 0:
+        match = _RULE.match(value) if len(value) <= LONGEST else None
+        if match is None or float(match["bottom"] or 1) == 0:
             raise refuse(f"'{value[:LONGEST]}' is not a stiffness", hint)
-        multiple = float(found["top"] or 1) / float(found["bottom"] or 1) / (100 if found["percent"] else 1)
+        multiple = float(match["top"] or 1) / float(match["bottom"] or 1) / (100 if match["percent"] else 1)
         if not 0 < multiple < 1e12:
             raise refuse(f"the factor in '{value}' is {multiple:g}; it must be above 0", hint)
-        return StoreyMultiple(multiple, "mean" if found["which"] == "average" else found["which"], found["building"])
+        which = "mean" if match["which"] == "average" else match["which"]
+        return StoreyMultiple(multiple, which, match["building"])
 
     @property
     def form(self) -> str:  # type: ignore[override]
@@ -311,7 +344,11 @@ class Stiffness(Quantity):
 
 @dataclass(frozen=True)
 class WholeNumber(ValueParser):
-    """A whole number, in digits; `zero`: a word that stands for 0."""
+    """A whole number, in digits.
+
+    low, high : least and largest one
+    zero : word that stands for 0
+    """
 
     low: int
     high: int
@@ -342,7 +379,11 @@ class WholeNumber(ValueParser):
 
 @dataclass(frozen=True)
 class ParsedText(ValueParser):
-    """A value read by a function of its own."""
+    """A value that a function reads.
+
+    reader : of the value
+    quantity : what its numbers are, where it has some
+    """
 
     reader: Callable[[Any], Any]
     form: str = ""
@@ -355,7 +396,12 @@ class ParsedText(ValueParser):
 
 @dataclass(frozen=True)
 class MeasuredValue:
-    """A number with a unit of any dimension, in SI, with its powers of kg, m and s, as written."""
+    """A number with a unit of any dimension.
+
+    value : in SI
+    dimension : powers of kg, m and s
+    text : as the file writes it
+    """
 
     value: float
     dimension: Dimension
@@ -363,15 +409,15 @@ class MeasuredValue:
 
 
 def parse_measured(value: Any) -> MeasuredValue:
-    """A number with any unit, or none."""
+    """Return a number with any unit, or none.  Raises PydanticCustomError."""
     unit = written_unit(value)
     try:
-        one, dimension = parse_unit(unit) if unit else (1.0, (0.0, 0.0, 0.0))
+        factor, dimension = parse_unit(unit) if unit else (1.0, (0.0, 0.0, 0.0))
     except ValueError:
         hint = f"write e.g. 20 kN/mm or 5e12 N/m^3; the units are {KNOWN_UNITS}"
         raise refuse(f"'{unit}' is not a unit this program knows", hint) from None
     bare = value.strip().removesuffix(unit) if unit else value
-    return MeasuredValue(Quantity("parameter", "", "20 kN/mm").read(bare) * one, dimension, str(value))
+    return MeasuredValue(Quantity("parameter", "", "20 kN/mm").read(bare) * factor, dimension, str(value))
 
 
 LENGTH = Quantity("length", "m", "3 m", 0.0, open_low=True)

@@ -25,7 +25,7 @@ _COLUMN = (
 
 
 def _share(name: str, example: str) -> Quantity:
-    """A share above 0 % and below 100 %, written with its %; read as a number from 0 to 1."""
+    """Return a share above 0 % and below 100 %, written with its %; it is read as a number from 0 to 1."""
     return Quantity(name, "", example, 0.0, 1.0, open_low=True, open_high=True, percent=True)
 
 
@@ -33,11 +33,12 @@ CONFIDENCE = _share("confidence", "90 %")
 
 
 def _percents(name: str, example: str) -> Any:
+    """Return the type of one share or a list of them."""
     return one_or_many(Annotated[float, _share(name, example)], most=20, as_list=True)
 
 
 class Gb50011Spec(Model):
-    """GB 50011-2010, clause 6.1.4: what it takes from the user."""
+    """Settings of the joint of GB 50011-2010, clause 6.1.4."""
 
     intensity: Annotated[int, WholeNumber(min(GB_STEP), max(GB_STEP))] = spec_field(
         ..., "seismic fortification intensity, 6 to 9", 8
@@ -73,10 +74,11 @@ class HazardFile(Model):
 
 
 def _hazard_kind(value: Any) -> str:
-    given = value.keys() if isinstance(value, dict) else ()
-    if isinstance(value, PowerHazard) or "k0" in given or "k" in given:
+    """Return the kind of a hazard curve: power, file or table."""
+    keys = value.keys() if isinstance(value, dict) else ()
+    if isinstance(value, PowerHazard) or "k0" in keys or "k" in keys:
         return "power"
-    return "file" if isinstance(value, str | HazardFile) or "file" in given else "table"
+    return "file" if isinstance(value, str | HazardFile) or "file" in keys else "table"
 
 
 Hazards: Any = tagged_union(
@@ -85,7 +87,7 @@ Hazards: Any = tagged_union(
     file=Annotated[HazardFile, BeforeValidator(lambda v: {"file": v} if isinstance(v, str) else v)],
     table=Annotated[dict[str, Annotated[float, RATE]], Field(max_length=1000)],
 )
-"""How often an intensity is exceeded a year: a table {0.1 g: 0.02, 0.4 g: 1/475}, a power law, or a file."""
+"""Annual rates at which intensities are exceeded: a table {0.1 g: 0.02, 0.4 g: 1/475}, a power law, or a file."""
 
 _HAZARD_KEY = (
     "annual rates at which intensities are exceeded: {0.1 g: 0.02, 0.4 g: 1/475}, {k0: 1e-4, k: 2.5}, or a file"
@@ -93,7 +95,7 @@ _HAZARD_KEY = (
 
 
 class GapSpec(Model):
-    """What `pound gap` is asked."""
+    """Settings of `pound gap`."""
 
     percentiles: _percents("percentile", "84 %") = spec_field(("84 %",), "percentiles over the motions, one or a list")  # type: ignore[valid-type]
     contact: _percents("probability of contact", "10 %") = spec_field(  # type: ignore[valid-type]
@@ -117,7 +119,11 @@ _MEASURE = re.compile(r"(?P<name>[A-Za-z]+)\s*(?:\(\s*(?P<period>[^()]*?)\s*\))?
 
 @dataclass(frozen=True)
 class Measure:
-    """An intensity measure of a motion; `period` [s] of `sa` only, 0 where it is the swept one."""
+    """An intensity measure of a motion.
+
+    name : one of MEASURES
+    period : of `sa` only, 0 where it is the swept one [s]
+    """
 
     name: str
     period: float = 0.0
@@ -127,9 +133,9 @@ class Measure:
 
 
 def parse_measure(value: Any) -> Measure:
-    """`pga`, `pgv`, `factor`, `sa` or `sa(0.5 s)`.  Raises PydanticCustomError saying what to write."""
-    found = _MEASURE.match(value.strip()) if isinstance(value, str) and len(value) < 60 else None
-    name, period = found.groups() if found is not None else ("", None)
+    """Return the measure in `pga`, `pgv`, `factor`, `sa` or `sa(0.5 s)`.  Raises PydanticCustomError."""
+    match = _MEASURE.match(value.strip()) if isinstance(value, str) and len(value) < 60 else None
+    name, period = match.groups() if match is not None else ("", None)
     if name not in MEASURES or (period is not None and (name != "sa" or not written_unit(period))):
         hint = "write pga, pgv, factor or the pseudo-acceleration at a period, sa(0.5 s)"
         raise refuse(f"'{str(value)[:60]}' is not an intensity measure", hint)
@@ -140,7 +146,7 @@ _LIMIT = Annotated[Limit, ParsedText(parse_limit, "limit in words", ("mu > 4", "
 
 
 class FragilitySpec(Model):
-    """What `pound fragility` is asked."""
+    """Settings of `pound fragility`."""
 
     limits: one_or_many(_LIMIT, 0, 20, True) = spec_field(  # type: ignore[valid-type]
         (),
@@ -168,6 +174,7 @@ class FragilitySpec(Model):
 
 
 def _read_text(value: Any) -> str:
+    """Return a value that is a text.  Raises PydanticCustomError."""
     if not isinstance(value, str):
         raise refuse("this is not an expression", "write e.g. `largest mu`")
     return value
@@ -184,7 +191,7 @@ STATEMENT = Annotated[
 
 
 class SensitivitySpec(Model):
-    """What `pound sensitivity` is asked."""
+    """Settings of `pound sensitivity`."""
 
     outputs: one_or_many(EXPRESSION, 0, 50, True) = spec_field(  # type: ignore[valid-type]
         (), f"outputs, one or a list: {_COLUMN}"
@@ -219,8 +226,8 @@ class SensitivitySpec(Model):
     def issues(self) -> Iterator[SpecIssue]:
         if self.method == "sobol" and self.samples is not None and self.samples & (self.samples - 1):
             low = 1 << (self.samples.bit_length() - 1)
-            what = f"{self.samples} samples: Sobol's sequence is even only at powers of 2"
-            yield ("samples",), what, f"write {low} or {2 * low}"
+            message = f"{self.samples} samples: Sobol's sequence is even only at powers of 2"
+            yield ("samples",), message, f"write {low} or {2 * low}"
 
 
 _END = {"type": ["number", "string"]}
@@ -235,7 +242,7 @@ _OVER_FORM = {
 
 
 class OptimiseSpec(Model):
-    """What `pound optimise` is asked."""
+    """Settings of `pound optimise`."""
 
     least: EXPRESSION | None = spec_field(None, f"number to minimise: {_COLUMN}")
     most: EXPRESSION | None = spec_field(None, "number to maximise, instead of `least`")
@@ -264,6 +271,7 @@ class OptimiseSpec(Model):
     def issues(self) -> Iterator[SpecIssue]:
         if self.least is not None and self.most is not None:
             yield ("most",), "'least' and 'most' both stand here: give one of them", "remove one of the two", True
-        if (points := self.generations * (self.population or 0)) > 200_000:
-            what = f"generations and population make {points} points"
-            yield ("generations",), what, "keep it to 200000: write fewer"
+        points = self.generations * (self.population or 0)
+        if points > 200_000:
+            message = f"generations and population make {points} points"
+            yield ("generations",), message, "keep it to 200000: write fewer"

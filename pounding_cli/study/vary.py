@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -30,22 +31,29 @@ from pounding_cli.study.words import quantity_at
 MOTION = "motion"
 """The key that stands for the choice of motions."""
 
-ANY, BOOTSTRAP = "any", "bootstrap"
-"""What it chooses: one of the motions, or as many as there are, drawn anew with replacement."""
+ANY = "any"
+"""The choice of one of the motions."""
+
+BOOTSTRAP = "bootstrap"
+"""The choice of as many motions as there are, drawn anew with replacement."""
 
 DRAWN_SETS = 64
-"""Different sets of motions of a bootstrap."""
+"""Number of the sets of motions of a bootstrap."""
 
-NEEDED = {
+REQUIRED_FIELDS = {
     "uniform": ("from", "to"), "normal": ("mean", "sd"), "lognormal": ("median", "spread"),
     "triangular": ("from", "mode", "to"),
 }  # fmt: skip
-"""Every distribution with what must be written of it."""
+"""Fields that must be written of every distribution."""
 
-_MORE = {"uniform": ("spacing",), "normal": ("from", "to"), "lognormal": ("from", "to"), "triangular": ()}
-CHOICE, RANGE = "choice", "{from: 0.3, to: 0.6}"
-DISTRIBUTIONS = (*NEEDED, CHOICE)
-"""How a key may vary."""
+_OPTIONAL_FIELDS = {
+    "uniform": ("spacing",), "normal": ("from", "to"), "lognormal": ("from", "to"), "triangular": (),
+}  # fmt: skip
+
+CHOICE = "choice"
+RANGE = "{from: 0.3, to: 0.6}"
+DISTRIBUTIONS = (*REQUIRED_FIELDS, CHOICE)
+"""Ways in which a key may vary."""
 
 
 def distribution_example(name: str, quantity: Quantity | None) -> str:
@@ -64,13 +72,18 @@ def distribution_example(name: str, quantity: Quantity | None) -> str:
 _LEAST = 1e-12
 """Probability beyond the last values of a distribution without an end: seven standard deviations from the mean."""
 
+_TAIL = 0.01
+"""Probability beyond which the values of a distribution without an end count as its end."""
+
 _MULTIPLE = Quantity("multiple of a storey's stiffness", "", "20 x stiffest storey", 0.0, open_low=True)
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """A distribution with its fields in SI; `spacing` as written.
+    """A distribution with its fields in SI.
 
+    name : key in REQUIRED_FIELDS
+    is_log : uniform in the logarithm
     storey : its values are multiples of the stiffness of this storey
     """
 
@@ -80,144 +93,318 @@ class Distribution:
     storey: StoreyMultiple | None = None
 
     @property
+    def spacing(self) -> str:
+        """Spacing of a range as a study writes it."""
+        return "log" if self.is_log else "linear"
+
+    @property
     def ends(self) -> tuple[float, float]:
         """`from` and `to`, infinite where they are not given."""
         return self.fields.get("from", -np.inf), self.fields.get("to", np.inf)
 
     @cached_property
-    def _frozen(self) -> Any:
+    def _scipy(self) -> Any:
         """The distribution of scipy, of the logarithm where that is normal."""
         from scipy import stats  # half a second to import, and few studies have distributions
 
-        given, (low, high) = self.fields, self.ends
+        low, high = self.ends
         if self.name == "uniform":
             return stats.loguniform(low, high) if self.is_log else stats.uniform(low, high - low)
         if self.name == "triangular":
-            return stats.triang((given["mode"] - low) / (high - low), low, high - low)
+            return stats.triang((self.fields["mode"] - low) / (high - low), low, high - low)
         if self.name == "normal":
-            centre, width = given["mean"], given["sd"]
+            centre = self.fields["mean"]
+            width = self.fields["sd"]
         else:
-            centre, width = np.log(given["median"]), given["spread"]
+            centre = np.log(self.fields["median"])
+            width = self.fields["spread"]
             with np.errstate(divide="ignore"):
-                low, high = np.log(max(low, 0.0)), np.log(high)
+                low = np.log(max(low, 0.0))
+                high = np.log(high)
         return stats.truncnorm((low - centre) / width, (high - centre) / width, centre, width)
 
     def __call__(self, u: np.ndarray | float) -> np.ndarray:
-        """Values at u in [0, 1], which covers what lies between `from` and `to`; same shape."""
+        """Return the values at u in [0, 1], which covers what lies between `from` and `to`; same shape."""
         u = np.asarray(u, dtype=float)
-        endless = self.name in ("normal", "lognormal") and not {"from", "to"} <= self.fields.keys()
-        found = self._frozen.ppf(np.clip(u, _LEAST, 1 - _LEAST) if endless else u)
-        return np.clip(np.exp(found) if self.name == "lognormal" else found, *self.ends)
+        is_endless = self.name in ("normal", "lognormal") and not {"from", "to"} <= self.fields.keys()
+        values = self._scipy.ppf(np.clip(u, _LEAST, 1 - _LEAST) if is_endless else u)
+        return np.clip(np.exp(values) if self.name == "lognormal" else values, *self.ends)
 
-    def share_of(self, value: float) -> float | None:
-        """The u of a uniform distribution at a value; None beyond its ends."""
+    def quantile_of(self, value: float) -> float | None:
+        """Return the u of a uniform distribution at a value; None beyond its ends."""
         low, high = self.ends
-        return float(self._frozen.cdf(value)) if low <= value <= high else None
+        return float(self._scipy.cdf(value)) if low <= value <= high else None
 
 
-@dataclass(frozen=True)
-class Factor:
-    """One key that varies, as a function of a number u between 0 and 1.
+@dataclass(frozen=True, kw_only=True)
+class UncertainInput(ABC):
+    """An input of a study that varies with a number u between 0 and 1.
 
-    key : dotted, as in the file; MOTION for the choice of motion
-    mark : where it stands
-    unit : people read its values in
-    options : how many values it chooses from; 0 where it is continuous, and of MOTION
-    choices : the values themselves
-    drawn : its distribution, or the range it is searched over
-    quantity : what the key takes
-    spacing : of a range that is searched, linear or log
-    together : further keys of the study that move with it, by the same u
+    key : dotted key as in the file; MOTION for the choice of motions
+    mark : where the key stands
+    unit : unit in which people read its values
     """
 
     key: str
     mark: Mark
     unit: Unit
-    options: int = 0
-    choices: tuple[Any, ...] = ()
-    drawn: Distribution | None = None
+
+    @property
+    @abstractmethod
+    def members(self) -> tuple[KeyInput, ...]:
+        """The keys of the study that move with u."""
+
+    @property
+    @abstractmethod
+    def option_count(self) -> int:
+        """Number of the options that it chooses from; 0 where it is continuous."""
+
+    @abstractmethod
+    def end_quantiles(self) -> list[float]:
+        """Return the u of both ends of a range, or of every option."""
+
+    @abstractmethod
+    def split_at_ends(self, u: np.ndarray, output: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return the values of an output at the low and at the high end of the input; None where it has no ends.
+
+        u, output : of every sample, shape (samples,)
+        share : part of the range that counts as an end [-]
+        """
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeyInput(UncertainInput):
+    """A key of the study that varies.
+
+    quantity : what the key takes; None for a word
+    moves_with : further keys that move by the same u
+    """
+
     quantity: Quantity | None = None
-    spacing: str = ""
-    together: tuple[Factor, ...] = ()
+    moves_with: tuple[KeyInput, ...] = ()
 
     @property
-    def members(self) -> tuple[Factor, ...]:
-        """Itself and those that move with it."""
-        return (self, *self.together)
+    def members(self) -> tuple[KeyInput, ...]:
+        return (self, *self.moves_with)
 
     @property
-    def labels(self) -> tuple[str, ...]:
-        """Of the options."""
-        return tuple(map(str, self.choices))
+    @abstractmethod
+    def middle(self) -> float:
+        """The u of the middle of the range or of the options."""
 
-    def number(self, u: np.ndarray) -> np.ndarray:
-        """Values in SI at u, multiples of a storey's stiffness, or numbers of options; same shape."""
-        if self.options:
-            return choice_of(u, self.options).astype(float)
-        return u if self.drawn is None else self.drawn(u)
+    @property
+    @abstractmethod
+    def column_unit(self) -> str:
+        """SI unit of its column in a table, "1" for a pure number; "" where the column holds texts."""
+
+    @abstractmethod
+    def values(self, u: Sequence[float] | np.ndarray) -> list[Any]:
+        """Return the values at every u as a study writes them."""
+
+    @abstractmethod
+    def to_column(self, u: np.ndarray) -> list[str] | np.ndarray:
+        """Return the values at every u as a table has them: SI numbers, or the texts of the options."""
+
+    @abstractmethod
+    def quantile_of(self, written: Any) -> float | None:
+        """Return the u of a value as the file writes it; None for a value that the key does not take here."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChoiceInput(KeyInput):
+    """A key that takes one of some values.
+
+    options : the values as the file writes them, two or more
+    """
+
+    options: tuple[Any, ...]
+
+    @property
+    def option_count(self) -> int:
+        return len(self.options)
+
+    @property
+    def middle(self) -> float:
+        return option_quantile(self.option_count // 2, self.option_count)
+
+    @property
+    def column_unit(self) -> str:
+        return ""
+
+    def end_quantiles(self) -> list[float]:
+        return option_quantiles(self.option_count)
+
+    def split_at_ends(self, u: np.ndarray, output: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+        return _split_by_option(choose_option(u, self.option_count), output)
 
     def values(self, u: Sequence[float] | np.ndarray) -> list[Any]:
-        """What stands in the study at every u."""
-        if self.options:
-            return [self.choices[number] for number in choice_of(np.asarray(u), self.options).tolist()]
-        assert self.drawn is not None
-        numbers, storey = self.drawn(np.asarray(u)).tolist(), self.drawn.storey
+        numbers = choose_option(np.asarray(u), self.option_count)
+        return [self.options[number] for number in numbers.tolist()]
+
+    def to_column(self, u: np.ndarray) -> list[str]:
+        return [str(option) for option in self.values(u)]
+
+    def quantile_of(self, written: Any) -> float | None:
+        value = canonical_value(written, self.quantity)
+        numbers = {canonical_value(option, self.quantity): number for number, option in enumerate(self.options)}
+        return option_quantile(numbers[value], self.option_count) if value in numbers else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistributedInput(KeyInput):
+    """A key that is drawn from a distribution, or searched over a range.
+
+    distribution : of its values; of a range the uniform one
+    """
+
+    distribution: Distribution
+
+    @property
+    def option_count(self) -> int:
+        return 0
+
+    @property
+    def middle(self) -> float:
+        return 0.5
+
+    @property
+    def column_unit(self) -> str:
+        return self.unit.si or "1"
+
+    def end_quantiles(self) -> list[float]:
+        low, high = self.distribution.ends
+        return [0.0 if np.isfinite(low) else _TAIL, 1.0 if np.isfinite(high) else 1.0 - _TAIL]
+
+    def split_at_ends(self, u: np.ndarray, output: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+        return output[u < share], output[u >= 1 - share]
+
+    def values(self, u: Sequence[float] | np.ndarray) -> list[Any]:
+        numbers = self.to_column(np.asarray(u)).tolist()
+        storey = self.distribution.storey
         if storey is None:
             return [in_unit(number, self.unit) for number in numbers]
         return [str(replace(storey, factor=number)) for number in numbers]
 
-    def place(self, written: Any) -> float | None:
-        """The u of what the file says; None where it lies outside a range or among no options."""
+    def to_column(self, u: np.ndarray) -> np.ndarray:
+        return self.distribution(u)
+
+    def quantile_of(self, written: Any) -> float | None:
         value = canonical_value(written, self.quantity)
-        if self.options:
-            known = {canonical_value(option, self.quantity): number for number, option in enumerate(self.choices)}
-            return (known[value] + 0.5) / self.options if value in known else None
-        assert self.drawn is not None
-        if _base(value) != self.drawn.storey:
+        if _find_storey(value) != self.distribution.storey:
             return None
-        value = value.factor if isinstance(value, StoreyMultiple) else value
-        return self.drawn.share_of(value) if isinstance(value, int | float) else None
+        number = value.factor if isinstance(value, StoreyMultiple) else value
+        return self.distribution.quantile_of(number) if isinstance(number, int | float) else None
 
 
-def choice_of(u: np.ndarray, options: int) -> np.ndarray:
-    """The number of the option, from 0, at u in [0, 1]."""
-    return np.minimum((np.asarray(u) * options).astype(int), options - 1)
+@dataclass(frozen=True, kw_only=True)
+class MotionInput(UncertainInput):
+    """The choice of motions: one of them, or as many as there are, drawn anew with replacement.
+
+    is_bootstrap : drawn with replacement
+    motion_count : number of the motions of the study
+    """
+
+    is_bootstrap: bool
+    motion_count: int
+
+    @property
+    def members(self) -> tuple[KeyInput, ...]:
+        return ()
+
+    @property
+    def option_count(self) -> int:
+        return DRAWN_SETS if self.is_bootstrap else self.motion_count
+
+    def end_quantiles(self) -> list[float]:
+        return option_quantiles(self.option_count)
+
+    def split_at_ends(self, u: np.ndarray, output: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray] | None:
+        if self.is_bootstrap:
+            return None
+        return _split_by_option(choose_option(u, self.option_count), output)
+
+    def draw_sets(self, seed: int) -> np.ndarray:
+        """Return the numbers of the motions of every option, shape (options, motions of an option)."""
+        if not self.is_bootstrap:
+            return np.arange(self.motion_count)[:, None]
+        size = self.option_count, self.motion_count
+        return np.sort(np.random.default_rng(seed).integers(self.motion_count, size=size), axis=1)
 
 
-def read_uncertain(root: Map, problems: Problems) -> list[Factor]:
-    """The keys under `uncertain:`; those of one entry of a list move together.  What is wrong is noted."""
-    node, found, seen = root["uncertain"], list[Factor](), dict[str, Mark]()
+def choose_option(u: np.ndarray, count: int) -> np.ndarray:
+    """Return the number of the option, from 0, at every u in [0, 1]."""
+    return np.minimum((np.asarray(u) * count).astype(int), count - 1)
+
+
+def option_quantile(number: int, count: int) -> float:
+    """Return the u of an option, in the middle of its share."""
+    return (number + 0.5) / count
+
+
+def option_quantiles(count: int) -> list[float]:
+    """Return the u of every option."""
+    return [option_quantile(number, count) for number in range(count)]
+
+
+def _split_by_option(numbers: np.ndarray, output: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the values of an output at the options where its mean is least and most.
+
+    numbers : of the option of every sample, shape (samples,)
+    """
+    groups = sorted((output[numbers == number] for number in np.unique(numbers)), key=np.mean)
+    return groups[0], groups[-1]
+
+
+# From the file
+
+
+def read_uncertain(root: Map, problems: Problems, motion_count: int = 0) -> list[UncertainInput]:
+    """Return the inputs under `uncertain:`; keys of one entry of a list move together.  Note what is wrong.
+
+    motion_count : number of the motions of the study, for a choice of motions that is drawn from
+    """
+    node = root["uncertain"]
+    node_mark = root.marks["uncertain"][1]
     is_list = isinstance(node, Items)
-    entries = zip(node, node.marks, strict=True) if is_list else [(node, root.marks["uncertain"][1])]
-    for entry, at in entries:
-        mine = list[Factor]()
-        for key, mark in _keys("uncertain", entry, at, root, problems, distribution_example("uniform", None)):
-            if key in seen:
-                problems.add(mark, f"'{key}' is also {format_location(seen[key])}", "remove one of the two")
-            elif key == MOTION and entry[key] in (ANY, BOOTSTRAP):
-                mine.append(Factor(MOTION, mark, Unit(), options=DRAWN_SETS if entry[key] == BOOTSTRAP else 0))
-            elif key == MOTION:
-                hint = "write `motion: any` (one of them) or `motion: bootstrap` (as many, drawn with replacement)"
-                problems.add(entry.marks[key][1], f"motion: '{entry[key]}' is not known", hint)
+    entries = zip(node, node.marks, strict=True) if is_list else [(node, node_mark)]
+    example = distribution_example("uniform", None)
+    inputs: list[UncertainInput] = []
+    first_marks: dict[str, Mark] = {}
+    for entry, entry_mark in entries:
+        of_entry: list[UncertainInput] = []
+        for key, mark in _iter_unswept_keys("uncertain", entry, entry_mark, root, problems, example):
+            if key in first_marks:
+                problems.add(mark, f"'{key}' is also {format_location(first_marks[key])}", "remove one of the two")
+                continue
+            first_marks[key] = mark
+            each: UncertainInput | None = None
+            if key == MOTION:
+                each = _read_motion_input(entry, problems, motion_count)
             elif can_vary(key, mark, root, problems, "the key"):
-                mine += _factor(key, entry, problems, is_joined=is_list and len(entry) > 1)
-            seen.setdefault(key, mark)
-        found += _together(entry, mine, problems) if is_list else mine
-    return found
+                each = _read_key_input(key, entry, problems, is_joined=is_list and len(entry) > 1)
+            if each is not None:
+                of_entry.append(each)
+        inputs += _join_inputs(entry, of_entry, problems) if is_list else of_entry
+    return inputs
 
 
-def read_searched(root: Map, problems: Problems) -> list[Factor]:
-    """The keys of `optimise.over:`: {from: 1, to: 5}, {choice: [1, 2]}; wrong ones are noted."""
-    over, at = root["optimise"]["over"], root["optimise"].marks["over"][1]
-    found = []
-    for key, mark in _keys("over", over, at, root, problems, RANGE):
+def read_searched(root: Map, problems: Problems) -> list[KeyInput]:
+    """Return the inputs under `optimise.over:`, `{from: 1, to: 5}` or `{choice: [1, 2]}`.  Note what is wrong."""
+    over = root["optimise"]["over"]
+    over_mark = root["optimise"].marks["over"][1]
+    inputs = []
+    for key, mark in _iter_unswept_keys("over", over, over_mark, root, problems, RANGE):
         if can_vary(key, mark, root, problems, "the key"):
-            found += _factor(key, over, problems, is_range=True)
-    return found
+            each = _read_key_input(key, over, problems, is_searched=True)
+            if each is not None:
+                inputs.append(each)
+    return inputs
 
 
-def _keys(section: str, node: Any, at: Mark, root: Map, problems: Problems, example: str) -> Iterator[tuple[str, Mark]]:
-    """The keys of a section that are not swept too."""
+def _iter_unswept_keys(
+    section: str, node: Any, at: Mark, root: Map, problems: Problems, example: str
+) -> Iterator[tuple[str, Mark]]:
+    """Yield the keys of a section that are not swept too, with their places."""
     if not isinstance(node, Map):
         problems.add(at, f"'{section}' is not a mapping of keys", f"write `impact.restitution: {example}`")
         return
@@ -230,19 +417,34 @@ def _keys(section: str, node: Any, at: Mark, root: Map, problems: Problems, exam
             yield key, mark
 
 
-def _together(entry: Map, factors: list[Factor], problems: Problems) -> list[Factor]:
-    """One factor of several keys of an entry; none where they cannot move together."""
-    if len(factors) < 2:
-        return factors
-    first, *others = factors
+def _read_motion_input(entry: Map, problems: Problems, motion_count: int) -> MotionInput | None:
+    """Return the choice of motions; None where it is not understood, which is noted."""
+    mark, value_mark = entry.marks[MOTION]
+    if entry[MOTION] not in (ANY, BOOTSTRAP):
+        hint = "write `motion: any` (one of them) or `motion: bootstrap` (as many, drawn with replacement)"
+        problems.add(value_mark, f"motion: '{entry[MOTION]}' is not known", hint)
+        return None
+    is_bootstrap = entry[MOTION] == BOOTSTRAP
+    return MotionInput(key=MOTION, mark=mark, unit=Unit(), is_bootstrap=is_bootstrap, motion_count=motion_count)
+
+
+def _join_inputs(entry: Map, inputs: list[UncertainInput], problems: Problems) -> list[UncertainInput]:
+    """Return one input of several keys of an entry; none where they cannot move together, which is noted."""
+    if len(inputs) < 2:
+        return inputs
+    first, *others = inputs
+    joined = [other for other in others if isinstance(other, KeyInput)]
     for other in others:
-        if MOTION in (other.key, first.key) or other.options != first.options:
-            what = "keys that move together need as many options each, or a range each; the motion moves by itself"
-            problems.add(other.mark, what, "give as many of each, or write an entry of its own, `- motion: ...`")
+        is_key = isinstance(first, KeyInput) and isinstance(other, KeyInput)
+        if not is_key or other.option_count != first.option_count:
+            message = "keys that move together need as many options each, or a range each; the motion moves by itself"
+            problems.add(other.mark, message, "give as many of each, or write an entry of its own, `- motion: ...`")
             return []
-    columns = [[canonical_value(option, factor.quantity) for option in factor.choices] for factor in factors]
+    assert isinstance(first, KeyInput)
+    choices = [each for each in (first, *joined) if isinstance(each, ChoiceInput)]
+    columns = [[canonical_value(option, each.quantity) for option in each.options] for each in choices]
     _refuse_equal_options(first.key, entry, list(zip(*columns, strict=True)), problems, "in every key of the entry")
-    return [replace(first, together=tuple(others))]
+    return [replace(first, moves_with=tuple(joined))]
 
 
 def _refuse_equal_options(key: str, holder: Map, options: Sequence[Any], problems: Problems, where: str = "") -> None:
@@ -255,119 +457,166 @@ def _refuse_equal_options(key: str, holder: Map, options: Sequence[Any], problem
     for number, option in enumerate(options):
         first = options.index(option)
         if first < number:
-            what = f"'{key}': {written[number]} and {written[first]} are one value {where}".rstrip()
-            problems.add(written.marks[number], what, "remove one of the two")
+            message = f"'{key}': {written[number]} and {written[first]} are one value {where}".rstrip()
+            problems.add(written.marks[number], message, "remove one of the two")
 
 
-def _factor(key: str, holder: Map, problems: Problems, is_range: bool = False, is_joined: bool = False) -> list[Factor]:
-    """How one key varies; none where something is wrong, which is noted.
+def _read_key_input(
+    key: str, holder: Map, problems: Problems, is_searched: bool = False, is_joined: bool = False
+) -> KeyInput | None:
+    """Return how one key varies; None where something is wrong, which is noted.
 
-    is_range : whether it is searched over a range, which is read as the uniform distribution between its ends
-    is_joined : whether other keys move with it, so that a value may occur twice
+    is_searched : over a range, which is read as the uniform distribution between its ends
+    is_joined : other keys move with it, so that a value may occur twice
     """
-    (mark, at), node, quantity = holder.marks[key], holder[key], quantity_at(schema.StudySpec, tuple(key.split(".")))
-    if is_range and not (isinstance(node, Map) and CHOICE in node):
-        node = Map({"uniform": node}, at, {"uniform": (at, at)})
+    mark, node_mark = holder.marks[key]
+    node = holder[key]
+    quantity = quantity_at(schema.StudySpec, tuple(key.split(".")))
+    if is_searched and not (isinstance(node, Map) and CHOICE in node):
+        node = Map({"uniform": node}, node_mark, {"uniform": (node_mark, node_mark)})
     name = next(iter(node)) if isinstance(node, Map) and len(node) == 1 else ""
     if name not in DISTRIBUTIONS:
-        choice = distribution_example(CHOICE, quantity)
-        known = (
-            f"{range_example(quantity)} or {choice}" if is_range else f"one distribution: {', '.join(DISTRIBUTIONS)}"
-        )
-        place = node.marks[name][0] if name else at
-        example = choice if is_range else distribution_example("uniform", quantity)
-        problems.add(place, f"'{key}' takes {known}", f"write e.g. `{key}: {example}`")
-        return []
-    below, at = node[name], node.marks[name][1]
+        place = node.marks[name][0] if name else node_mark
+        _refuse_distribution(key, place, quantity, problems, is_searched)
+        return None
     if name == CHOICE:
-        return _chosen(key, holder, quantity, problems, is_joined)
+        return _read_choice_input(key, holder, quantity, problems, is_joined)
+    fields = node[name]
+    fields_mark = node.marks[name][1]
     if quantity is None:
         hint = f"write the values to choose from: `{key}: {{choice: [...]}}`"
-        problems.add(at, f"'{key}' takes no number that could be drawn from a range", hint)
-        return []
-    example = f"write `{key}: {range_example(quantity) if is_range else distribution_example(name, quantity)}`"
-    drawn = _distribution(key, name, below, at, quantity, problems, example)
-    if drawn is None:
-        return []
-    unit = unit_of(list(below.values()), quantity) if drawn.storey is None else Unit(str(drawn.storey)[2:])
-    return [Factor(key, mark, unit, drawn=drawn, quantity=quantity, spacing=below.get("spacing", "linear"))]
+        problems.add(fields_mark, f"'{key}' takes no number that could be drawn from a range", hint)
+        return None
+    example = range_example(quantity) if is_searched else distribution_example(name, quantity)
+    if not _check_fields(key, name, fields, fields_mark, f"write `{key}: {example}`", problems):
+        return None
+    distribution = _read_distribution(key, name, fields, fields_mark, quantity, problems)
+    if distribution is None:
+        return None
+    if distribution.storey is None:
+        unit = unit_of(list(fields.values()), quantity)
+    else:
+        unit = Unit(str(distribution.storey).removeprefix("1 "))
+    return DistributedInput(key=key, mark=mark, unit=unit, quantity=quantity, distribution=distribution)
 
 
-def _chosen(key: str, holder: Map, quantity: Quantity | None, problems: Problems, is_joined: bool) -> list[Factor]:
-    """A key that takes one of some values; none where something is wrong, which is noted."""
-    before = len(problems.found)
-    mark = holder.marks[key][0]
+def _refuse_distribution(
+    key: str, mark: Mark, quantity: Quantity | None, problems: Problems, is_searched: bool
+) -> None:
+    """Note a key that has no known distribution, or more than one."""
+    choice = distribution_example(CHOICE, quantity)
+    if is_searched:
+        expected = f"{range_example(quantity)} or {choice}"
+        example = choice
+    else:
+        expected = f"one distribution: {', '.join(DISTRIBUTIONS)}"
+        example = distribution_example("uniform", quantity)
+    problems.add(mark, f"'{key}' takes {expected}", f"write e.g. `{key}: {example}`")
+
+
+def _read_choice_input(
+    key: str, holder: Map, quantity: Quantity | None, problems: Problems, is_joined: bool
+) -> ChoiceInput | None:
+    """Return a key that takes one of some values; None where something is wrong, which is noted."""
+    count_before = len(problems.found)
     options = holder[key][CHOICE]
     if not isinstance(options, Items) or len(options) < 2:
-        what = f"'{key}': a choice is a list of two values or more"
+        message = f"'{key}': a choice is a list of two values or more"
         example = distribution_example(CHOICE, quantity)
-        problems.add(holder[key].marks[CHOICE][1], what, f"write `{key}: {example}`")
-        return []
+        problems.add(holder[key].marks[CHOICE][1], message, f"write `{key}: {example}`")
+        return None
     if not is_joined:
         _refuse_equal_options(key, holder, [canonical_value(option, quantity) for option in options], problems)
     if quantity is not None:
         refuse_bare([(*each, quantity) for each in zip(options, options.marks, strict=True)], problems)
-    if len(problems.found) > before:
-        return []
-    return [Factor(key, mark, unit_of(options, quantity), len(options), tuple(options), quantity=quantity)]
+    if len(problems.found) > count_before:
+        return None
+    unit = unit_of(options, quantity)
+    return ChoiceInput(key=key, mark=holder.marks[key][0], unit=unit, quantity=quantity, options=tuple(options))
 
 
-def _distribution(
-    key: str, name: str, node: Any, at: Mark, quantity: Quantity, problems: Problems, example: str
-) -> Distribution | None:
-    """A distribution, or a range as the uniform one; None where something is wrong, which is noted."""
-    before, needed, spacing = len(problems.found), NEEDED[name], ""
-    missing = [word for word in needed if not isinstance(node, Map) or word not in node]
+def _check_fields(key: str, name: str, node: Any, mark: Mark, hint: str, problems: Problems) -> bool:
+    """Return whether a distribution is written with the fields that it has; note what is wrong.
+
+    node, mark : its fields as the file writes them, and where they stand
+    hint : how to write them
+    """
+    required = REQUIRED_FIELDS[name]
     if isinstance(node, Map):
-        refuse_unknown(node, (*needed, *_MORE[name]), f"{name}", problems)
-        spacing = node.get("spacing", "linear")
-    if len(problems.found) > before:
-        return None
+        count_before = len(problems.found)
+        refuse_unknown(node, (*required, *_OPTIONAL_FIELDS[name]), name, problems)
+        if len(problems.found) > count_before:
+            return False
+    missing = [word for word in required if not isinstance(node, Map) or word not in node]
     if missing:
-        problems.add(at, f"'{key}' lacks '{missing[0]}'", example)
-        return None
+        problems.add(mark, f"'{key}' lacks '{missing[0]}'", hint)
+        return False
+    spacing = node.get("spacing", "linear")
     if spacing not in ("linear", "log"):
         problems.add(node.marks["spacing"][1], f"spacing: '{spacing}' is not known", "write linear or log")
-    own = quantity.replace(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
-    kinds = {"sd": own, "spread": Quantity("spread", "", "0.2", 0.0, open_low=True)}
-    of_words = {word: kinds.get(word, quantity) for word in node if word != "spacing"}
-    read = read_numbers(node, of_words, problems, needs_unit=True)
-    if read is None or len(problems.found) > before:
+        return False
+    return True
+
+
+def _read_distribution(
+    key: str, name: str, node: Map, mark: Mark, quantity: Quantity, problems: Problems
+) -> Distribution | None:
+    """Return a distribution; None where its numbers are wrong, which is noted."""
+    quantities = {word: _field_quantity(word, quantity) for word in node if word != "spacing"}
+    values = read_numbers(node, quantities, problems, needs_unit=True)
+    if values is None:
         return None
-    storey, *others = {_base(value): None for word, value in read.items() if word != "spread"}
-    if others:
+    storey, *other_storeys = {_find_storey(value): None for word, value in values.items() if word != "spread"}
+    if other_storeys:
         hint = "write each of them as a multiple of one storey's stiffness, or none"
-        problems.add(at, f"'{key}': {', '.join(map(str, node.values()))} are not multiples of the same", hint)
+        problems.add(mark, f"'{key}': {', '.join(map(str, node.values()))} are not multiples of the same", hint)
         return None
-    fields = {word: value.factor if isinstance(value, StoreyMultiple) else value for word, value in read.items()}
-    found = Distribution(name, fields, spacing == "log", storey)
-    for word, message, hint in _wrong(key, found, quantity if storey is None else _MULTIPLE):
-        problems.add(node.marks[word][1] if word in node else at, message, hint)
-    return found if len(problems.found) == before else None
+    fields = {word: value.factor if isinstance(value, StoreyMultiple) else value for word, value in values.items()}
+    distribution = Distribution(name, fields, node.get("spacing") == "log", storey)
+    fault = _find_fault(key, distribution, quantity if storey is None else _MULTIPLE)
+    if fault is None:
+        return distribution
+    word, message, hint = fault
+    problems.add(node.marks[word][1] if word in node else mark, message, hint)
+    return None
 
 
-def _base(value: Any) -> StoreyMultiple | None:
-    """The storey whose stiffness a value is a multiple of."""
+def _field_quantity(word: str, quantity: Quantity) -> Quantity:
+    """Return what stands at a field of a distribution of a quantity."""
+    if word == "sd":
+        return quantity.replace(name="standard deviation", low=0.0, open_low=True, high=np.inf, open_high=False)
+    if word == "spread":
+        return Quantity("spread", "", "0.2", 0.0, open_low=True)
+    if word == "median" and quantity.low <= 0:  # its logarithm is taken
+        return quantity.replace(low=0.0, open_low=True)
+    return quantity
+
+
+def _find_storey(value: Any) -> StoreyMultiple | None:
+    """Return the storey whose stiffness a value is a multiple of, once its stiffness; None for other values."""
     return replace(value, factor=1.0) if isinstance(value, StoreyMultiple) else None
 
 
-def _wrong(key: str, drawn: Distribution, quantity: Quantity) -> Iterator[tuple[str, str, str]]:
-    """Where the fields of a distribution do not fit together, or leave the limits of the key: field or "", message,
-    hint."""
-    low, high = drawn.ends
-    if not (max(low, 0.0) if drawn.name == "lognormal" else low) < high:
-        yield "to", "the range ends where it begins, or before", "write `to:` above `from:`"
-    elif not low <= drawn.fields.get("mode", low) <= high:
-        yield "mode", "the mode lies outside the range", "write it between `from:` and `to:`"
-    elif drawn.is_log and low <= 0:
-        yield "from", "a logarithmic range cannot reach zero", "begin above zero"
-    else:
-        first, last = drawn(np.array([0.0, 1.0])).tolist()
-        too_low = first < quantity.low or (quantity.open_low and first == quantity.low)
-        too_high = last > quantity.high or (quantity.open_high and last == quantity.high)
-        if too_low or too_high:
-            reached = f"'{key}': this {drawn.name} distribution reaches {first if too_low else last:.3g} {quantity.si}"
-            what = f"{reached.rstrip()}, but the {quantity.name} must be {quantity.range}"
-            yield "", what, f"write `{'from' if too_low else 'to'}:` in it"
-        elif not (np.isfinite([first, last]).all() and first < last):
-            yield "", "the range has next to no probability", "move its ends towards the mean"
+def _find_fault(key: str, distribution: Distribution, quantity: Quantity) -> tuple[str, str, str] | None:
+    """Return the field (or ""), message and hint where the numbers of a distribution do not fit together, or leave the
+    limits of the key."""
+    low, high = distribution.ends
+    least = max(low, 0.0) if distribution.name == "lognormal" else low
+    if not least < high:
+        return "to", "the range ends where it begins, or before", "write `to:` above `from:`"
+    if not low <= distribution.fields.get("mode", low) <= high:
+        return "mode", "the mode lies outside the range", "write it between `from:` and `to:`"
+    if distribution.is_log and low <= 0:
+        return "from", "a logarithmic range cannot reach zero", "begin above zero"
+    with np.errstate(all="ignore"):  # what is beyond the numbers of a computer is refused below
+        first, last = distribution(np.array([0.0, 1.0])).tolist()
+    is_too_low = first < quantity.low or (quantity.open_low and first == quantity.low)
+    is_too_high = last > quantity.high or (quantity.open_high and last == quantity.high)
+    if is_too_low or is_too_high:
+        number = f"{first if is_too_low else last:.3g} {quantity.si}".rstrip()
+        message = f"'{key}': this {distribution.name} distribution reaches {number}"
+        bound = "from" if is_too_low else "to"
+        return "", f"{message}, but the {quantity.name} must be {quantity.range}", f"write `{bound}:` in it"
+    if not (np.isfinite([first, last]).all() and first < last):
+        return "", "the range has next to no probability", "move its ends towards the mean"
+    return None

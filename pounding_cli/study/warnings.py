@@ -48,15 +48,13 @@ from pounding_cli.units import GRAVITY
 
 if TYPE_CHECKING:
     from pounding_cli.study.study import Study
+    from pounding_cli.study.vary import UncertainInput
 
 MAX_CORNERS = 256
 """Combinations of the ends of several axes at which values are compared with each other."""
 
 MAX_OPTIONS = 50
 """Options of an uncertain choice that are looked at."""
-
-TAIL = 0.01
-"""Probability beyond which the values of a distribution without an end are not looked at."""
 
 MAX_IN_G = 3.0
 """Largest number without a unit that may have been meant in g: recorded peaks reach 3 g."""
@@ -114,7 +112,7 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
 
     None also of a study that is not sound at one of them: who draws such a sample is told then.
     """
-    inputs = []
+    inputs: list[UncertainInput] = []
     problems = Problems(study.file)
     if study.tree.get("uncertain") is not None or get(study.tree, "optimise", "over") is not None:
         from pounding_cli.study import vary  # here: few studies have distributions
@@ -123,8 +121,7 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
             inputs += vary.read_uncertain(study.tree, problems)
         if isinstance(get(study.tree, "optimise", "over"), Map):
             inputs += vary.read_searched(study.tree, problems)
-        inputs = [each for each in inputs if each.key != vary.MOTION]
-    if not inputs or problems.found:
+    if problems.found or not any(each.members for each in inputs):
         return None
     axes = (_build_axis_of_ends(inputs),)
     tree = tree_at(study.tree, study.axes, study.first_point)
@@ -133,7 +130,7 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
     return None if len(issues) else _View(tree, axes, resolved)
 
 
-def _build_axis_of_ends(inputs: Sequence[Any]) -> Axis:
+def _build_axis_of_ends(inputs: Sequence[UncertainInput]) -> Axis:
     """Return an axis on which one key after the other takes the ends of its range, or its options."""
     members = [member for each in inputs for member in each.members]
     names = tuple(member.key for member in members)
@@ -141,20 +138,12 @@ def _build_axis_of_ends(inputs: Sequence[Any]) -> Axis:
     units = tuple(member.unit for member in members)
     rows = []
     for each in inputs:
-        columns = [member.values(_end_quantiles(each)) for member in each.members]
+        quantiles = each.end_quantiles()[:MAX_OPTIONS]
+        columns = [member.values(quantiles) for member in each.members]
         for values in zip(*columns, strict=True):
             moved = dict(zip((member.key for member in each.members), values, strict=True))
             rows.append(tuple(moved.get(name, UNWRITTEN) for name in names))
     return Axis(names, rows, [marks] * len(rows), units)
-
-
-def _end_quantiles(factor: Any) -> list[float]:
-    """Return the quantiles of the ends of a range, or of the options."""
-    if factor.options:
-        count = min(factor.options, MAX_OPTIONS)
-        return [(number + 0.5) / factor.options for number in range(count)]
-    low, high = factor.drawn.ends
-    return [0.0 if np.isfinite(low) else TAIL, 1.0 if np.isfinite(high) else 1.0 - TAIL]
 
 
 def _points_along_axes(axes: Sequence[Axis]) -> Iterator[Point]:

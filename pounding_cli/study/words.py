@@ -75,6 +75,12 @@ def keys_at(model: type[BaseModel], path: Sequence[Any], tree: Any) -> list[str]
     return list(found)
 
 
+def names_in(tree: Any, section: str) -> list[str]:
+    """Return the names that a section of the file gives; none where it is no mapping."""
+    node = get(tree, section)
+    return list(node) if isinstance(node, dict) else []
+
+
 @functools.lru_cache(maxsize=1000)
 def _parsers_at(model: type[BaseModel], path: tuple[str, ...]) -> list[ValueParser]:
     """Return what may parse the value of a key."""
@@ -208,7 +214,7 @@ def _describe_unknown(name: str, path: KeyPath, model: type[BaseModel], tree: An
     all_link_keys = dict.fromkeys(key for link in link_models().values() for key in fields_of(link))
     if "link" in keys:
         word = get(_walk(tree, path[:-1])[0], "link")
-        is_known = str(word) in (*link_laws(), NO_LINK, *(get(tree, "laws") or ()))
+        is_known = str(word) in (*link_laws(), NO_LINK, *names_in(tree, "laws"))
         if name in all_link_keys:
             # That `link` is missing, or its law unknown, is told elsewhere.
             return (
@@ -246,7 +252,7 @@ def _example(model: type[BaseModel], path: KeyPath, tree: Any) -> str:
         return ""
     words = [str(step) for step in path if not str(step).startswith("(")]
     example = field.examples[0] if field.examples else None
-    names = [*(get(tree, "buildings") or ())] if isinstance(get(tree, "buildings"), dict) else []
+    names = names_in(tree, "buildings")
     if words[-1:] == ["group"] and names:
         example = (names * 2)[:2]
     flow = "" if example is None else dump_yaml(example)

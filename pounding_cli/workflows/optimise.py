@@ -19,7 +19,7 @@ from pounding_cli.study.edit import with_values
 from pounding_cli.study.expression import parse_expression
 from pounding_cli.study.file import get, nearest
 from pounding_cli.study.questions import OptimiseSpec
-from pounding_cli.study.vary import Factor, read_searched
+from pounding_cli.study.vary import DistributedInput, KeyInput, read_searched
 from pounding_cli.variables import VARIABLES
 from pounding_cli.workflows.expressions import (
     evaluate_error,
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 OPTIMUM, DESIGN, POINTS = "optimise", "optimise_design", "optimise_points"
 """Names of the tables."""
 
-MOST_CORNERS = 512
+MAX_CORNERS = 512
 """Corners of the ranges that are checked before anything is solved."""
 
 FLAT = 0.01
@@ -59,7 +59,7 @@ class Optimise(Workflow):
 
     expression : the number that is optimised least, or most
     sign : 1 where the least is sought, -1 where the most is: the search knows the least alone
-    factors : the keys that vary
+    inputs : the keys that vary
     case, analysis : that are looked at
     written : the point that the file itself stands for; None where it lies outside the ranges or a key is not written:
         a plan then has one point more, its last, for the study as it is written
@@ -79,8 +79,8 @@ class Optimise(Workflow):
         if not texts:
             hint = f"write e.g. `optimise: {{least: largest V_ratio in {study.spec.group[0]}}}`"
             self.wrong((), "`optimise:` lacks 'least' or 'most'", hint, key=True)
-        self.factors = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
-        if not self.factors and not problems.found:
+        self.inputs = read_searched(root, problems) if get(root, "optimise", "over") is not None else []
+        if not self.inputs and not problems.found:
             hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
             self.wrong((), "no key is given to vary", hint, key=True)
         self.case = self._one("case", "cases", spec.case, list(study.spec.cases))
@@ -88,10 +88,18 @@ class Optimise(Workflow):
         self.refuse_histories("the points of a search")
         problems.check()
         self.expression = expressions[0]
-        given = [(factor, get(root, *factor.key.split("."))) for factor in self.factors]
-        places = [None if value is None else factor.place(value) for factor, value in given]
-        written = tuple(place for place in places if place is not None)
-        self.written: Point | None = written if len(written) == len(places) else None
+        self.written = self._find_written_point()
+
+    def _find_written_point(self) -> Point | None:
+        """Return the point that the file itself stands for, if there is one."""
+        point = []
+        for each in self.inputs:
+            value = get(self.study.tree, *each.key.split("."))
+            u = None if value is None else each.quantile_of(value)
+            if u is None:
+                return None
+            point.append(u)
+        return tuple(point)
 
     def _one(self, what: str, many: str, wanted: str | None, names: list[str]) -> str:
         """The case or analysis that is looked at; what is wrong with the choice is noted."""
@@ -105,18 +113,18 @@ class Optimise(Workflow):
     @property
     def middle(self) -> Point:
         """The middle of all ranges and choices."""
-        return tuple((0.5 + factor.options // 2) / (factor.options or 1) for factor in self.factors)
+        return tuple(each.middle for each in self.inputs)
 
     def text(self, point: Point) -> str:
         """The text of the study with the keys at a point; everything else stays as it is written (`with_values`)."""
-        values = {factor.key: factor.values([u])[0] for factor, u in zip(self.factors, point, strict=True)}
+        values = {each.key: each.values([u])[0] for each, u in zip(self.inputs, point, strict=True)}
         return with_values(self.study.text, values, self.study.file)
 
     def plan_of(self, points: Sequence[Point]) -> Plan:
         """The plan of some points; the last axis holds them, and behind them the study as it is written where no point
         stands for it.  Raises InputError: the study is not sound at one of them."""
         plan = make_plan(
-            study_at_points(self.study, self.factors, np.array(points), and_written=self.written is None),
+            study_at_points(self.study, self.inputs, np.array(points), and_written=self.written is None),
             row_filter=lambda _point, case, analysis, _record: (case, analysis) == (self.case, self.analysis),
         )
         return dataclasses.replace(plan, workflow="optimise", harder=True)
@@ -125,14 +133,14 @@ class Optimise(Workflow):
     def plan(self) -> Plan:
         """The scenes of the first points: the study as it is written, or else the middle of all ranges.  Raises
         InputError: the study is not sound there, or with both ends of every range and every option of every choice."""
-        ends = [[(n + 0.5) / each.options for n in range(each.options)] or [0.0, 1.0] for each in self.factors]
-        study_at_points(self.study, self.factors, np.array(list(islice(product(*ends), MOST_CORNERS))))
+        corners = product(*(each.end_quantiles() for each in self.inputs))
+        study_at_points(self.study, self.inputs, np.array(list(islice(corners, MAX_CORNERS))))
         return self.plan_of([self.written or self.middle])
 
     @property
     def expected_count(self) -> int:
         """Number of time histories of the whole search, about: that of a search for the lowest point of a kink."""
-        search = Search(evaluate_kink, [factor.options for factor in self.factors], self.spec, self.written)
+        search = Search(evaluate_kink, [each.option_count for each in self.inputs], self.spec, self.written)
         search.run()
         points = list(search.tried)[:2]
         of_one = len(self.plan_of(points[:1]))
@@ -147,7 +155,7 @@ class Optimise(Workflow):
             found = _sought(self, plan, contents(plan, solver.responses(plan, rough=is_rough)).dataset())
             return self.sign * found["value"].to_numpy()[: len(points)]
 
-        search = Search(function, [factor.options for factor in self.factors], self.spec, self.written)
+        search = Search(function, [each.option_count for each in self.inputs], self.spec, self.written)
         search.run()
         tried = list(search.tried)
         plan = self.plan_of(tried)
@@ -217,29 +225,32 @@ def _optimum(
         near = (above <= tolerance).to_numpy()
         first |= {"optimum": value[best], "error": error, "tolerance": tolerance}
     rows = []
-    for number, factor in enumerate(question.factors):
-        row = {**first, "key": factor.key, "unit": factor.unit.si or factor.unit.name, "spacing": factor.spacing}
+    for number, each in enumerate(question.inputs):
+        row = {**first, "key": each.key, "unit": each.unit.si or each.unit.name, "spacing": ""}
         row |= {"option": "", "written_option": ""}
         if best is not None:
-            row |= {"place": cube[best, number], **_value(factor, cube[best, number], "value", "option")}
+            best_u = cube[best, number]
+            best_value = _table_value(each, best_u)
+            row |= {"place": best_u, "option" if isinstance(best_value, str) else "value": best_value}
         if search.written is not None:
-            row |= _value(factor, search.written[number], "written", "written_option")
+            written = _table_value(each, search.written[number])
         else:
-            given = plan.axes[-1].values[-1][number]
-            row["written_option" if isinstance(given, str) else "written"] = given
-        if not factor.options:
-            row["range_from"], row["range_to"] = factor.number(np.array([0.0, 1.0])).tolist()
-        if not factor.options and best is not None:
-            good = cube[near, number]
-            row["good_from"], row["good_to"] = factor.number(np.array([good.min(), good.max()])).tolist()
+            written = plan.axes[-1].values[-1][number]
+        row["written_option" if isinstance(written, str) else "written"] = written
+        if isinstance(each, DistributedInput):
+            row["spacing"] = each.distribution.spacing
+            row["range_from"], row["range_to"] = each.to_column(np.array([0.0, 1.0])).tolist()
+            if best is not None:
+                good = cube[near, number]
+                row["good_from"], row["good_to"] = each.to_column(np.array([good.min(), good.max()])).tolist()
         rows.append(row)
     return pd.DataFrame(rows).reindex(columns=list(columns_of(OPTIMUM)))
 
 
-def _value(factor: Factor, u: float, number: str, option: str) -> dict[str, Any]:
-    """A key at a point: its number under one name, or its option under another."""
-    value = float(factor.number(np.array(u)))
-    return {option: factor.labels[int(value)]} if factor.options else {number: value}
+def _table_value(key_input: KeyInput, u: float) -> float | str:
+    """Return the value of a key as a table has it: an SI number, or the text of its option."""
+    value = key_input.to_column(np.array([u]))[0]
+    return value if isinstance(value, str) else float(value)
 
 
 def _design(
@@ -313,7 +324,7 @@ def _has_flag(cells: np.ndarray, kind: str) -> list[bool]:
 
 def _points(search: Search, question: Optimise, sought: pd.DataFrame) -> Table:
     """Every point that was tried, in the order in which the search asked for it."""
-    keys, meant, units = key_columns(question.factors, np.array(list(search.tried)))
+    keys, meant, units = key_columns(question.inputs, np.array(list(search.tried)))
     keys.insert(0, "point", range(1, len(keys) + 1))
     keys.insert(1, "stage", search.stages)
     found = keys.join(sought.astype({"meaningless": int}))

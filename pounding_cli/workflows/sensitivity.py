@@ -16,7 +16,7 @@ import xarray as xr
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
 from pounding_cli.study.questions import SensitivitySpec
-from pounding_cli.study.vary import MOTION, Factor, choice_of, read_uncertain
+from pounding_cli.study.vary import MOTION, MotionInput, choose_option, read_uncertain
 from pounding_cli.workflows.expressions import (
     evaluate_expression,
     find_distinct_points,
@@ -86,7 +86,7 @@ class Sensitivity(Workflow):
     Raises InputError: no key that varies, no output, or one that is not understood.
 
     judge : says whether the claims of the paper hold
-    factors : the keys that vary, the choice of motions among them
+    inputs : what varies, the choice of motions among it
     outputs : the numbers looked at
     statements : what may hold of such numbers, and how likely
     motions : names of the motions
@@ -99,24 +99,20 @@ class Sensitivity(Workflow):
     def __init__(self, study: Study, judge: Judge | None = None) -> None:
         super().__init__(study)
         spec, problems, root = self.spec, self.problems, study.tree
-        factors = read_uncertain(root, problems) if root.get("uncertain") is not None else []
-        self.judge, self.motions = judge, tuple(study.motion_uses(study.first_point))
+        self.judge = judge
+        self.motions = tuple(study.motion_uses(study.first_point))
+        inputs = read_uncertain(root, problems, len(self.motions)) if root.get("uncertain") is not None else []
+        self.inputs = tuple(inputs)
         self.sets: np.ndarray | None = None
-        if len(factors) < 2 and not problems.found:
+        if len(inputs) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
             problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
-        for number, factor in enumerate(factors):
-            if factor.key == MOTION:
-                if len(self.motions) < 2:
+        for each in inputs:
+            if isinstance(each, MotionInput):
+                if each.motion_count < 2:
                     hint = "name more under `records:`"
-                    problems.add(factor.mark, "the study has one motion: there is nothing to choose", hint)
-                self.sets = np.arange(len(self.motions))[:, None]
-                if factor.options:  # sets drawn with replacement
-                    size = factor.options, len(self.motions)
-                    drawn = np.random.default_rng(spec.seed).integers(len(self.motions), size=size)
-                    self.sets = np.sort(drawn, axis=1)
-                factors[number] = dataclasses.replace(factor, options=len(self.sets))
-        self.factors = tuple(factors)
+                    problems.add(each.mark, "the study has one motion: there is nothing to choose", hint)
+                self.sets = each.draw_sets(spec.seed)
         self.refuse_histories("samples")
         if spec.claims and study.spec.claims is None:
             hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
@@ -126,7 +122,7 @@ class Sensitivity(Workflow):
             self.wrong((), "`sensitivity:` lacks 'outputs'", hint, key=True)
         self.outputs = parse_all(parse_expression, self, "outputs", spec.outputs)
         self.statements = parse_all(parse_statement, self, "probabilities", spec.probabilities)
-        points = self.samples * (len(factors) + (2 if spec.method == "sobol" else 1))
+        points = self.samples * (len(inputs) + (2 if spec.method == "sobol" else 1))
         if points > MOST_POINTS:
             what = f"{self.samples} samples make {points} points"
             self.wrong(("samples",), what, f"keep it to {MOST_POINTS}: write fewer")
@@ -142,18 +138,18 @@ class Sensitivity(Workflow):
     @property
     def levels(self) -> int:
         """Levels of the method of Morris: even, and as many as the longest choice has options."""
-        most = max(_LEAST_LEVELS, *(factor.options for factor in self.factors))
+        most = max(_LEAST_LEVELS, *(each.option_count for each in self.inputs))
         return most + most % 2
 
     @property
     def problem(self) -> dict[str, Any]:
         """The unit cube, as SALib has it."""
-        names = [factor.key for factor in self.factors]
+        names = [each.key for each in self.inputs]
         return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
     @cached_property
     def grid(self) -> np.ndarray:
-        """The samples as SALib draws them, shape (samples, factors)."""
+        """The samples as SALib draws them, shape (samples, inputs)."""
         from SALib.sample import morris, sobol  # a second to import
 
         seed = self.spec.seed
@@ -163,7 +159,7 @@ class Sensitivity(Workflow):
 
     @cached_property
     def cube(self) -> np.ndarray:
-        """The samples in the unit cube, shape (samples, factors).
+        """The samples in the unit cube, shape (samples, inputs).
 
         Levels of Morris run from 0 to 1, where many distributions have no value: each stands for the middle of an equal
         share of the probability.
@@ -181,30 +177,34 @@ class Sensitivity(Workflow):
         return np.concatenate([begins, begins + block - 1]) if self.spec.method == "sobol" else begins
 
     @cached_property
-    def keys(self) -> tuple[tuple[Factor, ...], np.ndarray, np.ndarray]:
-        """The factors that are keys of the study; the different points of these that the samples need, shape (points,
-        keys); of every sample its point."""
-        are_keys = np.array([factor.key != MOTION for factor in self.factors])
-        factors = tuple(factor for factor in self.factors if factor.key != MOTION)
-        return factors, *find_distinct_points(factors, self.cube[:, are_keys])
+    def _distinct_points(self) -> tuple[np.ndarray, np.ndarray]:
+        """The samples at which keys of the study differ, shape (points, inputs); of every sample its point."""
+        return find_distinct_points(self.inputs, self.cube)
+
+    @property
+    def point_of_sample(self) -> np.ndarray:
+        """The number of the point on the last axis of the plan of every sample, shape (samples,)."""
+        return self._distinct_points[1]
 
     @cached_property
     def drawn(self) -> np.ndarray | None:
         """The motions that every sample rests on, by number, shape (samples, motions of a sample); None: all."""
         if self.sets is None:
             return None
-        number = next(n for n, factor in enumerate(self.factors) if factor.key == MOTION)
-        return self.sets[choice_of(self.cube[:, number], len(self.sets))]
+        number = next(n for n, each in enumerate(self.inputs) if isinstance(each, MotionInput))
+        return self.sets[choose_option(self.cube[:, number], len(self.sets))]
 
     @cached_property
     def plan(self) -> Plan:
         """The scenes of all samples.  Raises InputError: a sample at which the study is not sound."""
-        factors, points, place = self.keys
-        sampled, asks = study_at_points(self.study, factors, points), None
+        points, point_of_sample = self._distinct_points
+        sampled = study_at_points(self.study, self.inputs, points)
+        row_filter = None
         if self.drawn is not None:
-            wanted = {(at, self.motions[n]) for at, n in np.broadcast(place[:, None], self.drawn)}
-            asks = lambda point, _case, _analysis, name: (point[-1], name) in wanted  # noqa: E731
-        return dataclasses.replace(make_plan(sampled, row_filter=asks), workflow="sensitivity", harder=True)
+            pairs = np.broadcast(point_of_sample[:, None], self.drawn)
+            needed = {(point, self.motions[number]) for point, number in pairs}
+            row_filter = lambda point, _case, _analysis, name: (point[-1], name) in needed  # noqa: E731
+        return dataclasses.replace(make_plan(sampled, row_filter=row_filter), workflow="sensitivity", harder=True)
 
     def run(self, solver: Solver) -> Found:
         """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
@@ -218,7 +218,7 @@ class Sensitivity(Workflow):
         every = [*outputs, *holds, *claims]
         each = [indices(self, one.values) for one in every]
         where = _where(plan, every)
-        rows = where.loc[np.repeat(where.index, len(self.factors))].reset_index(drop=True)
+        rows = where.loc[np.repeat(where.index, len(self.inputs))].reset_index(drop=True)
         found = pd.concat(each, ignore_index=True)
         columns = ["key", "outcome", "failed", "samples", *_OF_METHOD[method]]
         tables = [tabled(INDICES, rows.join(found.reindex(columns=columns)), plan.axes)]
@@ -243,7 +243,7 @@ def _series(
     wanted = {part.name for one in asked for part in one.quantities}
     wanted |= {"status", "drift", "mu", "acceleration", "max_closing"}
     data = data[[name for name in data if name in wanted]].drop_vars([samples, "record"])
-    data = data.isel({samples: xr.DataArray(question.keys[2], dims=samples)})
+    data = data.isel({samples: xr.DataArray(question.point_of_sample, dims=samples)})
     if question.drawn is not None:
         data = data.isel(record=xr.DataArray(question.drawn, dims=(samples, "record")))
     data = data.transpose(*others, samples, "case", "analysis", "record", ...)
@@ -265,7 +265,7 @@ def indices(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
     """Sensitivity indices of an output by every key, Sobol's or those of Morris, with their intervals; a row a key."""
     failed, is_constant = int(np.isnan(y).sum()), np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0)
     outcome = f"refused: {failed} of {y.size} samples gave no number" if failed else CONSTANT if is_constant else FOUND
-    keys = [factor.key for factor in question.factors]
+    keys = [each.key for each in question.inputs]
     found = pd.DataFrame({"key": keys, "outcome": outcome, "failed": failed, "samples": y.size})
     if outcome != FOUND:
         return found
@@ -308,19 +308,17 @@ def _morris(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
 def _ends(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
     """Means of the output at both ends of every key, of a choice at the options where it is least and most, each with
     its standard error; none of sets of motions, which have no ends."""
-    y, cube, rows = y[question.independent], question.cube[question.independent], []
-    for factor, u in zip(question.factors, cube.T, strict=True):
+    y = y[question.independent]
+    cube = question.cube[question.independent]
+    rows = []
+    for each, u in zip(question.inputs, cube.T, strict=True):
         row = {"mean": y.mean()}
+        ends = each.split_at_ends(u, y, SHARE)
+        if ends is not None:
+            for name, values in zip(("at_low", "at_high"), ends, strict=True):
+                row[name] = values.mean() if values.size else np.nan
+                row[f"{name}_error"] = values.std(ddof=1) / np.sqrt(values.size) if values.size > 1 else np.nan
         rows.append(row)
-        if factor.key == MOTION and question.sets is not None and question.sets.shape[1] > 1:
-            continue
-        groups = [y[u < SHARE], y[u >= 1 - SHARE]]
-        if factor.options:
-            chosen = choice_of(u, factor.options)
-            groups = sorted((y[chosen == number] for number in np.unique(chosen)), key=np.mean)
-        for name, here in (("at_low", groups[0]), ("at_high", groups[-1])):
-            row[name] = here.mean() if here.size else np.nan
-            row[f"{name}_error"] = here.std(ddof=1) / np.sqrt(here.size) if here.size > 1 else np.nan
     return pd.DataFrame(rows)
 
 
@@ -384,8 +382,8 @@ def _where(plan: Plan, series: Sequence[Series]) -> pd.DataFrame:
 
 def _samples(plan: Plan, question: Sensitivity, series: Sequence[Series]) -> Table:
     """All samples in the order of the method with their outputs; a block for each point, case and analysis."""
-    count, are_keys = len(question.cube), [factor.key != MOTION for factor in question.factors]
-    keys, meant, units = key_columns(question.keys[0], question.cube[:, are_keys])
+    count = len(question.cube)
+    keys, meant, units = key_columns(question.inputs, question.cube)
     keys.insert(0, "sample", range(1, count + 1))
     keys.insert(1, "independent", np.isin(np.arange(count), question.independent).astype(int))
     if question.drawn is not None:
