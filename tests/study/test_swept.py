@@ -102,10 +102,10 @@ def test_equal_values_become_one_object_without_the_axes_along_which_nothing_cha
 
 def test_an_issue_at_all_values_of_an_axis_is_told_without_it():
     said = refusals("""
-    cases: {a: {link: pounding, floors: [2], gap: 1 cm}}
-    sweep: {buildings.soft.height: [[3 m, 4 m], [3 m, 5 m]], buildings.stiff.mass: [100 t, 200 t]}
+    cases: {a: {link: hertz}}
+    sweep: {cases.a.gap: [1 cm, 2 cm]}
     """)
-    assert said == ["stiff and soft have no common floor 2"]
+    assert said == ["'hertz_stiffness' is missing"]
 
 
 def test_an_issue_of_a_combination_names_both_values():
@@ -227,6 +227,7 @@ def test_a_damping_ratio_of_a_link_sets_the_restitution_of_impact_aside():
     cases: {a: {link: pounding, gap: 5 cm, damping_ratio: 5 %}, b: {link: pounding, gap: 5 cm}}
     """)
     (ratio,) = found.resolved.laws["a"].at(())
+    assert "restitution" not in found.resolved.complete_links["a"].at(())[0].values
     (restitution,) = found.resolved.laws["b"].at(())
     assert ratio.damping_ratio == 0.05
     assert restitution.damping_ratio == pytest.approx(-np.log(0.4) / np.hypot(np.pi, np.log(0.4)))
