@@ -28,7 +28,7 @@ from pounding_cli.study.links import (
     complete_links,
     find_floors,
     list_multiples,
-    resolve_multiples,
+    evaluate_multiples,
 )
 from pounding_cli.study.quantity import Quantity
 from pounding_cli.study.study import Study, build_study
@@ -110,7 +110,7 @@ def links_between(
         element = check_impact_names(read_spec(tree, ("impact",)), names)
         spec = check_case_names(name, read_spec(tree, ("cases", name)), names)
         links = check_links(name, spec, complete_links(name, spec, element))
-        stiffnesses = resolve_multiples(list_multiples(links, element), group)
+        stiffnesses = evaluate_multiples(list_multiples(links, element), group)
         floors = find_floors(name, spec, group.meetings)
         laws = build_laws(links, element, {}, stiffnesses, floors)
         return build_links(links, laws, floors, group.meetings)

@@ -25,7 +25,7 @@ ALTERNATIVES: dict[str, tuple[Sides, ...]] = {
 
 
 def resolve_like(buildings: Map, name: str, resolved: dict[str, Any] | None = None) -> Any:
-    """Return a building as the file has it, with the keys that it takes from others.
+    """Return a building as the file has it with the keys that it takes from others, each with line and column.
 
     resolved : buildings that were resolved before, by name; those resolved now are added
 

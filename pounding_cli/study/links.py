@@ -406,7 +406,7 @@ def list_multiples(links: Sequence[CompleteLink], impact: Any) -> tuple[StoreyMu
     return tuple(multiples)
 
 
-def resolve_multiples(multiples: Sequence[StoreyMultiple], group: Group) -> tuple[tuple[StoreyMultiple, float], ...]:
+def evaluate_multiples(multiples: Sequence[StoreyMultiple], group: Group) -> tuple[tuple[StoreyMultiple, float], ...]:
     """Return multiples of a storey's stiffness, each with what it comes to [N/m]."""
     return tuple((multiple, group.stiffness(multiple)) for multiple in multiples)
 

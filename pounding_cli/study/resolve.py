@@ -32,7 +32,7 @@ from pounding_cli.study.links import (
     complete_links,
     find_floors,
     list_multiples,
-    resolve_multiples,
+    evaluate_multiples,
 )
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
@@ -52,7 +52,7 @@ class Resolved:
     group : the buildings in their places
     impact : the validated impact element
     complete_links : by case what is written of its links
-    laws : by case the laws of these links, None of no link
+    link_laws : by case the laws of these links, None of no link
     links : by case what stands between the buildings
     records, suite : the validated section, and the motions
     tail : free vibration after the motion [s]
@@ -63,7 +63,7 @@ class Resolved:
     group: Swept[Group]
     impact: Swept[Any]
     complete_links: Mapping[str, Swept[tuple[CompleteLink, ...]]]
-    laws: Mapping[str, Swept[tuple[LinkLaw | None, ...]]]
+    link_laws: Mapping[str, Swept[tuple[LinkLaw | None, ...]]]
     links: Mapping[str, Swept[tuple[Link, ...]]]
     records: Swept[Any]
     suite: Swept[Suite]
@@ -75,7 +75,7 @@ class Resolved:
 
 
 def tree_at(tree: Map, axes: Sequence[Axis], point: Point) -> Map:
-    """Return the file at a point of the sweep; -1 on an axis stands for what the file has itself."""
+    """Return the file at a point of the sweep; AS_WRITTEN on an axis stands for what the file itself has."""
     for axis, place in zip(axes, point, strict=True):
         for column in range(len(axis.names)) if place >= 0 else ():
             with suppress(IssuesFound):  # which `resolve` notes
@@ -205,9 +205,9 @@ class _Resolver:
         group = self.build_group(types)
         names = find_names(self.tree, self.specs)
         impact = self.sweep_spec("impact")
-        sound_impact = self.map(partial(check_impact_names, names=names), impact)
-        laws = self.build_own_laws()
-        contact = self.map(check_contact_law, sound_impact, laws)
+        impact_of_known_names = self.map(partial(check_impact_names, names=names), impact)
+        own_laws = self.build_own_laws()
+        checked_impact = self.map(check_contact_law, impact_of_known_names, own_laws)
         meetings = self.map(lambda group: group.meetings, group).merge_equal()
         complete, link_laws, links = {}, {}, {}
         for name in self.entries("cases"):
@@ -217,10 +217,10 @@ class _Resolver:
             sound_case = self.map(partial(check_case_names, name, names=names), case)
             floors = self.map(partial(find_floors, name), case, meetings)
             complete[name] = self.map(partial(complete_links, name), case, impact)
-            checked = self.map(partial(_check_links, name), sound_case, complete[name], sound_impact)
-            multiples = self.map(list_multiples, checked, contact).merge_equal()
-            stiffnesses = self.map(resolve_multiples, multiples, group).merge_equal()
-            link_laws[name] = self.map(build_laws, checked, contact, laws, stiffnesses, floors)
+            checked = self.map(partial(_check_links_if_impact_is_sound, name), sound_case, complete[name], impact_of_known_names)
+            multiples = self.map(list_multiples, checked, checked_impact).merge_equal()
+            stiffnesses = self.map(evaluate_multiples, multiples, group).merge_equal()
+            link_laws[name] = self.map(build_laws, checked, checked_impact, own_laws, stiffnesses, floors)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
@@ -260,6 +260,6 @@ class _Resolver:
         return sweep_part(self.tree, self.axes, ("laws",), read, self.issues)
 
 
-def _check_links(name: str, case: Any, links: tuple[CompleteLink, ...], _impact: Any) -> tuple[CompleteLink, ...]:
+def _check_links_if_impact_is_sound(name: str, case: Any, links: tuple[CompleteLink, ...], _impact: Any) -> tuple[CompleteLink, ...]:
     """Return the links of a case whose impact element is sound.  Raises IssuesFound."""
     return check_links(name, case, links)

@@ -28,7 +28,7 @@ from pounding_cli.study.like import resolve_all_likes
 from pounding_cli.study.motions import MotionReader, MotionUse
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
-from pounding_cli.study.swept import Point, Swept, sweep_map
+from pounding_cli.study.swept import AS_WRITTEN, Point, Swept, sweep_map
 from pounding_cli.study.written import build_study_spec, note_unknown_names, read_specs
 
 QUESTIONS = ("sensitivity", "optimise")
@@ -239,7 +239,7 @@ def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Prob
             if isinstance(issue, Problem):
                 problems.extend([issue])
                 continue
-            point = tuple(deciding.get(number, 0 if number in numbers else -1) for number in range(len(axes)))
+            point = _choose_point(deciding, numbers, len(axes))
             if point not in trees:
                 trees = {point: resolve_all_likes(tree_at(tree, axes, point))}
             problem, is_of_point = _place_issue(issue, deciding, trees[point], axes, problems.file)
@@ -251,6 +251,15 @@ def place_issues(issues: Issues, tree: Map, axes: Sequence[Axis], problems: Prob
     if not is_faulty and not problems.found:
         kept = sorted(at_points, key=lambda problem: (problem.line, problem.column, problem.message))
         problems.extend(kept[:MAX_AT_POINTS])
+
+
+def _choose_point(deciding: Mapping[int, int], numbers: tuple[int, ...], count: int) -> Point:
+    """Return the point of the sweep at which the file is looked at for the place of an issue.
+
+    deciding : places on the axes that decide about the issue
+    numbers : of the axes that the part depends on; of the others, `count` in all, the file itself stands
+    """
+    return tuple(deciding.get(number, 0 if number in numbers else AS_WRITTEN) for number in range(count))
 
 
 def _place_issue(

@@ -14,7 +14,9 @@ T = TypeVar("T", covariant=True)
 R = TypeVar("R")
 
 Point = tuple[int, ...]
-"""A point of the sweep: the place of its value on every axis, from 0."""
+"""A point of the sweep: the place of its value on every axis, from 0; AS_WRITTEN for what the file itself has."""
+
+AS_WRITTEN = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +58,12 @@ class Swept(Generic[T]):
         first: dict[Any, Any] = {}
         merged = [first.setdefault(value, value) for value in self.values.flat]
         values = build_array(merged, self.values.shape)
-        numbers = np.array([id(value) for value in merged]).reshape(values.shape)
+        identities = np.array([id(value) for value in merged]).reshape(values.shape)
         axes = list(self.axes)
         for place in reversed(range(len(axes))):
-            if (numbers == numbers.take([0], axis=place)).all():
+            if (identities == identities.take([0], axis=place)).all():
                 values = values.take(0, axis=place) if values.ndim > 1 else build_array([values[0]], ())
-                numbers = numbers.take(0, axis=place)
+                identities = identities.take(0, axis=place)
                 del axes[place]
         return Swept(tuple(axes), values)
 
@@ -82,7 +84,7 @@ def build_constant(value: R) -> Swept[R]:
 def sweep_map(build: Callable[..., R], *parts: Swept[Any], issues: Issues | None = None) -> Swept[R]:
     """Return `build(*values)` at every point of the axes that one of the parts depends on.
 
-    Points at which all parts have the same objects share one result. Where a part is None, as something is wrong with
+    Points at which all parts have the same objects (the same, not equal ones: see `merge_equal`) share one result. Where a part is None, as something is wrong with
     it, the result is None.
 
     Parameters

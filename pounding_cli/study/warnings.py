@@ -255,7 +255,7 @@ class _Warner:
             self._warn_ignored_blows(group, tree)
         impact = resolved.impact.at(point)
         for name, links in resolved.complete_links.items():
-            laws = resolved.laws[name].at(point)
+            laws = resolved.link_laws[name].at(point)
             if self._is_new(name, links.at(point), laws, group):
                 warn_case(links.at(point), laws, impact, group, tree, self.doubts)
         records = resolved.records.at(point)

@@ -86,7 +86,7 @@ def _note_missing(tree: Map, name: str, issues: Issues) -> None:
 def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues) -> Any:
     """Return a validated part of a study; None where it is faulty, which is noted."""
     try:
-        return _read_type(tree, path, kind, tree[str(path[0])])
+        return _validate(tree, path, kind, tree[str(path[0])])
     except IssuesFound as refused:
         issues.add_written(refused.issues)
         return None
@@ -94,6 +94,8 @@ def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues) -> Any:
 
 def read_spec(tree: Map, path: tuple[str, ...], parents: dict[str, Any] | None = None) -> Any:
     """Return a validated section, or an entry of one; `like:` of a building is resolved.
+
+    (`place_issues` resolves it again, to find lines.)
 
     parents : buildings that were resolved before, by name; those resolved now are added
 
@@ -105,20 +107,20 @@ def read_spec(tree: Map, path: tuple[str, ...], parents: dict[str, Any] | None =
         field = StudySpec.model_fields[path[0]]
         if path[0] not in tree:
             return field.get_default()
-        return _read_type(tree, path, field.rebuild_annotation(), tree[path[0]])
+        return _validate(tree, path, field.rebuild_annotation(), tree[path[0]])
     section, name = path
     value = resolve_like(tree[section], name, parents) if section == "buildings" else tree[section][name]
-    return _read_type(tree, path, ENTRIES[section][1], value)
+    return _validate(tree, path, ENTRIES[section][1], value)
 
 
-def _read_type(tree: Map, path: KeyPath, kind: Any, value: Any) -> Any:
+def _validate(tree: Map, path: KeyPath, kind: Any, value: Any) -> Any:
     try:
         return _adapter(kind).validate_python(value)
     except ValidationError as error:
-        raise IssuesFound(describe_errors(error, path, StudySpec, _with_part(tree, path, value))) from None
+        raise IssuesFound(describe_errors(error, path, StudySpec, _with_merged_building(tree, path, value))) from None
 
 
-def _with_part(tree: Map, path: KeyPath, value: Any) -> Map:
+def _with_merged_building(tree: Map, path: KeyPath, value: Any) -> Map:
     """Return the tree with a building as it is validated, which messages look at."""
     if path[0] != "buildings" or len(path) < 2:
         return tree
@@ -137,7 +139,7 @@ def _find_orphan_issues(tree: Map, name: str, refused: IssuesFound) -> list[Issu
         return []
     orphan = Map({key: value for key, value in building.items() if key != "like"}, building.mark, building.marks)
     try:
-        _read_type(tree, ("buildings", name), BuildingSpec, orphan)
+        _validate(tree, ("buildings", name), BuildingSpec, orphan)
     except IssuesFound as found:
         return [issue for issue in iter_issues(found) if any(not str(s).startswith("(") for s in issue.path[2:])]
     return []
