@@ -25,7 +25,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver.solve import solve
-from pounding_cli.study import load_study
+from pounding_cli.study.study import load_study
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "contact.md"

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 import pounding_cli.study
-from pounding_cli.study import load_study, make_plan
+from pounding_cli.study.plan import make_plan
+from pounding_cli.study.study import load_study
 
 ROOT = Path(__file__).parents[2]
 STUDY = Path(pounding_cli.study.__file__).parent
