@@ -25,7 +25,7 @@ from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Analysis, Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver.solve import solve
-from pounding_cli.study import load_study
+from pounding_cli.study import load_study_file
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parent / "contact.md"
@@ -98,7 +98,7 @@ def run(study: Path | dict[str, Any]) -> dict[str, pd.DataFrame]:
 
 def laws() -> dict[str, LinkLaw]:
     """Every law as the study has it, between its two roofs."""
-    links = load_study(STUDY).resolved.links["touching"]
+    links = load_study_file(STUDY).resolved.links["touching"]
     found = dict.fromkeys(at_point[-1].law for _, at_point in links.iter_values())
     return dict(zip(LOOKS, found, strict=True))
 
@@ -118,7 +118,7 @@ def blow(law: LinkLaw) -> tuple[float, float, float]:
 def stiffening() -> dict[str, Any]:
     """The study, with stiffer and stiffer contacts of every law, matched at each stiffness."""
     study = yaml.safe_load(STUDY.read_text(encoding="utf-8"))
-    checked = load_study(STUDY)
+    checked = load_study_file(STUDY)
     storey = max(float(each.stiffness.max()) for each in checked.group(checked.first_point).buildings)
     pairs = [matched(multiple * storey) for multiple in MULTIPLES]
     study["estimate"] = "none"

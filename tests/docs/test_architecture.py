@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import pounding_cli.study
-from pounding_cli.study import load_study, make_plan
+from pounding_cli.study import load_study_file, make_plan
 
 ROOT = Path(__file__).parents[2]
 STUDY = Path(pounding_cli.study.__file__).parent
@@ -40,7 +40,7 @@ def trace_calls(path: Path) -> list[str]:
     before = sys.getprofile()
     sys.setprofile(note)
     try:
-        make_plan(load_study(path)).scene(0)
+        make_plan(load_study_file(path)).scene(0)
     finally:
         sys.setprofile(before)
     return called
