@@ -349,6 +349,7 @@ class _BuildingSpec(Model):
 
     @property
     def lengths(self) -> dict[str, int]:
+        """Lengths of the keys that are given as lists; a new key that may be a list must be named here."""
         names = "mass", "height", "hardening", "stiffness", "yield_shear", "p_delta"
         found = {name: len(value) for name in names if isinstance(value := getattr(self, name), tuple)}
         if isinstance(self.stiffness, StiffnessAtSpec) and isinstance(self.stiffness.mass, tuple):
@@ -357,6 +358,7 @@ class _BuildingSpec(Model):
 
     @property
     def count(self) -> int | None:
+        """Number of storeys; None where nothing tells it."""
         if self.wall is not None:
             return 1
         return self.storeys if self.storeys is not None else next(iter(self.lengths.values()), None)

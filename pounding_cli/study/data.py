@@ -26,9 +26,9 @@ from pounding_cli.study.links import (
     check_impact_names,
     check_links,
     complete_links,
+    evaluate_multiples,
     find_floors,
     list_multiples,
-    evaluate_multiples,
 )
 from pounding_cli.study.quantity import Quantity
 from pounding_cli.study.study import Study, build_study

@@ -133,7 +133,8 @@ def with_value(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
 def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
     """Return the place where the value (or its key) at `path` begins.
 
-    Steps that the file lacks, as tags of unions, are passed over.
+    Steps that the file lacks, as tags of unions, are passed over: a key that a building takes by `like:` gives the
+    place of the building, unless `resolve_all_likes` was applied.
     """
     node = root() if callable(root) else root
     mark = own = getattr(node, "mark", (1, 1))

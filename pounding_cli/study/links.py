@@ -78,7 +78,8 @@ def complete_links(name: str, case: Any, impact: Any) -> tuple[CompleteLink, ...
     """Return the links of a case with what the case and `impact` say of them.
 
     A link takes from its case what its law has, except for a stiffness, which does not say whose it is; a law of
-    contact takes the rest from `impact`, others only losses and the tension cut.
+    contact takes the rest from `impact`, others only losses and the tension cut. The stiffness of `impact` is not among
+    the values: `build_laws` takes it where a link has none.
     """
     shared = case if isinstance(case, SeveralLinksSpec) else None
     return tuple(_complete_link(link, path, shared, name, impact) for link, path in list_links(name, case))
@@ -114,7 +115,7 @@ def _keys_of_law(law_name: str) -> frozenset[str]:
 
 
 def check_links(name: str, case: Any, links: tuple[CompleteLink, ...]) -> tuple[CompleteLink, ...]:
-    """Return the links of a case.
+    """Return the links of a case unchanged.
 
     Raises
     ------
@@ -252,7 +253,7 @@ class NamedInLink:
 
 
 def check_case_names(name: str, case: Any, names: Names) -> Any:
-    """Return a case.
+    """Return a case unchanged.
 
     Raises
     ------
@@ -278,7 +279,7 @@ def find_link_name_issues(link: NamedInLink, names: Names) -> list[Issue]:
 
 
 def check_impact_names(impact: Any, names: Names) -> Any:
-    """Return the impact element.  Raises IssuesFound: it names a law or a building that the study does not have."""
+    """Return the impact element unchanged.  Raises IssuesFound: it names a law or building that the study lacks."""
     issues = find_impact_name_issues(impact.law, impact.stiffness, names)
     if issues:
         raise IssuesFound(issues)
@@ -302,7 +303,7 @@ def _find_unknown_building(stiffness: Any, path: KeyPath, names: Names) -> list[
 
 
 def check_contact_law(impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
-    """Return the impact element.  Raises IssuesFound: a law of the study's own that it names is none of contact."""
+    """Return the impact element unchanged.  Raises IssuesFound: a law of the study's own that it names is none of contact."""
     contact = [name for name, law in laws.items() if law.is_contact]
     if impact.law in (*contact_laws(), *contact):
         return impact

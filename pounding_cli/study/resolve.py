@@ -30,9 +30,9 @@ from pounding_cli.study.links import (
     check_impact_names,
     check_links,
     complete_links,
+    evaluate_multiples,
     find_floors,
     list_multiples,
-    evaluate_multiples,
 )
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
 from pounding_cli.study.own_laws import build_own_laws
@@ -217,7 +217,9 @@ class _Resolver:
             sound_case = self.map(partial(check_case_names, name, names=names), case)
             floors = self.map(partial(find_floors, name), case, meetings)
             complete[name] = self.map(partial(complete_links, name), case, impact)
-            checked = self.map(partial(_check_links_if_impact_is_sound, name), sound_case, complete[name], impact_of_known_names)
+            checked = self.map(
+                partial(_check_links_if_impact_is_sound, name), sound_case, complete[name], impact_of_known_names
+            )
             multiples = self.map(list_multiples, checked, checked_impact).merge_equal()
             stiffnesses = self.map(evaluate_multiples, multiples, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, checked_impact, own_laws, stiffnesses, floors)
@@ -260,6 +262,8 @@ class _Resolver:
         return sweep_part(self.tree, self.axes, ("laws",), read, self.issues)
 
 
-def _check_links_if_impact_is_sound(name: str, case: Any, links: tuple[CompleteLink, ...], _impact: Any) -> tuple[CompleteLink, ...]:
+def _check_links_if_impact_is_sound(
+    name: str, case: Any, links: tuple[CompleteLink, ...], _impact: Any
+) -> tuple[CompleteLink, ...]:
     """Return the links of a case whose impact element is sound.  Raises IssuesFound."""
     return check_links(name, case, links)

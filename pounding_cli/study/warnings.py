@@ -594,6 +594,10 @@ def warn_held_period(study: Study, notes: Problems) -> None:
         notes.add(mark, message, f"{hint}{likewise}; otherwise leave it, {AS_MEANT}")
 
 
+MASS_KEYS = frozenset({"mass"})
+"""Keys of a building that change its floor masses."""
+
+
 def _varied_masses(root: Map) -> Iterator[tuple[str, Mark, frozenset[str]]]:
     """Yield the keys of masses that vary, where each stands, and the keys that move with it."""
     for section in (("sweep",), ("uncertain",), ("optimise", "over")):
@@ -601,7 +605,7 @@ def _varied_masses(root: Map) -> Iterator[tuple[str, Mark, frozenset[str]]]:
         for holder in node if isinstance(node, list) else [node]:
             for key in holder if isinstance(holder, Map) else ():
                 section_of_key, _, rest = key.partition(".")
-                if section_of_key == "buildings" and rest.split(".")[1:2] == ["mass"]:
+                if section_of_key == "buildings" and set(rest.split(".")[1:2]) & MASS_KEYS:
                     beside = frozenset(holder) if isinstance(node, list) else frozenset[str]()
                     yield key, holder.marks[key][0], beside
 

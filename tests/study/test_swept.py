@@ -226,9 +226,9 @@ def test_a_damping_ratio_of_a_link_sets_the_restitution_of_impact_aside():
     impact: {restitution: 0.4}
     cases: {a: {link: pounding, gap: 5 cm, damping_ratio: 5 %}, b: {link: pounding, gap: 5 cm}}
     """)
-    (ratio,) = found.resolved.laws["a"].at(())
+    (ratio,) = found.resolved.link_laws["a"].at(())
     assert "restitution" not in found.resolved.complete_links["a"].at(())[0].values
-    (restitution,) = found.resolved.laws["b"].at(())
+    (restitution,) = found.resolved.link_laws["b"].at(())
     assert ratio.damping_ratio == 0.05
     assert restitution.damping_ratio == pytest.approx(-np.log(0.4) / np.hypot(np.pi, np.log(0.4)))
 
