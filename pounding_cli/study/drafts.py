@@ -76,7 +76,7 @@ def _leave_out(case: Any, steps: Sequence[str | int], path: KeyPath, left_out: s
         links = Items(case[key], case[key].mark, case[key].marks)
         links[number] = _leave_out_of_link(links[number], steps[2:], (*path, key, number), left_out)
         return Map({**case, key: links}, case.mark, case.marks)
-    if key in ("link", "links"):
+    if key == "links" or (key == "link" and "links" not in case):
         return None
     left_out.add((*path, key))
     return Map({name: value for name, value in case.items() if name != key}, case.mark, case.marks)

@@ -169,6 +169,14 @@ def test_sound_links_of_a_faulty_case_are_looked_at_too():
     }
 
 
+def test_links_beside_a_link_of_the_case_itself_are_looked_at_too():
+    said = refusals("cases: {a: {gap: 5 cm, link: pounding, links: [{link: maxwell}]}}")
+    assert set(said) == {
+        "'link' beside `links:` does not apply to them, or does not say which it is of",
+        "'damping_coefficient' is missing",
+    }
+
+
 def test_a_word_of_another_law_under_impact_is_refused_in_words():
     said = refusals("""
     impact: {law: jankowski, hertz_stiffness: 5e9 N/m^1.5, damping_formula: jankowski}
