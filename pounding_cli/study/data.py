@@ -109,7 +109,7 @@ def links_between(
         names = Names((), tuple(types), len(buildings) - 1)
         element = check_impact_names(read_spec(tree, ("impact",)), names)
         spec = check_case_names(name, read_spec(tree, ("cases", name)), names)
-        links = check_links(name, spec, complete_links(name, spec, element))
+        links = check_links(name, spec, complete_links(name, spec, element), names)
         stiffnesses = evaluate_multiples(list_multiples(links, element), group)
         floors = find_floors(name, spec, group.meetings)
         laws = build_laws(links, element, {}, stiffnesses, floors)

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from pounding_cli.laws import link_laws
 from pounding_cli.study.file import Items, Map, get
 from pounding_cli.study.issues import IssuesFound, KeyPath
-from pounding_cli.study.link_specs import NO_LINK, CaseSpec, SeveralLinksSpec
+from pounding_cli.study.link_specs import NO_LINK, CaseSpec, ImpactSpec, SeveralLinksSpec
 from pounding_cli.study.links import (
     NamedInLink,
     Names,
@@ -26,6 +26,7 @@ MAX_PRUNINGS = 5
 """Times that faulty keys are left out, as others may come to light behind them."""
 
 _ADAPTER: TypeAdapter[Any] = TypeAdapter(CaseSpec)
+_IMPACT_ADAPTER: TypeAdapter[Any] = TypeAdapter(ImpactSpec)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +91,22 @@ def _leave_out_of_link(link: Any, steps: Sequence[str | int], path: KeyPath, lef
         return Map({name: value for name, value in link.items() if name != key}, link.mark, link.marks)
     left_out.add(path)
     return NO_LINK
+
+
+def read_impact_draft(tree: Map) -> tuple[Any, tuple[str, ...]]:
+    """Return the impact element without its faulty keys, None where too little is left; and these keys."""
+    impact = tree.get("impact")
+    if not isinstance(impact, Map):
+        return None, ()
+    try:
+        return _IMPACT_ADAPTER.validate_python(impact), ()
+    except ValidationError as error:
+        left_out = tuple({str(item["loc"][0]) for item in error.errors(include_url=False) if item["loc"]})
+        sound = {key: value for key, value in impact.items() if key not in left_out}
+    try:
+        return _IMPACT_ADAPTER.validate_python(sound), left_out
+    except ValidationError:
+        return None, left_out
 
 
 def check_draft_names(draft: DraftCase, names: Names) -> None:

@@ -114,15 +114,20 @@ def _keys_of_law(law_name: str) -> frozenset[str]:
     return frozenset() if law_name == NO_LINK else frozenset({"gap"})
 
 
-def check_links(name: str, case: Any, links: tuple[CompleteLink, ...]) -> tuple[CompleteLink, ...]:
-    """Return the links of a case unchanged.
+def check_links(
+    name: str, case: Any, links: tuple[CompleteLink, ...], names: Names, left_out: Collection[str] = ()
+) -> tuple[CompleteLink, ...]:
+    """Return the links of a case unchanged; those of unknown laws are not looked at.
+
+    left_out : keys that `impact` has, but faulty
 
     Raises
     ------
     IssuesFound : a key is missing, does not apply to the law of its link, or to no link of the case
     """
-    issues = [issue for link in links for issue in find_key_issues(link)]
-    if isinstance(case, SeveralLinksSpec):
+    known = [link for link in links if link.law in (*link_laws(), *names.laws, NO_LINK)]
+    issues = [issue for link in known for issue in find_key_issues(link, left_out)]
+    if isinstance(case, SeveralLinksSpec) and len(known) == len(links):
         issues += find_idle_shared_keys(name, case, links)
     if issues:
         raise IssuesFound(issues)
@@ -303,7 +308,7 @@ def _find_unknown_building(stiffness: Any, path: KeyPath, names: Names) -> list[
 
 
 def check_contact_law(impact: Any, laws: Mapping[str, OwnLaw]) -> Any:
-    """Return the impact element unchanged.  Raises IssuesFound: a law of the study's own that it names is none of contact."""
+    """Return the impact element unchanged.  Raises IssuesFound: it names a law of the study that is none of contact."""
     contact = [name for name, law in laws.items() if law.is_contact]
     if impact.law in (*contact_laws(), *contact):
         return impact

@@ -15,7 +15,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.buildings import build_building, find_code_displacements
-from pounding_cli.study.drafts import check_draft, check_draft_names, read_draft
+from pounding_cli.study.drafts import check_draft, check_draft_names, read_draft, read_impact_draft
 from pounding_cli.study.file import Map, get, with_value
 from pounding_cli.study.group import Group, build_group, check_group_names
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
@@ -214,12 +214,13 @@ class _Resolver:
             case = self.sweep_spec("cases", name)
             if not case.is_sound:
                 self.note_faulty_case(name, impact, meetings, names)
+            if not impact.is_sound:
+                self.note_keys_beside_faulty_impact(name, case, names)
             sound_case = self.map(partial(check_case_names, name, names=names), case)
             floors = self.map(partial(find_floors, name), case, meetings)
             complete[name] = self.map(partial(complete_links, name), case, impact)
-            checked = self.map(
-                partial(_check_links_if_impact_is_sound, name), sound_case, complete[name], impact_of_known_names
-            )
+            with_sound_keys = self.map(partial(check_links, name, names=names), case, complete[name])
+            checked = self.map(_take_links, with_sound_keys, sound_case, impact_of_known_names)
             multiples = self.map(list_multiples, checked, checked_impact).merge_equal()
             stiffnesses = self.map(evaluate_multiples, multiples, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, checked_impact, own_laws, stiffnesses, floors)
@@ -235,6 +236,13 @@ class _Resolver:
         self.map(partial(check_draft, name, names=names), drafts, impact)
         cases = self.map(lambda draft: draft.case, drafts)
         self.map(partial(find_floors, name), cases, meetings)
+
+    def note_keys_beside_faulty_impact(self, name: str, case: Swept[Any], names: Names) -> None:
+        """Note what is wrong with the keys of the links of a case where `impact` is faulty."""
+        impact, left_out = read_impact_draft(self.tree)
+        if impact is not None:
+            links = self.map(lambda spec: complete_links(name, spec, impact), case)
+            self.map(partial(check_links, name, names=names, left_out=left_out), case, links)
 
     def build_group(self, types: Mapping[str, Swept[Building]]) -> Swept[Group]:
         """Return the buildings in their places."""
@@ -262,8 +270,6 @@ class _Resolver:
         return sweep_part(self.tree, self.axes, ("laws",), read, self.issues)
 
 
-def _check_links_if_impact_is_sound(
-    name: str, case: Any, links: tuple[CompleteLink, ...], _impact: Any
-) -> tuple[CompleteLink, ...]:
-    """Return the links of a case whose impact element is sound.  Raises IssuesFound."""
-    return check_links(name, case, links)
+def _take_links(links: tuple[CompleteLink, ...], _case: Any, _impact: Any) -> tuple[CompleteLink, ...]:
+    """Return the links of a case; None stands where case or impact element is faulty (`sweep_map`)."""
+    return links

@@ -84,8 +84,8 @@ def build_constant(value: R) -> Swept[R]:
 def sweep_map(build: Callable[..., R], *parts: Swept[Any], issues: Issues | None = None) -> Swept[R]:
     """Return `build(*values)` at every point of the axes that one of the parts depends on.
 
-    Points at which all parts have the same objects (the same, not equal ones: see `merge_equal`) share one result. Where a part is None, as something is wrong with
-    it, the result is None.
+    Points at which all parts have the same objects (the same, not equal ones: see `merge_equal`) share one result.
+    Where a part is None, as something is wrong with it, the result is None.
 
     Parameters
     ----------
