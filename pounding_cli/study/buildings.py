@@ -26,7 +26,8 @@ def build_building(name: str, spec: BuildingSpec) -> Building:
     IssuesFound : it cannot stand
     """
     try:
-        return _build_wall(name, spec.wall) if spec.wall is not None else _build_frame(name, spec)
+        with np.errstate(all="ignore"):  # what is not finite in the end is refused
+            return _build_wall(name, spec.wall) if spec.wall is not None else _build_frame(name, spec)
     except (ValueError, ArithmeticError) as error:
         path = ("buildings", name, "p_delta") if isinstance(error, UnstableError) else ("buildings", name)
         hint = "check its masses, heights, period, stiffness and P-Delta"
