@@ -1,11 +1,31 @@
-"""Numbers in the sentences a user reads: what is counted, and quantities in the unit a study wrote."""
+"""Numbers as a user reads them: results, counts, times, and quantities in the unit a study wrote."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
+
+NOTHING = "–"
+"""Stands where there is no number."""
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def format_number(value: float, digits: int = 4) -> str:
+    """Return a computed number with its significant digits: 1.234, 12.34, 3.100×10⁻⁹; `NOTHING` if it is not finite."""
+    if not math.isfinite(value):
+        return NOTHING
+    if value == 0:
+        return "0"
+    mantissa, power = f"{value:.{digits - 1}e}".split("e")
+    exponent = int(power)
+    if -3 <= exponent < 6:
+        decimals = max(digits - 1 - exponent, 0)
+        return f"{value:.{decimals}f}".replace("-", "−")
+    return f"{mantissa}×10{str(exponent).translate(_SUPERSCRIPTS)}".replace("-", "−")
 
 
 def pluralize(number: int, one: str, many: str = "") -> str:
@@ -56,7 +76,7 @@ class Unit:
         return float(f"{value / self.factor:.12g}")
 
     def text(self, value: Any, digits: int = 6) -> str:
-        """An SI value for people: "0.7 g"; texts are returned as they are."""
+        """Return an SI value as a study would write it: "0.7 g"; texts are returned as they are."""
         if isinstance(value, str):
             return value
         rounded = float(f"{self.number(float(value)):.{digits}g}")

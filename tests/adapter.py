@@ -24,7 +24,7 @@ from pounding_cli.laws.foundation import Rubber as Rubber
 from pounding_cli.laws.joints import Connector as Connector
 from pounding_cli.records.hazard import read_hazard as read_hazard
 from pounding_cli.report import report as report
-from pounding_cli.report.accuracy import cheapest as cheapest
+from pounding_cli.questions.accuracy.report import cheapest as cheapest
 from pounding_cli.report.sweep import Asked as Asked
 from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates
@@ -32,11 +32,11 @@ from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
 from pounding_cli.study import load_study_file, make_plan, study_of
 from pounding_cli.study.expression import parse_limit as parse_limit
-from pounding_cli.workflows import gap as gap
-from pounding_cli.workflows import search as search
-from pounding_cli.workflows.fragility import next_levels as next_levels
-from pounding_cli.workflows.hazard import Hazard as Hazard
-from pounding_cli.workflows.hazard import probability as probability
+from pounding_cli.questions import gap as gap
+from pounding_cli.questions import search as search
+from pounding_cli.questions.fragility.limits import next_levels as next_levels
+from pounding_cli.questions.hazard import Hazard as Hazard
+from pounding_cli.questions.hazard import probability as probability
 
 
 def sketch(results: pound.Results) -> Figure:

@@ -6,9 +6,8 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -20,15 +19,16 @@ from pounding_cli.batch.solve import Solver
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories
 from pounding_cli.outputs import check_output
+from pounding_cli.questions import load_question
 from pounding_cli.report.summary import Summary, program_digest, read_summary
-from pounding_cli.results.file import FORMAT_VERSION, facts, is_results, write
-from pounding_cli.results.histories import kept_histories
+from pounding_cli.results.file import FORMAT_VERSION, is_results, read_attributes, write_results
+from pounding_cli.results.histories import iter_kept_histories
+from pounding_cli.results.results import ResultTables
 from pounding_cli.results.solved import solution_key, solver_version
-from pounding_cli.workflows import workflow_of
 
 if TYPE_CHECKING:
+    from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study import Plan, Study
-    from pounding_cli.workflows.workflow import Workflow
 
 
 class Failure(NamedTuple):
@@ -49,6 +49,7 @@ class RunOutcome:
     content : SHA-256 of all that the results follow from
     solver_seconds : time inside the solver now, all workers together [s]
     wall_seconds : from start to file [s]
+    results : what was written; None of results that were current
     """
 
     path: Path
@@ -61,20 +62,21 @@ class RunOutcome:
     workers: int
     solver_seconds: float
     wall_seconds: float
+    results: ResultTables | None = None
 
 
-def get_workflow(name: str) -> Callable[[Study], Workflow]:
-    """Return the workflow of that name, to be called with a study.  Raises InputError where there is none."""
+def ask_question(name: str, study: Study) -> StudyQuestion:
+    """Return a question asked of a study.  Raises InputError: there is none, or the study asks what has no answer."""
     if name == "sensitivity":
-        from pounding_cli.report.claims import at_samples
-        from pounding_cli.workflows.sensitivity import Sensitivity
+        from pounding_cli.paper.claims import at_samples
+        from pounding_cli.questions.sensitivity.indices import Sensitivity
 
-        return partial(Sensitivity, judge=at_samples)
-    return workflow_of(name)
+        return Sensitivity(study, judge=at_samples)
+    return load_question(name).ask(study)
 
 
 def run_study(
-    workflow: Workflow,
+    question: StudyQuestion,
     output: Path,
     *,
     progress: Progress | None = None,
@@ -95,12 +97,12 @@ def run_study(
     """
     begin = time.perf_counter()
     reporter = progress or Progress()
-    study = workflow.study
+    study = question.study
     workers_of = pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
-        content = compute_content_key(workflow)
-        _check_output(output, study, workflow.name, replace)
+        content = compute_content_key(question)
+        _check_output(output, study, question.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
             return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
@@ -109,32 +111,33 @@ def run_study(
         if cache.forget_other(f"solver {solver_version()} "):
             reporter.say(f"{cache.path} was made with another solver: all time histories are solved again")
         solver = stack.enter_context(contextlib.closing(Solver(cache, workers_of, reporter)))
-        if workflow.extent != "has":
-            reporter.expected = workflow.expected_count
+        if question.extent != "has":
+            reporter.expected = question.expected_count
         try:
-            result = workflow.run(solver)
+            answer = question.answer(solver)
         except KeyboardInterrupt:
             reporter.say(f"{count_histories(solver.solved)} solved now and kept in {cache.path}")
             raise
-        plan = result.plan
-        histories = kept_histories(plan, result.contents, reporter.say)
+        plan = answer.plan
+        histories = iter_kept_histories(plan, answer.arrays, reporter.say)
         attributes = {
             "content": content,
             "study_file": _place_of(study, output),
-            "answers": json.dumps([table.name for table in result.tables]),
+            "answers": json.dumps([table.name for table in answer.tables]),
             "scenes_solved_last": solver.solved,
             "scenes_reused_last": solver.reused,
             "wall_seconds_last": time.perf_counter() - begin,
             "engine": solver.engine,
             "workers": solver.workers,
         }
-        contents = result.contents._replace(attrs={**result.contents.attrs, **attributes})
-        write(output, contents, result.tables, histories)
+        arrays = answer.arrays.with_attrs(attributes)
+        write_results(output, arrays, answer.tables, histories)
         if replace:
             cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
     return RunOutcome(
         output, content, solver.solved - len(solver.failed), len(solver.failed), solver.reused,
         tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
+        ResultTables(output, arrays, answer.tables),
     )  # fmt: skip
 
 
@@ -150,10 +153,10 @@ def summarize(outcome: RunOutcome) -> Summary:
             summary = read_summary(cache.find_summary(key) or "")
             if summary is not None:
                 return summary
-    from pounding_cli.api.studies import open_results
-    from pounding_cli.report import report
+    from pounding_cli.questions.reports import build_report
 
-    summary = report(open_results(outcome.path)).summary
+    results = ResultTables(outcome.path) if outcome.results is None else outcome.results
+    summary = build_report(results).summary
     if path.exists():
         with contextlib.suppress(InputError), contextlib.closing(Cache(path)) as cache:
             cache.keep_summary(key, summary.to_json())
@@ -175,7 +178,7 @@ def _check_output(path: Path, study: Study, workflow: str, replace: bool) -> Non
     if replace or not path.exists() or not path.stat().st_size:
         return
     try:
-        attributes = facts(path, version=None)
+        attributes = read_attributes(path, version=None)
     except InputError:
         obstacle = "damaged results whose study cannot be read"
     else:

@@ -140,10 +140,10 @@ def history(scene: Scene, every: float | str = "2 ms", accuracy: float = 1e-6) -
     ------
     InputError : the output step is not above zero; the run did not end, and why
     """
-    from pounding_cli.results.histories import History, as_group
+    from pounding_cli.results.histories import History, to_arrays
     from pounding_cli.solver.histories import solve_history
 
-    return History(as_group(solve_history(scene, accuracy, quantity(_EVERY, every, "every"))).dataset())
+    return History(to_arrays(solve_history(scene, accuracy, quantity(_EVERY, every, "every"))).to_dataset())
 
 
 def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion:

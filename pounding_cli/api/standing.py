@@ -18,24 +18,24 @@ from pounding_cli.batch.forecast import Duration, expected_duration, measure_rat
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import join_limited
 from pounding_cli.results.changes import changed_keys, read_resolved
-from pounding_cli.results.file import facts
+from pounding_cli.results.file import read_attributes
 from pounding_cli.results.solved import Solved, solution_key
 
 if TYPE_CHECKING:
+    from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study import Plan
-    from pounding_cli.workflows.workflow import Workflow
 
 MAX_NAMED_KEYS = 4
 """Changed keys that are named."""
 
 
-def compute_content_key(workflow: Workflow) -> str:
+def compute_content_key(question: StudyQuestion) -> str:
     """Return the SHA-256 of all that results follow from: the study, its scenes, the solver."""
-    plan = workflow.plan
+    plan = question.plan
     study = plan.study
     kept = (plan.kept, plan.every)
     resolved = json.dumps(study.to_plain_data(), default=str, sort_keys=True)
-    text = repr((solution_key(plan), workflow.name, study.title, study.text, resolved, kept))
+    text = repr((solution_key(plan), question.name, study.title, study.text, resolved, kept))
     return hashlib.sha256(text.encode() + plan.digests.tobytes() + plan.numbers.tobytes()).hexdigest()
 
 
@@ -45,7 +45,7 @@ def find_current(output: Path, content: str) -> int | None:
     None where the file is missing, cannot be read, holds something else, or lacks some.
     """
     try:
-        attributes = facts(output)
+        attributes = read_attributes(output)
         is_same = attributes["content"] == content and int(attributes["scenes_failed"]) == 0
         return int(attributes["scenes"]) if is_same else None
     except (InputError, KeyError):
@@ -75,13 +75,13 @@ class Standing:
         return max(self.total - self.solved, 0)
 
 
-def find_standing(workflow: Workflow, output: Path) -> Standing:
+def find_standing(question: StudyQuestion, output: Path) -> Standing:
     """Return how far a question is solved whose results are at `output`; nothing is solved, compiled or written.
 
     Raises InputError: another run is at work on these results.
     """
-    plan = workflow.plan
-    count = find_current(output, compute_content_key(workflow))
+    plan = question.plan
+    count = find_current(output, compute_content_key(question))
     if count is not None:
         return Standing(True, count, count, (), Duration(0.0, ()))
     every = np.arange(len(plan))
@@ -95,7 +95,7 @@ def find_standing(workflow: Workflow, output: Path) -> Standing:
         others = cache.count_by_key([plan.digests[number].tobytes() for number in every[~solved.there[:-1]]])
         reasons = tuple(_iter_reasons(plan, solved, others, output, cache.was_damaged))
     rates = measure_rates(plan, every[ended], solved.values["seconds"])
-    total = max(workflow.expected_count, len(plan) if workflow.extent == "has" else 0)
+    total = max(question.expected_count, len(plan) if question.extent == "has" else 0)
     missing = every[~ended]
     left = max(total - int(ended.sum()), 0)
     duration = expected_duration(plan, missing if missing.size else every, left, rates)

@@ -19,9 +19,12 @@ def load_study(source: str | Path | Mapping[str, Any]) -> Study:
     ------
     InputError : with every problem found, each with line and column, or in a dict with its key
     """
+    from pounding_cli.questions import study_model
     from pounding_cli.study import load_study_file, study_of
 
-    return study_of(source) if isinstance(source, Mapping) else load_study_file(Path(source))
+    if isinstance(source, Mapping):
+        return study_of(source, study_model())
+    return load_study_file(Path(source), study_model())
 
 
 def run(
@@ -56,13 +59,12 @@ def run(
     Scenes that fail have a status other than "done" in `Results.scene()`, and NaN in the other tables; so do scenes in
     which a storey collapses ("collapsed"), which are no failures.
     """
-    from pounding_cli.api.running import get_workflow, run_study
+    from pounding_cli.api.running import ask_question, run_study
 
-    workflow_type = get_workflow(workflow)
     loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
     path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
     run_study(
-        workflow_type(loaded),
+        ask_question(workflow, loaded),
         path,
         progress=progress,
         workers=workers,

@@ -22,7 +22,7 @@ from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
     from pounding_cli.batch.attempt import Task
-    from pounding_cli.results.group import Group
+    from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.study.plan import Plan
 
 GROUP_SECONDS = 0.2
@@ -111,11 +111,11 @@ class Solver:
             self._solve(plan, wanted[missing], solved)
         return solved
 
-    def contents(self, plan: Plan, numbers: np.ndarray | None = None) -> Group:
+    def contents(self, plan: Plan, numbers: np.ndarray | None = None) -> ResultArrays:
         """All that a results file says of a plan: see `responses` and `results.dataset`."""
-        from pounding_cli.results.dataset import contents
+        from pounding_cli.results.dataset import build_arrays
 
-        return contents(plan, self.responses(plan, numbers))
+        return build_arrays(plan, self.responses(plan, numbers))
 
     def _find(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
         """Take some scenes from the cache."""

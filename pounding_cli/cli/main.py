@@ -14,7 +14,7 @@ import click
 
 from pounding_cli import __version__
 from pounding_cli.errors import InputError
-from pounding_cli.workflows import TITLES
+from pounding_cli.questions import TITLES
 
 COMMANDS = {
     "init": ("study", "Write a commented study to start from."),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import shutil
+import sys
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
@@ -13,17 +15,14 @@ import click
 from pounding_cli.cli.options import FILE, open_file, quiet_option, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, join_limited, pluralize
-from pounding_cli.results.tables import ANSWERS
-from pounding_cli.results.tables import TABLES as OF_SCENES
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pounding_cli.report.sweep import Asked
+    from pounding_cli.report.sweep import SweepChoice
     from pounding_cli.results.compare import Comparison
     from pounding_cli.results.results import ResultTables
 
-TABLES = (*OF_SCENES, *(table for tables in ANSWERS.values() for table in tables))
 _ASIDE = {
     "summary": ("_error", "_sensitivity", "_std", "_min"),
     "scene": (
@@ -37,6 +36,32 @@ _FEW = 12
 """Lines of one kind that `pound compare` shows unless all are asked for."""
 _PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
 """What figures over a sweep may fix besides swept keys."""
+
+
+def _complete_table(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Return the names of tables that begin with some letters, for a shell."""
+    return [name for name in _table_names() if name.startswith(incomplete)]
+
+
+def _table_names() -> list[str]:
+    """Return the names of all tables that results files may have."""
+    from pounding_cli.questions import load_questions
+    from pounding_cli.results.columns import TABLES
+
+    return [*TABLES, *(table for question in load_questions() for table in question.tables)]
+
+
+def _check_tables(results: ResultTables, names: Sequence[str]) -> None:
+    """Raise `InputError` for a table that a results file does not have, with the command that writes it."""
+    from pounding_cli.questions import load_questions
+
+    for name in names:
+        if name in results.tables:
+            continue
+        command = next((question.name for question in load_questions() if name in question.tables), "")
+        hint = f"write it with: pound {command} STUDY" if command else f"it has: {', '.join(results.tables)}"
+        raise InputError(Problem(f"has no table {name}", hint, str(results.path)))
+
 
 rows_options = together(
     click.option("--case", multiple=True, help="Only this case; may be given more than once."),
@@ -104,7 +129,7 @@ def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
 
 @click.command()
 @click.argument("file", type=FILE, metavar="FILE.h5")
-@click.argument("table", type=click.Choice(TABLES), required=False, metavar="[TABLE]")
+@click.argument("table", required=False, metavar="[TABLE]", shell_complete=_complete_table)
 @click.option(
     "--format", "form", type=click.Choice(("table", "csv")), default="table", show_default=True,
     help="table: aligned columns in the units of the study, or kN and mm; csv: every column, all digits in SI.",
@@ -119,10 +144,12 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
+    from pounding_cli.tables import Table
     from pounding_cli.texts import escape_formulas
 
     results = open_file(file)
     table = table or (results.answers[0] if results.answers else "summary")
+    _check_tables(results, [table])
     frame = _filtered(results, results.table(table), _wanted(**rows), table)
     sentences = [name for name in ("effects", "dropped", "flags", "flag_severity", "advice") if name in frame.columns]
     frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
@@ -130,7 +157,9 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
         click.echo(escape_formulas(frame).to_csv(index=False, lineterminator="\n"), nl=False)
         return
     aside = [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
-    click.echo(f"{results.title}\n{_aligned(results, table, frame.drop(columns=aside))}")
+    shown = Table(table, frame, [results.column(table, str(name)) for name in frame.columns if name not in aside])
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    click.echo(f"{results.title}\n{shown.to_text(width, max_rows=len(frame)) if len(frame) else 'no rows'}".rstrip())
     if aside:
         click.echo(f"{pluralize(len(aside), 'more column')} with --format csv: {', '.join(map(str, aside))}", err=True)
 
@@ -139,32 +168,14 @@ def _filtered(
     results: ResultTables, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str
 ) -> pd.DataFrame:
     """The rows asked for; a key or value that is not there is refused with those that are."""
-    from pounding_cli.report.table import find_unit
-
     chosen = dict[str, list[Any]]()
     for given, text in wanted:
         key = _key(given, list(map(str, frame.columns)), f"the table {table}")
         there = results.axes.get(key, list(dict.fromkeys(frame[key])))
-        chosen.setdefault(key, []).extend(_meant(there, text, find_unit(results, table, key), key))
+        chosen.setdefault(key, []).extend(_meant(there, text, results.column(table, key).unit, key))
     for key, values in chosen.items():
         frame = frame[frame[key].isin(values)]
     return frame
-
-
-def _aligned(results: ResultTables, table: str, frame: pd.DataFrame) -> str:
-    """Return columns under their names with units, those of the study or kN and mm, and numbers to four digits."""
-    import pandas as pd
-
-    from pounding_cli.report.table import find_unit
-
-    if frame.empty:
-        return "no rows"
-    units = {name: find_unit(results, table, name) for name in map(str, frame)}
-    for name, unit in units.items():
-        if unit.factor != 1 and pd.api.types.is_numeric_dtype(frame[name]):
-            frame = frame.assign(**{name: [unit.number(value) for value in frame[name]]})
-    headings = {name: unit.label(name) for name, unit in units.items()}
-    return frame.rename(columns=headings).to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep="-")
 
 
 @click.command()
@@ -195,10 +206,9 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
-    from pounding_cli.report import find_no_sweep
-    from pounding_cli.report import report as of
-    from pounding_cli.report.claims import verdicts
-    from pounding_cli.report.comparison import write_comparison
+    from pounding_cli.paper.claims import list_claim_sections, verdicts
+    from pounding_cli.paper.comparison import write_comparison
+    from pounding_cli.questions.reports import build_report, find_no_sweep
     from pounding_cli.report.style import OF_PAPERS, for_paper
 
     choices = _list_choices(quantities, rows)
@@ -215,7 +225,7 @@ def report(
     reports = []
     for path, (_, results) in zip(files, opened, strict=True):
         asked = _asked(results, quantities, _wanted(**rows)) if choices and path not in without_sweep else None
-        reports.append(of(results, asked))
+        reports.append(build_report(results, asked, list_claim_sections(results)))
     for each in reports:
         each.sections  # noqa: B018  # all that is asked for is refused before anything is written
     for (folder, results), made in zip(opened, reports, strict=True):
@@ -249,9 +259,9 @@ def _refuse_contradictions(paper: bool, no_figures: bool, formats: Sequence[str]
         raise InputError(Problem(message, "leave one of them out"))
 
 
-def _asked(results: ResultTables, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> Asked:
+def _asked(results: ResultTables, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> SweepChoice:
     """Return what is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
-    from pounding_cli.report.sweep import Asked
+    from pounding_cli.report.sweep import SweepChoice
 
     places = dict[str, Any]()
     at = dict[str, Any]()
@@ -263,7 +273,7 @@ def _asked(results: ResultTables, quantities: tuple[str, ...], wanted: Sequence[
             at[key] = _meant(results.axes[key], text, results.units[key], key)[0]
         else:
             places[key] = text
-    return Asked(quantities, places, at)
+    return SweepChoice(quantities, places, at)
 
 
 def _folders(files: Sequence[Path], output: Path | None) -> list[Path]:
@@ -277,7 +287,7 @@ def _folders(files: Sequence[Path], output: Path | None) -> list[Path]:
 
 @click.command()
 @click.argument("file", type=FILE, metavar="FILE.h5")
-@click.argument("tables", nargs=-1, type=click.Choice(TABLES), metavar="[TABLE]...")
+@click.argument("tables", nargs=-1, metavar="[TABLE]...", shell_complete=_complete_table)
 @click.option("-o", "--output", type=FILE, metavar="PATH", help="A folder, or a file whose extension gives the format.")
 @click.option(
     "--format", "form", type=click.Choice(("csv", "parquet", "excel", "netcdf")),
@@ -305,7 +315,9 @@ def export(
         return
     if wanted:
         raise InputError(Problem(f"{'='.join(wanted[0])}: tables are exported whole", "leave it out, or --pelicun"))
-    for path in written(open_file(file), output, form, tables):
+    results = open_file(file)
+    _check_tables(results, tables)
+    for path in written(results, output, form, tables):
         click.echo(f"wrote {path}")
 
 
@@ -349,7 +361,7 @@ def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
 
 def _told(found: Comparison, everything: bool) -> Iterator[str]:
     """What changed, line by line."""
-    from pounding_cli.results.tables import column_of
+    from pounding_cli.results.columns import column_of
 
     keys = [
         f"{key}: {' -> '.join('nothing' if each is None else str(each) for each in two)}" for key, *two in found.keys
@@ -377,8 +389,9 @@ def _told(found: Comparison, everything: bool) -> Iterator[str]:
         what = pluralize(found.unestimated, "row carries", "rows carry")
         yield f"  {what} no error estimate: the accuracy asked or rounding is used instead."
     for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
-        unit = column_of(str(column), str(table)).unit.name
+        unit = column_of(str(column), table=str(table)).unit
         yield f"  {table} {column}:" if everything else f"  {table} {column}: {len(rows)} differ, most:"
         for row in (rows if everything else rows.head(1)).itertuples():
-            change = f"{row.before:.6g} -> {row.after:.6g} {unit}".rstrip()
+            values = [unit.text(value) for value in (row.before, row.after)]
+            change = " -> ".join(values)
             yield f"    {row.place}: {change}, by {row.difference:.1e}; carried {row.carried:.1e}"

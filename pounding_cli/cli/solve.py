@@ -18,14 +18,14 @@ import click
 from pounding_cli.cli.options import FILE, output_option, quiet_option, seconds, study_argument, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import format_duration, pluralize
-from pounding_cli.workflows import TITLES
+from pounding_cli.questions import TITLES
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import RunOutcome
     from pounding_cli.batch.progress import JsonLines
+    from pounding_cli.questions.optimise.optimum import Optimise
     from pounding_cli.solver.work_precision import Subject
     from pounding_cli.study import Study
-    from pounding_cli.workflows.optimise import Optimise
 
 solving_options = together(
     quiet_option,
@@ -102,19 +102,18 @@ def solve_study(
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    from pounding_cli.api.running import get_workflow, run_study, summarize
-    from pounding_cli.api.studies import default_output
+    from pounding_cli.api.running import ask_question, run_study, summarize
+    from pounding_cli.api.studies import default_output, load_study
     from pounding_cli.batch.progress import JsonLines, chosen
-    from pounding_cli.study import load_study_file
 
     log = JsonLines() if log_json else None
-    loaded = load_study_file(study)
+    loaded = load_study(study)
     for warning in loaded.warnings:
         if log:
             log.tell("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
-    asked = get_workflow(name)(loaded)
+    asked = ask_question(name, loaded)
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])
     outcome = run_study(asked, output or default_output(study, name), progress=log or chosen(quiet), **how)
@@ -180,7 +179,7 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
 def _write_best(asked: Optimise, results: Path, write: Path) -> bool:
     """Write the study with the best values that a results file has; whether there are such."""
     from pounding_cli.api.studies import open_results
-    from pounding_cli.workflows.optimise import NOTHING, OPTIMUM
+    from pounding_cli.questions.optimise.optimum import NOTHING, OPTIMUM
 
     table = open_results(results).answer(OPTIMUM).frame
     if table["outcome"].iloc[0] == NOTHING:
@@ -199,9 +198,9 @@ def _points(name: str, about: str, example: str) -> click.Command:
     @click.pass_context
     def command(ctx: click.Context, study: Path, output: Path | None, quiet: bool) -> None:
         from pounding_cli.outputs import check_folder, check_output
-        from pounding_cli.points import build_dataset, build_report, is_written_by, load_sweep, solve_point
-        from pounding_cli.results.file import write
-        from pounding_cli.results.group import Group
+        from pounding_cli.paper.points import build_dataset, build_report, is_written_by, load_sweep, solve_point
+        from pounding_cli.results.arrays import ResultArrays
+        from pounding_cli.results.file import write_results
         from pounding_cli.solver.response import DONE
 
         sweep = load_sweep(study, name)
@@ -213,7 +212,7 @@ def _points(name: str, about: str, example: str) -> click.Command:
         check_folder(file.with_suffix(""))
         with click.progressbar(sweep.points, file=sys.stderr, hidden=quiet or not sys.stderr.isatty()) as waiting:
             sweep = replace(sweep, points=tuple(solve_point(sweep, point) for point in waiting))
-        write(file, Group.of(build_dataset(sweep)))
+        write_results(file, ResultArrays.from_dataset(build_dataset(sweep)))
         found, failed = build_report(sweep), [point for point in sweep.points if point.status != DONE]
         (*_, page) = found.save(file.with_suffix(""))
         if not quiet:
@@ -264,7 +263,7 @@ def accuracy(
     """
     from pounding_cli.api.studies import load_study
     from pounding_cli.outputs import check_folder
-    from pounding_cli.report.accuracy import accuracy_report
+    from pounding_cli.questions.accuracy.report import accuracy_report
     from pounding_cli.solver.work_precision import chosen, measure
 
     names = chosen(methods)

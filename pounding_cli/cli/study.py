@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
     from pounding_cli.numbers import Unit
+    from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study import Plan, Study
-    from pounding_cli.workflows.workflow import Workflow
 
 
 @click.command()
@@ -44,9 +44,10 @@ def init(name: str, template: str) -> None:  # fmt: skip
     Example:
       pound init walls/front --template wall
     """
+    from pounding_cli.questions import schema_text
     from pounding_cli.study.template import TEMPLATES, start_study
 
-    written = start_study(name, template)
+    written = start_study(name, schema_text(), template)
     study, how = written[0], TEMPLATES[template]
     results = Path("results") / f"{study.stem}.h5"
     steps = {
@@ -73,11 +74,11 @@ def check(study: Path, output: Path | None) -> None:
 
     Example: pound check configs/fig6.yaml
     """
-    from pounding_cli.points import POINT_COMMANDS, load_sweep
+    from pounding_cli.api.studies import load_study
+    from pounding_cli.paper.points import POINT_COMMANDS, load_sweep
+    from pounding_cli.questions import TITLES
     from pounding_cli.reading import shorten_path
-    from pounding_cli.study import load_study_file
     from pounding_cli.study.file import kind_of_file
-    from pounding_cli.workflows import TITLES
 
     name, kind = shorten_path(study), kind_of_file(study)
     if kind in POINT_COMMANDS:
@@ -86,7 +87,7 @@ def check(study: Path, output: Path | None) -> None:
             click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {pluralize(len(sweep.points), 'point')} to compute")
         return
-    read = load_study_file(study)
+    read = load_study(study)
     questions = _read_questions(read, [each for each in TITLES if each == "run" or read.tree.get(each) is not None])
     plan, *_ = [each.plan for each in questions]
     for warning in read.warnings:
@@ -105,15 +106,15 @@ def check(study: Path, output: Path | None) -> None:
         click.echo(f"  pound {each.name:<12} {_describe_standing(each, output)}")
 
 
-def _read_questions(study: Study, names: Sequence[str]) -> list[Workflow]:
+def _read_questions(study: Study, names: Sequence[str]) -> list[StudyQuestion]:
     """Return what the sections of a study ask.  Raises `InputError` with what is wrong in all of them."""
-    from pounding_cli.workflows import workflow_of
+    from pounding_cli.questions import load_question
 
-    questions: list[Workflow] = []
+    questions: list[StudyQuestion] = []
     problems: list[Problem] = []
     for name in names:
         try:
-            questions.append(workflow_of(name)(study))
+            questions.append(load_question(name).ask(study))
         except InputError as refused:
             problems += refused.problems
     if problems:
@@ -121,7 +122,7 @@ def _read_questions(study: Study, names: Sequence[str]) -> list[Workflow]:
     return questions
 
 
-def _describe_standing(question: Workflow, output: Path | None) -> str:
+def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
     """Return how many time histories a question has, how many are solved, why others are not, and their time."""
     from pounding_cli.api.standing import find_standing
     from pounding_cli.api.studies import default_output
@@ -263,14 +264,12 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
     Example:
       pound cite configs/fig6.yaml --format bibtex > references.bib
     """
-    import importlib
-
-    from pounding_cli.api.studies import open_results
+    from pounding_cli.api.studies import load_study, open_results
+    from pounding_cli.questions import load_question
     from pounding_cli.report.references import REFERENCES, citations, motions
-    from pounding_cli.study import load_study_file
 
     if source.suffix in (".yaml", ".yml"):
-        study = load_study_file(source)
+        study = load_study(source)
         uses = list(study.motion_uses(study.first_point).values())
         title, kind, resolved = study.title, "run", study.to_plain_data()
         methods: tuple[str, ...] = (study.spec.method,)
@@ -279,8 +278,7 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
         results = open_results(source)
         title, kind, resolved, methods = results.title, results.workflow, results.resolved, tuple(results.methods)
         sources = dict(results.records().drop_duplicates("record").set_index("record")["source"])
-    asked = importlib.import_module(f"pounding_cli.report.{kind}")
-    found = citations(resolved, sources, methods, getattr(asked, f"cite_{kind}", None))
+    found = citations(resolved, sources, methods, load_question(kind).cite)
     if form == "bibtex":
         click.echo("\n\n".join(REFERENCES[key].bibtex for key in found))
         return
@@ -301,7 +299,7 @@ def schema(output: Path | None) -> None:
       pound schema -o pound.schema.json
     """
     from pounding_cli.outputs import check_output
-    from pounding_cli.study.template import schema_text
+    from pounding_cli.questions import schema_text
 
     text = schema_text()
     if output is None:

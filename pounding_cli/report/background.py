@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -13,15 +13,13 @@ import pandas as pd
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.effects import DroppedEffect, summarize_effects
-from pounding_cli.numbers import Unit, count_histories, join_limited, pluralize
-from pounding_cli.report.document import Picture, Report, Section
+from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
+from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
-from pounding_cli.report.figures import sketch
-from pounding_cli.report.motions import draw_spectra
-from pounding_cli.report.table import NOTHING, columns_of, digits, from_rows
+from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
-from pounding_cli.results.plausible import implausible_results
-from pounding_cli.results.tables import Column, Table
+from pounding_cli.study.records_spec import INTENSITY_KEYS
+from pounding_cli.tables import Table, table_of_texts
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
@@ -42,48 +40,34 @@ ADVICE = (
 """What is said where floors strike and the impact stiffness has one value."""
 
 
-def report_of(
-    results: ResultTables, shown: Evidence, answer: Section, more: Callable[[], list[Section]] = list,
-    is_sampled: bool = False,
-) -> Report:  # fmt: skip
-    """A report of the whole results file, with the sections that stand behind every answer.
+def describe_scope(results: ResultTables, shown: Evidence, is_sampled: bool) -> str:
+    """Return in one line what was computed.
 
     shown : the point of the sweep that the answer and its figures are about
-    more : () -> sections of this question, before those
-    is_sampled : whether the points are samples, whose tables of scenes say nothing by themselves
+    is_sampled : whether the points are samples
     """
     points = len(results.scene()[list(results.axes)].drop_duplicates()) if results.axes else 1
-    lead = [
+    parts = [
         pluralize(len(shown.group), "building"),
         pluralize(len(shown.cases), "case"),
         " and ".join(shown.analyses),
         pluralize(len(shown.records), "motion"),
-        *(
-            [pluralize(points, "different sample") if is_sampled else f"{points} points of a sweep"]
-            if points > 1
-            else []
-        ),
     ]
-    tables = ("records",) if is_sampled else tuple(_TITLES)
-    sample_keys = results.swept[-1] if is_sampled else ()
-    answer = replace(answer, notes=[*answer.notes, *implausible_results(results, sample_keys)])
-    return Report(
-        results.title,
-        answer,
-        lambda: [*more(), *background(results, shown, tables)],
-        f"{', '.join(lead)}: {pluralize(len(results.scene()), 'row')}.",
-        partial(sketch, shown),
-        results.study_text,
-    )
+    if points > 1:
+        parts.append(pluralize(points, "different sample") if is_sampled else f"{points} points of a sweep")
+    return f"{', '.join(parts)}: {pluralize(len(results.scene()), 'row')}."
 
 
-def background(results: ResultTables, shown: Evidence, tables: Sequence[str]) -> list[Section]:
-    """The sections behind the answer, with these tables of scenes and those of the answer."""
-    found = [results.answer(name) for name in results.answers]
-    for name in tables:
+def background(results: ResultTables, shown: Evidence, is_sampled: bool) -> list[Section]:
+    """Return the sections that stand behind every answer: limits, motions, what was simulated, tables, study.
+
+    is_sampled : whether the points are samples, whose tables of scenes say nothing by themselves
+    """
+    tables = [results.answer(name) for name in results.answers]
+    for name in ("records",) if is_sampled else tuple(_TITLES):
         frame = results.table(name)
         if len(frame) or name not in ("struck", "flagged"):
-            found.append(Table(name, frame, columns_of(frame, results.units), _TITLES[name]))
+            tables.append(table_of_results(results, name, frame))
     where = (
         "All rows with all digits, in SI units: `tables/` beside this page, `pound show FILE.h5 TABLE --format csv`."
     )
@@ -91,9 +75,15 @@ def background(results: ResultTables, shown: Evidence, tables: Sequence[str]) ->
         *_limits(results),
         _motions(results, shown),
         _simulated(results, shown),
-        Section("Tables", [where], found, folded=True),
+        Section("Tables", [where], tables, folded=True),
         _study(results),
     ]
+
+
+def table_of_results(results: ResultTables, name: str, frame: pd.DataFrame) -> Table:
+    """Return rows of a table of a results file with what is known of their columns."""
+    columns = [column_of(str(each), results.units, name) for each in frame.columns]
+    return Table(name, frame, columns, _TITLES.get(name, name.capitalize()))
 
 
 def advice(results: ResultTables) -> list[str]:
@@ -136,10 +126,14 @@ def _limits(results: ResultTables) -> list[Section]:
 
 def _motions(results: ResultTables, shown: Evidence) -> Section:
     frame, point = _motions_as_written(results)
-    columns = columns_of(frame, results.units) | {"record": Column(label="motion")}
+    columns = [
+        replace(column_of(str(name), results.units), label="motion" if name == "record" else "") for name in frame
+    ]
     said, pictures = [motion_sentence(shown.records), *_varied_motions(results, point)], []
     if (match := results.spectrum_match) is not None:
         said.append(match.words)
+        from pounding_cli.report.motions import draw_spectra  # with matplotlib; a terminal does not need it
+
         draw = partial(draw_spectra, match, results.title, shown.unit("acceleration"))
         text = "The target, the mean of the spectra of the motions as used, and each of them."
         pictures.append(Picture("target-spectrum", "Target spectrum", text, draw))
@@ -153,8 +147,6 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
 
     A written intensity need not be one of those that are swept: every way to scale is in proportion to its value.
     """
-    from pounding_cli.workflows.hazard import INTENSITY_KEYS  # with SciPy; a terminal does not need it
-
     frame, point = results.records(), dict[str, Any]()
     columns = ["record", "source", "scale", "window", "pga", "arias", "digest"]
     for keys in results.swept:
@@ -205,7 +197,7 @@ def _simulated(results: ResultTables, shown: Evidence) -> Section:
     if len(failed):
         said.append("The means and tables leave failed rows out.")
         rows = [[run_label(row, results.units), row["status"], row["advice"]] for row in failed.to_dict("records")]
-        tables.insert(0, from_rows("Rows that failed", ("row", "status", "advice"), rows))
+        tables.insert(0, table_of_texts("Rows that failed", ("row", "status", "advice"), rows))
     flags = flag_groups_of(scene, results.units)
     notes = [f"{'Not meaningful: ' if group.meaningless else ''}{group}." for group in flags]
     return Section("What was simulated", said, tables, notes=notes or ["No row raised a flag."])
@@ -228,7 +220,7 @@ def _cases(shown: Evidence) -> Table:
         pairs = sorted(set(zip(mine["floor"], mine["right_floor"], strict=True)))
         floors = ", ".join(str(left) if left == right else f"{left}|{right}" for left, right in pairs)
         rows.append([case, "; ".join(words) or "none: the buildings stand alone", floors or NOTHING])
-    return from_rows("Cases", ("case", "links", "at floors"), rows)
+    return table_of_texts("Cases", ("case", "links", "at floors"), rows)
 
 
 def _effects(scene: pd.DataFrame) -> Table:
@@ -239,7 +231,7 @@ def _effects(scene: pd.DataFrame) -> Table:
         [name, str(here or NOTHING), str(out or NOTHING), why]
         for name, here, out, why in summarize_effects(kept, dropped)
     ]
-    return from_rows("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
+    return table_of_texts("Effects simulated and left out", ("effect", "simulated in", "left out in", "reason"), rows)
 
 
 def _dropped_effects(scene: pd.DataFrame) -> Iterator[DroppedEffect]:
@@ -260,9 +252,11 @@ def _study(results: ResultTables) -> Section:
     rows = [[k.removeprefix("software_"), str(v)] for k, v in results.attrs.items() if k.startswith("software_")]
     for name in ("created", "method", "accuracy", "engine", "workers", "scenes", "scenes_failed", "solver_seconds"):
         if (value := results.attrs.get(name)) is not None:
-            rows.append([name.replace("_", " "), digits(value, 3) if isinstance(value, float) else str(value)])
+            rows.append([name.replace("_", " "), format_number(value, 3) if isinstance(value, float) else str(value)])
     said = [f"Save the study as `STUDY.yaml`; `pound {results.workflow} STUDY.yaml` runs it again."]
-    return Section("Study and versions", said, [from_rows("Software and run", ("what", "value"), rows)], widget="study")
+    return Section(
+        "Study and versions", said, [table_of_texts("Software and run", ("what", "value"), rows)], widget="study"
+    )
 
 
 def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
@@ -271,12 +265,12 @@ def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
     said = [f"{pluralize(len(scene), 'row')}, {f'{failed} failed' if failed else 'all done'}"]
     if len(error):
         of = "all" if len(error) == len(scene) else f"{len(error)}"
-        said.append(f"no peak has a numerical error above {digits(error.max(), 1)} ({of} assessed)")
+        said.append(f"no peak has a numerical error above {format_number(error.max(), 1)} ({of} assessed)")
     else:
         said.append("errors and sensitivities were not estimated (estimate: none)")
     if scene["sensitivity"].notna().any():
         row = scene.iloc[int(scene["sensitivity"].argmax())]
-        said.append(f"sensitivity up to {digits(row['sensitivity'], 2)} ({run_label(row.to_dict(), units)})")
+        said.append(f"sensitivity up to {format_number(row['sensitivity'], 2)} ({run_label(row.to_dict(), units)})")
     if (residual := scene["energy_residual"].abs().max()) == residual:
-        said.append(f"the energy balance closes to {digits(residual, 1)} of the input")
+        said.append(f"the energy balance closes to {format_number(residual, 1)} of the input")
     return f"{'; '.join(said)}."

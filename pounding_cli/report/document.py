@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_folder
 from pounding_cli.report.summary import Summary
-from pounding_cli.report.table import to_csv, to_text_table
-from pounding_cli.results.tables import Table
+from pounding_cli.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,7 +65,8 @@ class Section:
 class Report:
     """What is said of a results file.
 
-    answer : the first section, which is all that a terminal prints
+    answer : the first section, which is all that a terminal prints; its figures are `figures`
+    figures : () -> the figures of the answer, the most important first
     more : () -> the other sections
     lead : what was computed, in one line
     sketch : of the group
@@ -75,6 +75,7 @@ class Report:
 
     title: str
     answer: Section
+    figures: Callable[[], Sequence[Picture]] = list
     more: Callable[[], Sequence[Section]] = list
     lead: str = ""
     sketch: Callable[[], Figure] | None = None
@@ -82,14 +83,14 @@ class Report:
 
     @cached_property
     def sections(self) -> list[Section]:
-        """All sections, the answer first."""
-        return [self.answer, *self.more()]
+        """All sections, the answer with its figures first."""
+        return [replace(self.answer, pictures=self.figures()), *self.more()]
 
     @property
     def summary(self) -> Summary:
-        """Title and answer, as a terminal prints them."""
-        tables = tuple(map(to_text_table, self.answer.tables))
-        return Summary(self.title, tables, (*self.answer.sentences, *self.answer.notes))
+        """Title and answer, as a terminal prints them; nothing is drawn for it."""
+        tables = tuple(table.to_text_table() for table in self.answer.tables)
+        return Summary(self.title, tuple(self.answer.sentences), tables, tuple(self.answer.notes))
 
     def print(self) -> None:
         """Print title and answer."""
@@ -114,7 +115,7 @@ class Report:
         drawn = {picture.name: picture.draw() for picture in pictures} if formats else {}
         try:
             (folder / "tables").mkdir(parents=True, exist_ok=True)
-            files = [*save(drawn, folder, formats), *(to_csv(table, folder / "tables") for table in tables)]
+            files = [*save(drawn, folder, formats), *(table.to_csv(folder / "tables") for table in tables)]
             return [*files, write_page(self, folder / "report.html", drawn)] if page else files
         except OSError as error:
             hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"

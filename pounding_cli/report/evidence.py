@@ -24,6 +24,9 @@ MARK = "†"
 MOST_CASES = 40
 """Cases in the figures and on the page; the tables hold all."""
 
+RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
+"""Analysis and ratio to the building alone that stand for the response, as in Figs 6 and 7 of the paper."""
+
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -90,7 +93,7 @@ class Evidence:
 
     def names(self, dim: str) -> list[str]:
         """What is there along a dimension (case, analysis, building, record), in the order of the file."""
-        return list(map(str, self.data[dim].values))
+        return self.results.names(dim)
 
     @property
     def cases(self) -> list[str]:
@@ -115,7 +118,7 @@ class Evidence:
     @cached_property
     def periods(self) -> dict[str, float]:
         """Fundamental period of every building of the group [s]."""
-        return dict(zip(self.group, self.data["period"].values.tolist(), strict=True))
+        return dict(zip(self.group, self.results.values("period").reshape(-1).tolist(), strict=True))
 
     @cached_property
     def main(self) -> str:
@@ -129,15 +132,14 @@ class Evidence:
         chosen = (self.results.resolved.get("report") or {}).get("plot") or self.cases
         return [case for case in self.cases if case in chosen][:MOST_CASES]
 
-    def means(self, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
-        """Mean over the motions of a ratio to the building alone, per storey; empty where there is none.
-
-        ratio : "V_ratio" or "mu_ratio"
-        """
-        if analysis not in self.analyses:
-            return pd.Series(dtype=float)
-        values = self.data[ratio].sel(case=case, analysis=analysis, building=building)
-        return values.mean("record").to_series().dropna()
+    def values(self, name: str, **places: str) -> np.ndarray:
+        """Return a variable here, over its dimensions but the swept axes and those whose `places` are given."""
+        array = self.results.arrays[name]
+        key = tuple(
+            0 if dim in self.point else self.names(dim).index(places[dim]) if dim in places else slice(None)
+            for dim in array.dims
+        )
+        return array.values[key]
 
     @cached_property
     def void(self) -> set[tuple[str, str]]:
@@ -173,9 +175,9 @@ def nominal(results: ResultTables) -> Evidence:
     for keys in results.swept:
         points, written = points_of(results, keys), tuple(written_value(results, key) for key in keys)
         index[keys[0]] = points.index(written) if written in points else 0
-    solved = (results.data["status"] != "").any(("case", "analysis", "record"))
-    if not solved.isel(index) and solved.any():
-        index = dict(zip(map(str, solved.dims), np.argwhere(solved.values)[0].tolist(), strict=True))
+    solved = (results.values("status") != "").any(axis=(-3, -2, -1))  # over the swept axes
+    if not solved[tuple(index.values())] and solved.any():
+        index = dict(zip(index, np.argwhere(solved)[0].tolist(), strict=True))
     return at_point(results, index)
 
 

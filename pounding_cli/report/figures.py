@@ -12,16 +12,13 @@ import xarray as xr
 
 from pounding_cli.numbers import pluralize
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import Evidence, motion_sentence
+from pounding_cli.report.evidence import RESPONSES, Evidence, motion_sentence
 from pounding_cli.report.style import case_handles, finish, grid, looks, new_figure, shared_legend, styled
-from pounding_cli.report.table import column_of
+from pounding_cli.results.columns import column_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
-"""The paper's panels: analysis and column."""
 
 Panel = tuple[xr.DataArray, str]
 """A quantity over case, record and storey or floor, of one analysis; the label of its axis."""
@@ -178,7 +175,7 @@ MANY = 7
 
 
 @styled
-def sketch(evidence: Evidence) -> Figure:
+def draw_sketch(evidence: Evidence) -> Figure:
     """The group by itself, with names, for the head of a page."""
     figure = new_figure(min(1.1 * len(evidence.group) + 0.3, 9.0), 1.9)
     draw_group(figure.add_subplot(), evidence, evidence.main, named=len(evidence.group) < MANY)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from pounding_cli import __version__
 from pounding_cli.report.document import Report
 from pounding_cli.report.style import data_address
-from pounding_cli.report.table import PAGE_ROWS, columns_in, right_aligned, shown
+from pounding_cli.tables import PAGE_ROWS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,7 +29,7 @@ def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
     kept = dict(drawn) | ({"group": report.sketch()} if report.sketch else {})
     sizes = {name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()}
     # A figure that fits stands beside the title: the first screen has the answer, the group, a figure and the table.
-    first = [picture for picture in report.answer.pictures[:1] if picture.name in kept]
+    first = [picture for picture in report.sections[0].pictures[:1] if picture.name in kept]
     beside = [picture for picture in first if sizes[picture.name][0] <= 760 and sizes[picture.name][1] <= 560]
     style = _asset("style.css")
     scripts = "(() => {\n'use strict';\n" + "\n".join(map(_asset, SCRIPTS)) + "\n})();"
@@ -52,7 +52,7 @@ def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
 
 def in_notebook(report: Report) -> str:
     """Title and answer as HTML, with the figures."""
-    answer = report.answer
+    answer = report.sections[0]
     drawn = {picture.name: data_address(picture.draw()) for picture in answer.pictures}
     return str(_template("notebook.html.j2").render(report=report, answer=answer, images=drawn, most=PAGE_ROWS))
 
@@ -82,7 +82,6 @@ def _template(name: str) -> Any:
         undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     environment.filters["keys_as_code"] = _keys_as_code
-    environment.globals |= {"shown": shown, "right_aligned": right_aligned, "columns_in": columns_in}
     return environment.get_template(name)
 
 

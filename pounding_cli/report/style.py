@@ -13,6 +13,7 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec
 
+from pounding_cli.study.display import key_words
 from pounding_cli.texts import to_file_name, write_markdown
 
 if TYPE_CHECKING:  # matplotlib is loaded when something is drawn
@@ -224,13 +225,6 @@ def drawn_as(figure: Figure, suffix: str, **named: Any) -> bytes:
         dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
         figure.savefig(held, format=suffix, metadata=dated, **named)
     return held.getvalue()
-
-
-def key_words(key: str) -> str:
-    """A dotted key in words: "stiffness of connected" for `cases.connected.stiffness`; one of one part as it is."""
-    section, *rest = key.split(".")
-    words = rest[-1].replace("_", " ") if rest else key
-    return f"{words} of {rest[0]}" if section in ("buildings", "cases") and words != rest[0] else words
 
 
 def name_axis(

@@ -12,13 +12,13 @@ import numpy as np
 import xarray as xr
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, pluralize
+from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.report.document import Picture
+from pounding_cli.report.evidence import RESPONSES as PANELS
 from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
-from pounding_cli.report.figures import RESPONSES as PANELS
 from pounding_cli.report.figures import framed
 from pounding_cli.report.style import finish, looks, name_axis, styled
-from pounding_cli.report.table import column_of, digits
+from pounding_cli.results.columns import column_of
 from pounding_cli.solver.outcome import is_meaningless
 from pounding_cli.variables import RESPONSE_VARIABLES, VARIABLES
 
@@ -151,7 +151,7 @@ def meaningless(flags: xr.DataArray) -> xr.DataArray:
 
 
 @dataclass(frozen=True)
-class Asked:
+class SweepChoice:
     """What is drawn over a sweep; what is not said is drawn for all there are.
 
     quantities : names of the tables' columns; V/V0 elastic and mu/mu0 inelastic unless given
@@ -168,7 +168,7 @@ Panels = list[tuple[str, str, dict[str, xr.Dataset]]]
 """What stands in a figure: a quantity, its analysis, and its numbers by case."""
 
 
-def sweep_pictures(results: ResultTables, shown: Evidence, asked: Asked | None = None) -> list[Picture]:
+def sweep_pictures(results: ResultTables, shown: Evidence, asked: SweepChoice | None = None) -> list[Picture]:
     """The figures over the sweep: maps over its two longest axes, or curves where it has one; none where it has none.
 
     shown : the point at which axes that are neither drawn nor cut by `asked.at` are taken
@@ -177,11 +177,11 @@ def sweep_pictures(results: ResultTables, shown: Evidence, asked: Asked | None =
     ------
     InputError : something asked for is not there
     """
-    asked, every = asked or Asked(), swept_axes(results)
+    asked, every = asked or SweepChoice(), swept_axes(results)
     free = [axis for axis in every if len(axis.points) > 1 and asked.at.keys().isdisjoint(axis.keys)]
     free = sorted(sorted(free, key=lambda axis: -len(axis.points))[:2], key=lambda axis: len(axis.points))
     _check_places(asked, shown)
-    if asked != Asked() and not free:
+    if asked != SweepChoice() and not free:
         message = "no swept key with two values is left to draw figures over"
         raise InputError(Problem(message, "leave one of the swept keys out of --where, or all options of the figures"))
     index: dict[str, Any] = {axis.keys[0]: np.argsort(axis.coordinates, kind="stable").tolist() for axis in free}
@@ -207,13 +207,13 @@ def sweep_pictures(results: ResultTables, shown: Evidence, asked: Asked | None =
             found.append(Picture(f"{name}-{kind}", f"{heading}: over the sweep", text, drawing, kind == "map"))
             drawn.update(quantity for quantity, *_ in panels)
     missing = [name for name in asked.quantities if name not in drawn] or ["V_ratio or mu_ratio"] * (not drawn)
-    if missing and asked != Asked():
+    if missing and asked != SweepChoice():
         where = ", ".join(f"{name} {place}" for name, place in asked.places.items()) or "any case"
         raise InputError(Problem(f"there is no number of {missing[0]} in {where}", "choose another place or quantity"))
     return found
 
 
-def _check_places(asked: Asked, shown: Evidence) -> None:
+def _check_places(asked: SweepChoice, shown: Evidence) -> None:
     """Raise `InputError` for a place that no figure can have, whatever its quantity."""
     for name, place in asked.places.items():
         if place == WORST and name not in ("case", "building"):
@@ -224,7 +224,7 @@ def _check_places(asked: Asked, shown: Evidence) -> None:
         raise InputError(Problem(f"there is no analysis {analysis!r}", f"write one of: {', '.join(shown.analyses)}"))
 
 
-def _figures(shown: Evidence, asked: Asked) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:
+def _figures(shown: Evidence, asked: SweepChoice) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:
     """Name and building of every figure, and analysis and quantity of its panels."""
     fixed = asked.places
     analyses = [fixed["analysis"]] if "analysis" in fixed else shown.analyses
@@ -396,5 +396,5 @@ def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
         for row, column in np.argwhere(np.isfinite(mean) & here) if few else ():
             colour = colours.to_rgba(drawn[row, column])
             box = {"facecolor": colour, "edgecolor": "none", "pad": 0.8} if void[row, column] else None
-            text = digits(float(mean[row, column]), 3)
+            text = format_number(float(mean[row, column]), 3)
             ax.text(x[column], y[row], text, ha="center", va="center", fontsize=7, color=ink, bbox=box)

@@ -12,9 +12,10 @@ import xarray as xr
 
 from pounding_cli.laws import link_symbol
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
-from pounding_cli.report.style import for_page, key_words, looks
+from pounding_cli.report.style import for_page, looks
 from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
-from pounding_cli.report.table import column_of
+from pounding_cli.results.columns import column_of
+from pounding_cli.study.display import key_words
 from pounding_cli.variables import RESPONSE_VARIABLES
 
 if TYPE_CHECKING:

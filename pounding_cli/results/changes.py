@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 
 from pounding_cli.errors import InputError
-from pounding_cli.results.file import facts
+from pounding_cli.results.file import read_attributes
 
 
 def changed_keys(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
@@ -33,7 +33,7 @@ def _iter_leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 def read_resolved(path: Path) -> dict[str, Any] | None:
     """Return the study of a results file with every default filled in; None where it cannot be read."""
     try:
-        facts(path)
+        read_attributes(path)
         with h5py.File(path) as file:
             return dict(json.loads(file["study_resolved"][()]))
     except (InputError, OSError, KeyError, ValueError, TypeError):

@@ -1,4 +1,4 @@
-"""A plan and its responses as one group: all of a results file but its histories and the tables of answers."""
+"""A plan and its responses as arrays: all of a results file but its histories and the tables of answers."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from pounding_cli.model.links import link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import pluralize
+from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
-from pounding_cli.results.group import Array, Group
 from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag
 from pounding_cli.variables import RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
@@ -34,8 +34,8 @@ Arrays = dict[str, np.ndarray]
 """Variables over the swept axes and their own dimensions."""
 
 
-def contents(plan: Plan, solved: Solved) -> Group:
-    """What a plan came to, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
+def build_arrays(plan: Plan, solved: Solved) -> ResultArrays:
+    """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
     scene nobody asked for have no numbers, and no status."""
     axes = tuple(axis.names[0] for axis in plan.axes)
     kept = [
@@ -69,9 +69,9 @@ def contents(plan: Plan, solved: Solved) -> Group:
         attrs["long_name"] = VARIABLES[name].text
         if name in variables.DISPLAY_QUANTITIES:
             attrs |= unit_attributes(plan.study.unit(variables.DISPLAY_QUANTITIES[name]))
-        found[name] = each._replace(attrs=attrs)
+        found[name] = Array(each.dims, each.values, attrs)
     beside = {v.name: found.pop(v.name) for v in variables.RECORD_VARIABLES}
-    return Group(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
+    return ResultArrays(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
 
 
 def _has(plan: Plan, v: Variable) -> bool:

@@ -12,8 +12,7 @@ import pandas as pd
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.outputs import check_output
-from pounding_cli.results.file import has_seal, put
-from pounding_cli.results.group import Group, content
+from pounding_cli.results.file import has_seal, write_file
 from pounding_cli.results.results import ResultTables
 from pounding_cli.texts import escape_formulas
 
@@ -23,7 +22,7 @@ FORMATS = {"csv": ".csv", "parquet": ".parquet", "excel": ".xlsx", "netcdf": ".n
 MOST_ROWS = 1_048_575
 """Rows of an Excel sheet below its heading."""
 
-_NEEDS = {"parquet": "pyarrow", "excel": "openpyxl", "netcdf": "h5netcdf"}
+_NEEDS = {"parquet": "pyarrow", "excel": "openpyxl"}
 
 
 def export(
@@ -66,7 +65,7 @@ def export(
         if tables:
             raise InputError(Problem("netCDF takes the whole file, no single tables", "leave the tables out"))
         check_output(path, [results.path], lambda _, head: head.startswith((b"\x89HDF", b"CDF")) and not has_seal(path))
-        return [put(path, content({"/": Group.of(results.data.load())}))]
+        return [write_file(path, results.arrays.to_bytes())]
     frames = {name: results.table(name) for name in chosen}
     known = [(table, name, results.column(table, name)) for table, frame in frames.items() for name in map(str, frame)]
     rows = [(table, name, column.unit.si, column.text) for table, name, column in known]
@@ -74,7 +73,7 @@ def export(
     if form == "excel":
         check_output(path, [results.path])
         study = pd.DataFrame({results.title: results.study_text.splitlines()})
-        return [put(path, _excel(frames | {"columns": columns, "study": study}))]
+        return [write_file(path, _excel(frames | {"columns": columns, "study": study}))]
     if not is_folder and len(chosen) > 1:
         hint = f"name the table, e.g. `storey`, or a folder in place of {path.name}"
         raise InputError(Problem(f"{path} takes one table, not {len(chosen)}", hint))
@@ -84,7 +83,7 @@ def export(
     for file, name in files.items():
         check_output(file, [results.path], partial(_is_table, frames[name]))
     return [
-        put(file, _csv(frames[name]) if file.suffix.lower() == ".csv" else _parquet(results, name, frames[name]))
+        write_file(file, _csv(frames[name]) if file.suffix.lower() == ".csv" else _parquet(results, name, frames[name]))
         for file, name in files.items()
     ]
 

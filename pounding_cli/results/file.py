@@ -7,24 +7,21 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit
-from pounding_cli.results.group import Array, Group, content
-from pounding_cli.results.tables import Column, Table
+from pounding_cli.results.arrays import Array, ResultArrays, read_arrays, to_hdf5
+from pounding_cli.tables import Column, Table
 from pounding_cli.texts import escape_controls
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 FORMAT = "pounding study results"
 """Attribute `format` of every results file."""
 
-FORMAT_VERSION = 6
+FORMAT_VERSION = 7
 """Raised whenever a reader of the former version would misread the file."""
 
 SEAL = b"pound seal 2\n\0\0\0"
@@ -40,15 +37,17 @@ _END = len(SEAL) + 32
 _HINT = "give a file that a pound command wrote, or run the study again"
 
 
-def write(path: Path, found: Group, tables: Iterable[Table] = (), histories: Iterable[Group] = ()) -> None:
-    """Write a results file in the place of `path`.  Raises InputError as `put`."""
-    groups = {"/": found} | {f"answer/{table.name}": _of_table(table) for table in tables}
+def write_results(
+    path: Path, arrays: ResultArrays, tables: Iterable[Table] = (), histories: Iterable[ResultArrays] = ()
+) -> None:
+    """Write a results file in the place of `path`.  Raises InputError as `write_file`."""
+    groups = {"/": arrays} | {f"answer/{table.name}": _arrays_of_table(table) for table in tables}
     groups |= {f"histories/{number}": each for number, each in enumerate(histories)}
-    made = content(groups)  # in memory: where a disk is full, HDF5 ends the process
-    put(path, made, SEAL + hashlib.sha256(made).digest())
+    content = to_hdf5(groups)  # in memory: where a disk is full, HDF5 ends the process
+    write_file(path, content, SEAL + hashlib.sha256(content).digest())
 
 
-def put(path: Path, *parts: bytes | memoryview) -> Path:
+def write_file(path: Path, *parts: bytes | memoryview) -> Path:
     """Write a file beside its place, then put it there.
 
     Raises
@@ -70,31 +69,29 @@ def put(path: Path, *parts: bytes | memoryview) -> Path:
     return path
 
 
-def opened(path: Path, group: str = "/") -> xr.Dataset:
-    """A group of a results file; large arrays are read when they are asked for.
+def open_arrays(path: Path, group: str = "/") -> ResultArrays:
+    """Return the arrays of a group of a results file; large ones are read when they are asked for.
 
     Raises
     ------
     InputError : missing, no results file, damaged, of another format version; one that would read other files or
         declares more than it holds
     """
-    facts(path)
-    from pounding_cli.results.netcdf import read  # here: xarray takes longer to load than most commands need
-
+    read_attributes(path)
     try:
-        return read(path, group)
+        return read_arrays(path, group)
     except Exception as error:
         raise _bad(path, f"cannot be read ({error})") from None
 
 
-def facts(path: Path, version: int | None = FORMAT_VERSION) -> dict[str, Any]:
-    """The attributes of a results file, which is checked.
+def read_attributes(path: Path, version: int | None = FORMAT_VERSION) -> dict[str, Any]:
+    """Return the attributes of a results file, which is checked.
 
     Parameters
     ----------
     version : format version that it must have; None: any, only attributes are to be read
 
-    Raises InputError as `opened`.
+    Raises InputError as `open_arrays`.
     """
     try:
         if not path.is_file():
@@ -136,8 +133,8 @@ def has_seal(path: Path) -> bool:
         return False
 
 
-def kept(path: Path) -> list[dict[str, Any]]:
-    """Of every history of a sound file the attributes, its `number` and how many `times` it has."""
+def list_histories(path: Path) -> list[dict[str, Any]]:
+    """Return for every history of a sound file its attributes, its `number` and how many `times` it has."""
     with h5py.File(path) as file:
         there = sorted(file["histories"].items(), key=lambda each: int(each[0])) if "histories" in file else []
         return [
@@ -150,29 +147,35 @@ def kept(path: Path) -> list[dict[str, Any]]:
 # Tables of answers, and units
 
 
-def _of_table(table: Table) -> Group:
-    """A table as a group over `row`; its attribute `columns` has their order."""
-    found = {}
-    for name in table.frame.columns:
-        values, column = table.frame[name].to_numpy(), table.columns[name]
+def _arrays_of_table(table: Table) -> ResultArrays:
+    """Return a table as arrays over `row`; the attribute `columns` has their order."""
+    arrays = {}
+    for column in table.columns:
+        values = table.frame[column.name].to_numpy()
         if values.dtype.kind in "OU":
             values = np.array(list(map(str, values)), object)
         elif values.dtype.kind == "b":
             values = values.astype(np.int8)
         attrs = {"long_name": column.text} | unit_attributes(column.unit)
-        found[str(name)] = Array(("row",), values, attrs)
-    return Group(found, {}, {"columns": json.dumps(list(table.frame.columns))})
+        attrs |= {name: getattr(column, name) for name in _OF_COLUMNS if getattr(column, name) != ""}
+        arrays[column.name] = Array(("row",), values, attrs)
+    attrs = {"columns": json.dumps([column.name for column in table.columns]), "caption": table.caption}
+    return ResultArrays(arrays, {}, attrs)
 
 
 def read_table(path: Path, name: str) -> Table:
-    """A table of the group `answer`.  Raises InputError as `opened`."""
+    """Return a table of the group `answer` of a sound file."""
     import pandas as pd
 
-    found = opened(path, f"answer/{name}")
-    data = {column: found[column] for column in json.loads(found.attrs["columns"])}
-    columns = {name: Column(str(v.attrs["long_name"]), written(v.attrs), name) for name, v in data.items()}
-    frame = pd.DataFrame({column: v.values for column, v in data.items()})
-    return Table(name, frame, columns, name.replace("_", " ").capitalize())
+    arrays = read_arrays(path, f"answer/{name}")
+    frame = {}
+    columns = []
+    for key in json.loads(arrays.attrs["columns"]):
+        array = arrays[key]
+        frame[key] = array.values
+        further = {each: plain_value(array.attrs[each]) for each in _OF_COLUMNS if each in array.attrs}
+        columns.append(Column(key, str(array.attrs["long_name"]), read_unit(array.attrs), **further))
+    return Table(name, pd.DataFrame(frame), columns, str(arrays.attrs["caption"]))
 
 
 def plain_value(value: Any) -> Any:
@@ -181,14 +184,18 @@ def plain_value(value: Any) -> Any:
     return escape_controls(value) if isinstance(value, str) else value
 
 
+_OF_COLUMNS = ("label", "digits", "low", "high", "error")
+"""Properties of columns that a file keeps, besides meaning and unit."""
+
+
 def unit_attributes(unit: Unit) -> dict[str, Any]:
     """How a variable says its unit: SI, and as the study writes it."""
     found: dict[str, Any] = {"units": unit.si} if unit.si else {}
     return found | {"unit_written": unit.name, "unit_factor": unit.factor}
 
 
-def written(attrs: Mapping[Any, Any]) -> Unit:
-    """The unit the study wrote a quantity in; SI where a file does not say."""
+def read_unit(attrs: Mapping[Any, Any]) -> Unit:
+    """Return the unit the study wrote a quantity in; SI where a file does not say."""
     si = str(attrs.get("units", ""))
     return Unit(str(attrs.get("unit_written", si)), float(attrs.get("unit_factor", 1.0)), si)
 

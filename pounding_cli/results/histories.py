@@ -10,7 +10,7 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
-from pounding_cli.results.group import Array, Group
+from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.solver.response import DONE
 
 if TYPE_CHECKING:
@@ -200,15 +200,16 @@ def _label(column: Any, frame: pd.DataFrame) -> str:
     return f"{column[0]}, {frame.columns.names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
 
 
-def as_group(found: Mapping[str, Any], over: Mapping[str, np.ndarray] | None = None) -> Group:
-    """A history of `solver.histories` as a group; its names may be those of another Dataset.
+def to_arrays(history: Mapping[str, Any], over: Mapping[str, np.ndarray] | None = None) -> ResultArrays:
+    """Return a history of `solver.histories` as arrays; its names may be those of other arrays.
 
     over : coordinates in place of its own; NaN where it has none of a name
     """
-    data = {name: Array(*each) for name, each in found.items()}
+    data = {name: Array(*each) for name, each in history.items()}
     coordinates = {name: data.pop(name) for name in COORDINATES}
     for dim, wanted in (over or {}).items():
-        own, names = coordinates[dim].values.tolist(), wanted.tolist()
+        own = coordinates[dim].values.tolist()
+        names = wanted.tolist()
         known = [place for place, name in enumerate(names) if name in own]
         coordinates[dim] = Array((dim,), wanted)
         for name, each in data.items():
@@ -216,22 +217,22 @@ def as_group(found: Mapping[str, Any], over: Mapping[str, np.ndarray] | None = N
                 mine = np.moveaxis(each.values, each.dims.index(dim), 0)
                 whole = np.full((len(names), *mine.shape[1:]), np.nan)
                 whole[known] = mine[[own.index(names[place]) for place in known]]
-                data[name] = each._replace(values=np.moveaxis(whole, 0, each.dims.index(dim)))
-    return Group(data, coordinates, {})
+                data[name] = Array(each.dims, np.moveaxis(whole, 0, each.dims.index(dim)), each.attrs)
+    return ResultArrays(data, coordinates, {})
 
 
-def kept_histories(plan: Plan, found: Group, tell: Callable[[str], None]) -> Iterator[Group]:
-    """The histories of the rows that a plan keeps, in the order of the tables, over the coordinates of its group; those
-    of rows whose scene failed are left out.
+def iter_kept_histories(plan: Plan, arrays: ResultArrays, tell: Callable[[str], None]) -> Iterator[ResultArrays]:
+    """Yield the histories of the rows that a plan keeps, in the order of the tables, over the coordinates of its
+    arrays; those of rows whose scene failed are left out.
 
     tell : told of a run between output times that fails although the scene's own was done
     """
-    over = {name: found.coordinates[name].values for name in COORDINATES[1:] if name in found.coordinates}
+    over = {name: arrays.coordinates[name].values for name in COORDINATES[1:] if name in arrays.coordinates}
     for row in plan.kept:
         place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
         names = (plan.cases, row.case), (plan.analyses, row.analysis), (plan.records, row.record)
         at = *row.point, *(known.index(name) for known, name in names)
-        if found.data["status"].values[at] != DONE:
+        if arrays.data["status"].values[at] != DONE:
             continue
         for axis, number in zip(plan.axes, row.point, strict=True):
             place |= dict(zip(axis.names, axis.values[number], strict=True))
@@ -243,6 +244,8 @@ def kept_histories(plan: Plan, found: Group, tell: Callable[[str], None]) -> Ite
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue
         digest = plan.digests[row.scene].tobytes().hex()
-        group = as_group(whole, over)
-        data = {name: each._replace(values=each.values.astype(np.float32)) for name, each in group.data.items()}
-        yield group._replace(data=data, attrs=place | {"scene": digest, "every": plan.every})
+        history = to_arrays(whole, over)
+        data = {
+            name: Array(each.dims, each.values.astype(np.float32), each.attrs) for name, each in history.data.items()
+        }
+        yield ResultArrays(data, history.coordinates, place | {"scene": digest, "every": plan.every})

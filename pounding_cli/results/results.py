@@ -5,8 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -18,11 +17,13 @@ from pydantic import TypeAdapter
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, count_histories, pluralize
 from pounding_cli.records.scaling import SpectrumMatch
-from pounding_cli.results.file import kept, opened, plain_value, read_table, written
+from pounding_cli.results.arrays import Array, ResultArrays
+from pounding_cli.results.columns import TABLES, column_of
+from pounding_cli.results.file import list_histories, open_arrays, plain_value, read_table, read_unit
 from pounding_cli.results.flags import flagged_scenes, is_void
 from pounding_cli.results.histories import History
-from pounding_cli.results.tables import ANSWERS, TABLES, Column, Table, column_of
 from pounding_cli.solver.response import COLLAPSED
+from pounding_cli.tables import Column, Table
 from pounding_cli.texts import escape_controls, escape_controls_in_tree
 from pounding_cli.variables import (
     COLUMN_VARIABLES,
@@ -79,37 +80,44 @@ class ResultTables:
     warnings : what `pound check` says of the study: what is unlikely, and floors that meet nothing
     methods : the methods that solved the scenes, buildings alone included
     attrs : the file's own facts (accuracy, method, counts, times) and the software it was made with
-    data : all of it as xarray has it, read as it is asked for
+    arrays : all of its variables, read as they are asked for
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, arrays: ResultArrays | None = None, answers: Iterable[Table] | None = None) -> None:
+        """Open a results file, or take what is written to it.
+
+        arrays, answers : what is written, instead of what the file holds
+        """
         self.path = Path(path)
-        self.data: xr.Dataset = opened(self.path)
+        self.arrays = open_arrays(self.path) if arrays is None else arrays
+        self._answers = {table.name: table for table in answers or ()}
         try:
-            self._start()
+            self._read_attributes()
         except (KeyError, ValueError, TypeError, AttributeError) as error:
             what = f"does not hold what results hold ({error})"
             hint = "give the file that pound run wrote, or run the study again"
             raise InputError(Problem(what, hint, str(self.path))) from error
 
-    def _start(self) -> None:
-        data = self.data
+    def _read_attributes(self) -> None:
+        arrays = self.arrays
         needed = {v.name for v in VARIABLES.values() if v.always and LINK_DIMS[-1] not in v.dims}
-        if missing := sorted(needed - set(data.variables)):
+        if missing := sorted(name for name in needed if name not in arrays):
             raise ValueError(f"no {', '.join(missing)}")
-        self.attrs = {str(name): plain_value(value) for name, value in data.attrs.items()}
-        self.title, self.workflow = str(self.attrs["title"]), str(self.attrs["workflow"])
+        self.attrs = {str(name): plain_value(value) for name, value in arrays.attrs.items()}
+        self.title = str(self.attrs["title"])
+        self.workflow = str(self.attrs["workflow"])
         self.answers = tuple(json.loads(self.attrs.get("answers", "[]")))
-        self.study_text, self.resolved_text = (str(data[name].item()) for name in ("study_text", "study_resolved"))
-        self.warnings = tuple(Problem(**each) for each in json.loads(str(data["study_warnings"].item())))
+        self.study_text = str(arrays["study_text"].values.item())
+        self.resolved_text = str(arrays["study_resolved"].values.item())
+        self.warnings = tuple(Problem(**each) for each in json.loads(str(arrays["study_warnings"].values.item())))
         self.assumed_heights: tuple[str, ...] = tuple(map(escape_controls, json.loads(self.attrs["assumed_heights"])))
         self.methods: tuple[str, ...] = tuple(json.loads(self.attrs["methods"]))
         self.swept: list[list[str]] = json.loads(self.attrs["swept"])
         keys = [name for names in self.swept for name in names]
-        self.axes: dict[str, list[Any]] = {name: list(map(plain_value, data[name].values.tolist())) for name in keys}
-        self.units: dict[str, Unit] = {name: written(data[name].attrs) for name in keys}
+        self.axes: dict[str, list[Any]] = {name: list(map(plain_value, arrays[name].values.tolist())) for name in keys}
+        self.units: dict[str, Unit] = {name: read_unit(arrays[name].attrs) for name in keys}
         self.units |= {
-            name.removeprefix("record_"): written(data[name].attrs) for name in DISPLAY_QUANTITIES if name in data
+            name.removeprefix("record_"): read_unit(arrays[name].attrs) for name in DISPLAY_QUANTITIES if name in arrays
         }
 
     @cached_property
@@ -130,9 +138,22 @@ class ResultTables:
     @cached_property
     def spectrum_match(self) -> SpectrumMatch | None:
         """The spectra of the motions as used against the target they were scaled to; None where there is none."""
-        if "study_spectrum" not in self.data:
+        if "study_spectrum" not in self.arrays:
             return None
-        return TypeAdapter(SpectrumMatch).validate_json(str(self.data["study_spectrum"].item()))
+        return TypeAdapter(SpectrumMatch).validate_json(str(self.arrays["study_spectrum"].values.item()))
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """All variables as xarray has them, read as they are asked for."""
+        return self.arrays.to_dataset()
+
+    def values(self, name: str) -> np.ndarray:
+        """Return the values of a variable, over its dimensions."""
+        return self.arrays[name].values
+
+    def names(self, dim: str) -> list[str]:
+        """Return what there is along a dimension (case, analysis, record, building), in the order of the file."""
+        return list(map(str, self.arrays[dim].values.tolist()))
 
     # Tables
 
@@ -152,17 +173,16 @@ class ResultTables:
     def answer(self, name: str) -> Table:
         """One of the tables of `answers`.  Raises InputError: the file has no such table."""
         if name not in self.answers:
-            command = next((each for each, tables in ANSWERS.items() if name in tables), "")
-            hint = f"write it with: pound {command} STUDY" if command else f"it has: {', '.join(self.tables)}"
-            raise InputError(Problem(f"has no table {name}", hint, str(self.path)))
-        return read_table(self.path, name)
+            raise InputError(Problem(f"has no table {name}", f"it has: {', '.join(self.tables)}", str(self.path)))
+        if name not in self._answers:
+            self._answers[name] = read_table(self.path, name)
+        return self._answers[name]
 
     def column(self, table: str, name: str) -> Column:
-        """What a column of a table means, and the unit that people read it in: that of the study, otherwise SI."""
+        """Return what a column of a table means, and the unit that people read it in."""
         if table in self.answers:
-            return self.answer(table).columns[name]
-        found = column_of(name, table)
-        return replace(found, unit=self.units[name]) if name in self.units else found
+            return self.answer(table).column(name)
+        return column_of(name, self.units, table)
 
     def storey(self, *columns: str) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
@@ -182,8 +202,8 @@ class ResultTables:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
         some are named."""
         names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK_DIMS], "link_right_floor"]
-        names = list(columns) or [*names, *(name for name in COLUMN_VARIABLES if name in self.data)]
-        if "link" not in self.data:
+        names = list(columns) or [*names, *(name for name in COLUMN_VARIABLES if name in self.arrays)]
+        if "link" not in self.arrays:
             import pandas as pd
 
             return pd.DataFrame(columns=[*self.axes, *SCENE_DIMS, "link", *(n.removeprefix("link_") for n in names)])
@@ -192,7 +212,7 @@ class ResultTables:
 
     def base(self) -> pd.DataFrame:
         """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
-        names = [name for name in _BASE if name in self.data]
+        names = [name for name in _BASE if name in self.arrays]
         frame = self._frame(names, (*SCENE_DIMS, "building"), _SOLVED)
         return frame[(frame[names] > 0).any(axis=1)].reset_index(drop=True)
 
@@ -276,7 +296,7 @@ class ResultTables:
         Swept axes that change a building come first.
         """
         frame = self._frame(_BUILDING, ("building", "storey"), {"height": np.isfinite})  # walls have no mass
-        places = {name: place for place, name in enumerate(self.data["building"].values.tolist(), start=1)}
+        places = {name: place for place, name in enumerate(self.names("building"), start=1)}
         frame.insert(list(frame.columns).index("storey"), "place", frame["building"].map(places))
         return frame
 
@@ -286,7 +306,9 @@ class ResultTables:
         """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
         import pandas as pd
 
-        return pd.DataFrame(kept(self.path), columns=[*self.axes, *SCENE_DIMS, "number", "scene", "every", "times"])
+        return pd.DataFrame(
+            list_histories(self.path), columns=[*self.axes, *SCENE_DIMS, "number", "scene", "every", "times"]
+        )
 
     def history(
         self, case: str | None = None, analysis: str | None = None, record: str | None = None, **swept: Any
@@ -304,10 +326,10 @@ class ResultTables:
         """
         given = {"case": case, "analysis": analysis, "record": record, **swept}
         given = {key: value for key, value in given.items() if value is not None}
-        places = kept(self.path)
+        places = list_histories(self.path)
         meant = [place for place in places if all(_same(place.get(key), value) for key, value in given.items())]
         if len(meant) == 1:
-            return History(opened(self.path, f"histories/{meant[0]['number']}").load())
+            return History(open_arrays(self.path, f"histories/{meant[0]['number']}").to_dataset().load())
         said = " of " + ", ".join(f"{key} {value}" for key, value in given.items()) if given else ""
         hint = "say which of those that Results.histories() lists"
         if not places:
@@ -321,9 +343,9 @@ class ResultTables:
     def at(self, index: Mapping[str, int]) -> ResultTables:
         """The same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
         found = copy.copy(self)
-        for name in ("buildings", "_scene"):  # of the whole
+        for name in ("buildings", "_scene", "data"):  # of the whole
             found.__dict__.pop(name, None)
-        found.data = self.data.isel({dim: [place] for dim, place in index.items()})
+        found.arrays = self.arrays.cut(index)
         cut = {name: index[names[0]] for names in self.swept if names[0] in index for name in names}
         found.axes = {k: [v[cut[k]]] if k in cut else v for k, v in self.axes.items()}
         return found
@@ -345,7 +367,7 @@ class ResultTables:
         }
         said = []
         for dim, word in words.items():
-            names = self.data[dim].values.tolist()
+            names = self.names(dim)
             said.append(pluralize(len(names), *word) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
         if self.axes:
             said.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
@@ -363,17 +385,20 @@ class ResultTables:
         """Variables over the swept axes that change them and `places`, which come first as columns; an axis gives one
         for each of its keys.  What is known of a storey is known of its floor."""
         import pandas as pd
-        import xarray as xr
 
         wanted = wanted or {}
-        variables = {name: self.data[name].variable for name in (*self.axes, *places, *names, *wanted)}
+        variables = {name: self.arrays[name] for name in (*self.axes, *places, *names, *wanted)}
         changing = {dim for name in (*names, *wanted) for dim in variables[name].dims}
         dims = (*(keys[0] for keys in self.swept if keys[0] in changing), *places)
-        sizes = {dim: self.data.sizes[dim] for dim in dims}
+        all_sizes = self.arrays.sizes
+        sizes = {dim: all_sizes[dim] for dim in dims}
 
-        def column(v: xr.Variable) -> np.ndarray:
+        def column(v: Array) -> np.ndarray:
             own = [dims[-1] if dim in ("storey", "floor") else dim for dim in v.dims]
-            return xr.Variable(own, v.values, fastpath=True).set_dims(sizes).transpose(*dims).values.ravel()
+            order = sorted(range(len(own)), key=lambda place: dims.index(own[place]))
+            shape = [sizes[dim] if dim in own else 1 for dim in dims]
+            spread = v.values.transpose(order).reshape(shape)
+            return np.broadcast_to(spread, tuple(sizes.values())).ravel()
 
         rows = np.all([is_wanted(column(variables[name])) for name, is_wanted in wanted.items()], axis=0)
         at = np.flatnonzero(np.broadcast_to(rows, math.prod(sizes.values())))
@@ -382,7 +407,7 @@ class ResultTables:
         found: dict[str, Any] = {}
         for name in (*keys, *places, *names):
             v = variables[name]  # texts that repeat are made once
-            found[name] = pd.Series(v.values).array.take(place[v.dims[0]]) if v.ndim == 1 else column(v)[at]
+            found[name] = pd.Series(v.values).array.take(place[v.dims[0]]) if len(v.dims) == 1 else column(v)[at]
         return pd.DataFrame(found)
 
 

@@ -223,7 +223,7 @@ def can_vary(
     what : the key in words
     """
     path = name.split(".")
-    if _is_fixed(path, model):
+    if _is_fixed(path, root, model):
         _refuse_fixed(name, mark, root, problems, what, model)
         return False
     for place, step in enumerate(path):
@@ -242,11 +242,12 @@ def can_vary(
     return True
 
 
-def _is_fixed(path: Sequence[str], model: type[BaseModel]) -> bool:
+def _is_fixed(path: Sequence[str], root: Map, model: type[BaseModel]) -> bool:
     """Return whether a key has one value for all points."""
     if model is not schema.StudySpec:
         return path[0] in {"title", "sweep"}
-    return path[0] in schema.ONCE or path[:2] == ["records", "use"] or path[-1] == "like"
+    is_of_question = path[0] in root and path[0] not in schema.StudySpec.model_fields
+    return is_of_question or path[0] in schema.ONCE or path[:2] == ["records", "use"] or path[-1] == "like"
 
 
 def _refuse_fixed(name: str, mark: Mark, root: Map, problems: Problems, what: str, model: type[BaseModel]) -> None:

@@ -31,16 +31,19 @@ from pounding_cli.study.links import (
     list_multiples,
 )
 from pounding_cli.study.quantity import Quantity
+from pounding_cli.study.schema import StudySpec
 from pounding_cli.study.study import Study, build_study
 from pounding_cli.study.written import read_spec
 from pounding_cli.texts import to_file_name
 
 
-def study_of(data: Mapping[str, Any]) -> Study:
+def study_of(data: Mapping[str, Any], model: type[StudySpec] = StudySpec) -> Study:
     """A validated study from a dict with the keys of a study file; numbers are SI, texts carry units ("5 cm").
 
     Its path is the title, or `study`, as a file in the current folder: record files are sought there, and results are
     named after it. Its text is the same study as YAML.
+
+    model : of the study, with the sections of questions (`add_sections`)
 
     Raises
     ------
@@ -49,7 +52,7 @@ def study_of(data: Mapping[str, Any]) -> Study:
     root = tree_of(data)
     title = str(root.get("title") or "study")
     path = Path(to_file_name(title).replace(" ", "-").lower() + ".yaml")
-    return build_study(path, dump_yaml(root, flow=False) + "\n", root)
+    return build_study(path, dump_yaml(root, flow=False) + "\n", root, model)
 
 
 def tree_of(data: Mapping[str, Any]) -> Map:

@@ -136,3 +136,10 @@ def _describe_building(building: Any) -> dict[str, Any]:
     if building.gravity_load is not None:
         derived["theta"] = building.stability_coefficient.tolist()
     return derived
+
+
+def key_words(key: str) -> str:
+    """A dotted key in words: "stiffness of connected" for `cases.connected.stiffness`; one of one part as it is."""
+    section, *rest = key.split(".")
+    words = rest[-1].replace("_", " ") if rest else key
+    return f"{words} of {rest[0]}" if section in ("buildings", "cases") and words != rest[0] else words

@@ -149,3 +149,9 @@ class RecordsSpec(Model):
     scale: Scale = spec_field(
         1.0, "a factor, `table1`, {arias: RECORD}, {pga: 0.35 g}, {pgv: ...}, {sa: ...} or {spectrum: ...}"
     )
+
+
+INTENSITY_KEYS = {
+    "records.scale": "factor", "records.scale.pga": "pga", "records.scale.pgv": "pgv", "records.scale.sa": "sa",
+}  # fmt: skip
+"""Keys whose sweep varies the intensity, and the measure that each is."""

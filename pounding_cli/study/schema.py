@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from pydantic import ConfigDict, Field, WithJsonSchema
+from pydantic import ConfigDict, Field, WithJsonSchema, create_model
 
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
@@ -13,7 +13,6 @@ from pounding_cli.study.base import Model, Name, SpecIssue, mapping_schema, spec
 from pounding_cli.study.building_spec import BuildingSpec
 from pounding_cli.study.link_specs import NO_LINK, OWN_LAW, CaseSpec, ImpactSpec, OwnLawSpec, link_models
 from pounding_cli.study.quantity import TIME, Quantity
-from pounding_cli.study.questions import FragilitySpec, GapSpec, OptimiseSpec, SensitivitySpec
 from pounding_cli.study.records_spec import RecordsSpec
 
 AnalysisName = Literal["elastic", "inelastic"]
@@ -83,7 +82,7 @@ _UNCERTAIN_FORM = {
 
 
 class StudySpec(Model):
-    """A study of earthquake pounding between adjacent buildings."""
+    """A study of earthquake pounding between adjacent buildings; `add_sections` adds those of questions."""
 
     model_config = ConfigDict(title="pound study")
 
@@ -136,14 +135,6 @@ class StudySpec(Model):
         "move together",
     )
 
-    gap: GapSpec = spec_field(
-        GapSpec(), "settings of `pound gap`; gaps stand in cases, `cases: {near: {link: pounding, gap: 5 cm}}`",
-        {"percentiles": "84 %"},
-    )  # fmt: skip
-    fragility: FragilitySpec = spec_field(FragilitySpec(), "settings of `pound fragility`")
-    sensitivity: SensitivitySpec = spec_field(SensitivitySpec(), "settings of `pound sensitivity`")
-    optimise: OptimiseSpec = spec_field(OptimiseSpec(), "settings of `pound optimise`")
-
     def issues(self) -> Iterator[SpecIssue]:
         timed, method = METHODS[self.method].takes_step, self.method
         if timed and self.time_step is None:
@@ -156,17 +147,46 @@ class StudySpec(Model):
                 yield ("analyses", place), f"'{analysis}' occurs twice", "remove one"
 
 
+class Section(NamedTuple):
+    """The section of a study that says what a question asks.
+
+    name : of the section and of the question
+    spec : its model; every key has a default
+    description : in the JSON Schema and the reference of study files
+    example : a value of it; none in the schema unless given
+    """
+
+    name: str
+    spec: type[Model]
+    description: str
+    example: Any = None
+
+
+def add_sections(sections: tuple[Section, ...]) -> type[StudySpec]:
+    """Return the model of a study with the sections of questions."""
+    fields: dict[str, Any] = {
+        section.name: (section.spec, spec_field(section.spec(), section.description, section.example))
+        for section in sections
+    }
+    return create_model("StudySpec", __base__=StudySpec, __doc__=StudySpec.__doc__, **fields)
+
+
+def find_section_names(model: type[StudySpec]) -> list[str]:
+    """Return the names of the sections of questions that a model has."""
+    return [name for name in model.model_fields if name not in StudySpec.model_fields]
+
+
 ONCE = {*StudySpec.model_fields} - {"records", "buildings", "impact", "laws", "cases", "tail"}
-"""Sections that are the same for the whole study."""
+"""Sections that are the same for the whole study, besides those of questions."""
 
 
-def json_schema() -> dict[str, Any]:
+def json_schema(model: type[StudySpec]) -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of a study file, for editors."""
-    schema = StudySpec.model_json_schema(by_alias=True)
-    for name, model in link_models().items():
+    schema = model.model_json_schema(by_alias=True)
+    for name, link_model in link_models().items():
         own_name = {"type": "string", "not": {"enum": [*link_laws(), NO_LINK]}}
         word = own_name if name == OWN_LAW else {"const": name}
-        link = schema["$defs"][model.__name__]
+        link = schema["$defs"][link_model.__name__]
         link["properties"]["link"] = {**word, "description": link["properties"]["link"]["description"]}
     listed = schema["$defs"]["Case_links"]["properties"]["links"]
     listed["items"] = {"anyOf": [{"type": "string"}, listed["items"]]}  # a word stands for a link without further keys

@@ -27,12 +27,9 @@ from pounding_cli.study.issues import Issue, Issues, drop_idle_axes
 from pounding_cli.study.like import resolve_all_likes
 from pounding_cli.study.motions import MotionReader, MotionUse
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
-from pounding_cli.study.schema import StudySpec
+from pounding_cli.study.schema import StudySpec, find_section_names
 from pounding_cli.study.swept import AS_WRITTEN, Point, Swept, sweep_map
 from pounding_cli.study.written import build_study_spec, note_unknown_names, read_specs
-
-QUESTIONS = ("sensitivity", "optimise")
-"""Sections that may name any quantity of the tables."""
 
 RESIDUAL_DRIFT = "residual_drift"
 """The key and the quantity of the drifts at rest."""
@@ -75,6 +72,10 @@ class Study:
         """The name of the file in messages."""
         return shorten_path(self.path)
 
+    def section(self, name: str) -> Any:
+        """Return the validated section of a question by its name."""
+        return getattr(self.spec, name)
+
     @property
     def first_point(self) -> Point:
         """The first point of the sweep."""
@@ -83,7 +84,9 @@ class Study:
     @property
     def wants_residual_drift(self) -> bool:
         """True if the drifts at rest are asked for, by their key or by a question that names them."""
-        return bool(self.spec.residual_drift) or any(_names_residual_drift(self.tree.get(name)) for name in QUESTIONS)
+        return bool(self.spec.residual_drift) or any(
+            _names_residual_drift(self.tree.get(name)) for name in find_section_names(type(self.spec))
+        )
 
     def with_axes(self, axes: Sequence[Axis], tree: Map | None = None) -> Study:
         """Return the study with other axes; title, units and warnings stay.
@@ -95,7 +98,7 @@ class Study:
         InputError : the study is not sound at a point of them
         """
         tree = self.tree if tree is None else tree
-        spec, resolved = _resolve_tree(tree, tuple(axes), self.reader, self.file)
+        spec, resolved = _resolve_tree(tree, tuple(axes), self.reader, self.file, type(self.spec))
         return replace(self, tree=tree, axes=tuple(axes), spec=spec, resolved=resolved)
 
     def tree_at(self, point: Point) -> Map:
@@ -173,18 +176,20 @@ class Study:
         return sweep_map(separate, *displacements)
 
 
-def load_study_file(path: str | Path) -> Study:
+def load_study_file(path: str | Path, model: type[StudySpec] = StudySpec) -> Study:
     """Read and validate a study file.
+
+    model : of the study, with the sections of questions (`add_sections`)
 
     Raises
     ------
     InputError : with every problem found in it, each with file, line, column, message and hint
     """
     path = Path(path)
-    return build_study(path, *read_study(path))
+    return build_study(path, *read_study(path), model)
 
 
-def build_study(path: Path, text: str, tree: Map) -> Study:
+def build_study(path: Path, text: str, tree: Map, model: type[StudySpec]) -> Study:
     """Return a validated study.  Raises InputError as `load_study`; text : as written; tree : what it holds."""
     file = shorten_path(path)
     refuse_other_kinds(tree, file)
@@ -193,7 +198,7 @@ def build_study(path: Path, text: str, tree: Map) -> Study:
     tree = with_middles(tree, problems)
     axes = read_axes(tree, problems)
     from_data = isinstance(tree.mark[0], str)
-    spec, resolved = _resolve_tree(tree, axes, reader, file, problems)
+    spec, resolved = _resolve_tree(tree, axes, reader, file, model, problems)
     first = tree_at(tree, axes, (0,) * len(axes))
     title = spec.title or shorten_path(path.stem)
     study = Study(path, text, title, tree, axes, spec, resolved, first, (), from_data, reader)
@@ -201,16 +206,21 @@ def build_study(path: Path, text: str, tree: Map) -> Study:
 
 
 def _resolve_tree(
-    tree: Map, axes: tuple[Axis, ...], reader: MotionReader, file: str, problems: Problems | None = None
+    tree: Map,
+    axes: tuple[Axis, ...],
+    reader: MotionReader,
+    file: str,
+    model: type[StudySpec],
+    problems: Problems | None = None,
 ) -> tuple[StudySpec, Resolved]:
     """Return a study as written, validated, and its parts at the points of the sweep.  Raises InputError.
 
     problems : found before; the names that a study may have wrong are looked at as well
     """
     issues = Issues()
-    specs = read_specs(tree, issues)
+    specs = read_specs(tree, issues, model)
     resolved = resolve(specs, tree, axes, reader, issues)
-    spec = build_study_spec(specs, issues)
+    spec = build_study_spec(specs, issues, model)
     if problems is not None:
         note_unknown_names(tree, specs, issues)
         _note_names_of_report(specs, tree, axes, resolved, issues)

@@ -18,12 +18,13 @@ TEMPLATES = {"pair": "run", "measures": "run", "connector": "connector", "wall":
 """The studies to start from by name, the stem of the file in `templates/`, and the `pound` command that takes each."""
 
 
-def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
+def start_study(name: str, schema: str, template: str = "pair") -> tuple[Path, ...]:
     """Write a study to start from; makes its folder.
 
     Parameters
     ----------
     name : path of the study file; `.yaml` is added to a name without it
+    schema : the JSON Schema of study files, as text
     template : a key of TEMPLATES
 
     Returns
@@ -44,7 +45,7 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
     quoted = json.dumps(title[0].upper() + title[1:], ensure_ascii=False)
     texts = {path: source.read_text(encoding="utf-8").replace("TITLE", quoted, 1)}
     if TEMPLATES[template] == "run":
-        texts[path.with_name(SCHEMA_FILE)] = schema_text()
+        texts[path.with_name(SCHEMA_FILE)] = schema
     for each in texts:
         check_output(each, mine=lambda place, head: head.startswith(texts[place].encode()[:60]))
     try:
@@ -54,10 +55,3 @@ def start_study(name: str, template: str = "pair") -> tuple[Path, ...]:
         hint = "choose a place that can be written"
         raise InputError(Problem(f"cannot be written: {error.strerror or error}", hint, str(path))) from None
     return tuple(texts)
-
-
-def schema_text() -> str:
-    """The JSON Schema of study files as it is written to SCHEMA_FILE."""
-    from pounding_cli.study.schema import json_schema  # pydantic takes longer to load than the rest of `pound init`
-
-    return json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"

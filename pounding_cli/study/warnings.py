@@ -126,7 +126,7 @@ def _resolve_uncertain_ends(study: Study) -> _View | None:
     axes = (_build_axis_of_ends(inputs),)
     tree = tree_at(study.tree, study.axes, study.first_point)
     issues = Issues()
-    resolved = resolve(read_specs(tree, issues), tree, axes, study.reader, issues)
+    resolved = resolve(read_specs(tree, issues, type(study.spec)), tree, axes, study.reader, issues)
     return None if len(issues) else _View(tree, axes, resolved)
 
 

@@ -22,27 +22,29 @@ from pounding_cli.study.words import MAX_DESCRIBED, describe_error, describe_err
 _adapter = functools.cache(TypeAdapter)  # building one takes longer than a validation
 
 
-def read_specs(tree: Map, issues: Issues) -> dict[KeyPath, Any]:
+def read_specs(tree: Map, issues: Issues, model: type[StudySpec] = StudySpec) -> dict[KeyPath, Any]:
     """Return the validated sections of a study by path; None for those that are faulty.
 
     Buildings, cases and laws stand there one by one, `("buildings", "soft")`, other sections whole, `("impact",)`.
     What is wrong is noted.
+
+    model : of the study, with the sections of questions
     """
     specs: dict[KeyPath, Any] = {}
-    for name, field in StudySpec.model_fields.items():
+    for name, field in model.model_fields.items():
         if name in ENTRIES:
             specs |= _read_entries(tree, name, field, issues)
         elif name in tree:
-            specs[name,] = _read_noted(tree, (name,), field.rebuild_annotation(), issues)
+            specs[name,] = _read_noted(tree, (name,), field.rebuild_annotation(), issues, model)
         elif field.is_required():
             _note_missing(tree, name, issues)
             specs[name,] = None
         else:
             specs[name,] = field.get_default()
-    unknown = [key for key in tree if key not in StudySpec.model_fields]
+    unknown = [key for key in tree if key not in model.model_fields]
     for key in unknown[:MAX_DESCRIBED]:
         error = {"type": "extra_forbidden", "input": tree[key]}
-        message, hint, at_key = describe_error(error, (key,), StudySpec, tree)
+        message, hint, at_key = describe_error(error, (key,), model, tree)
         issues.add_written([Issue((key,), message, hint, at_key)])
     if len(unknown) > MAX_DESCRIBED:
         message = f"and {len(unknown) - MAX_DESCRIBED} more problems like these"
@@ -83,10 +85,10 @@ def _note_missing(tree: Map, name: str, issues: Issues) -> None:
     issues.add_written([Issue((name,), message, hint, at_key)])
 
 
-def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues) -> Any:
+def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues, model: type[StudySpec]) -> Any:
     """Return a validated part of a study; None where it is faulty, which is noted."""
     try:
-        return _validate(tree, path, kind, tree[str(path[0])])
+        return _validate(tree, path, kind, tree[str(path[0])], model)
     except IssuesFound as refused:
         issues.add_written(refused.issues)
         return None
@@ -113,11 +115,11 @@ def read_spec(tree: Map, path: tuple[str, ...], parents: dict[str, Any] | None =
     return _validate(tree, path, ENTRIES[section][1], value)
 
 
-def _validate(tree: Map, path: KeyPath, kind: Any, value: Any) -> Any:
+def _validate(tree: Map, path: KeyPath, kind: Any, value: Any, model: type[StudySpec] = StudySpec) -> Any:
     try:
         return _adapter(kind).validate_python(value)
     except ValidationError as error:
-        raise IssuesFound(describe_errors(error, path, StudySpec, _with_merged_building(tree, path, value))) from None
+        raise IssuesFound(describe_errors(error, path, model, _with_merged_building(tree, path, value))) from None
 
 
 def _with_merged_building(tree: Map, path: KeyPath, value: Any) -> Map:
@@ -150,14 +152,14 @@ def iter_issues(refused: IssuesFound) -> Iterator[Issue]:
     yield from (issue for issue in refused.issues if isinstance(issue, Issue))
 
 
-def build_study_spec(specs: dict[KeyPath, Any], issues: Issues) -> StudySpec | None:
+def build_study_spec(specs: dict[KeyPath, Any], issues: Issues, model: type[StudySpec]) -> StudySpec | None:
     """Return the study as written, validated; None where a section is faulty. What is wrong between keys is noted."""
     if any(specs.get((name,)) is None for name in ("method", "analyses")):
         return None
     sections: dict[str, Any] = {str(path[0]): spec for path, spec in specs.items() if len(path) == 1}
     for name in ENTRIES:
         sections[name] = {path[1]: spec for path, spec in specs.items() if path[0] == name}
-    spec = StudySpec.model_construct(**sections)
+    spec = model.model_construct(**sections)
     issues.add_written(Issue(path, message, hint, bool(key and key[0])) for path, message, hint, *key in spec.issues())
     return spec
 

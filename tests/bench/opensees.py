@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from pounding_cli.api.studies import load_study
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
-from pounding_cli.report.accuracy import LOOKS, LOWEST
+from pounding_cli.questions.accuracy.report import LOOKS, LOWEST
 from pounding_cli.report.style import Look, new_figure, save, styled
 from pounding_cli.solver.solve import solve
 from pounding_cli.solver.work_precision import measure

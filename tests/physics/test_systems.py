@@ -14,8 +14,8 @@ import yaml
 from skfem import Basis
 from skfem.element import ElementQuad1, ElementQuad2, ElementVector
 
-from pounding_cli.wall.impact import build_system
-from pounding_cli.wall.study import WallStudySpec
+from pounding_cli.paper.wall.impact import build_system
+from pounding_cli.paper.wall.study import WallStudySpec
 from tests.adapter import system
 
 

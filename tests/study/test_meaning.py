@@ -14,7 +14,7 @@ from scipy.signal import lsim
 
 import pounding_cli as pound
 from pounding_cli.study import make_plan
-from pounding_cli.workflows.sensitivity import Sensitivity
+from pounding_cli.questions.sensitivity.indices import Sensitivity
 from tests.adapter import study_of
 
 G = 9.80665

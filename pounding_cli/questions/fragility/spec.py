@@ -1,0 +1,40 @@
+"""The section `fragility:` of a study."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pounding_cli.questions.specs import CONFIDENCE, HAZARD_DESCRIPTION, MEASURES, Hazards, Measure, parse_measure
+from pounding_cli.study.base import Model, one_or_many, spec_field
+from pounding_cli.study.expression import Limit, parse_limit
+from pounding_cli.study.quantity import ParsedText, WholeNumber
+
+_LIMIT = Annotated[Limit, ParsedText(parse_limit, "limit in words", ("mu > 4", "drift > 2 %", "contact"))]
+
+
+class FragilitySpec(Model):
+    """Settings of `pound fragility`."""
+
+    limits: one_or_many(_LIMIT, 0, 20, True) = spec_field(  # type: ignore[valid-type]
+        (),
+        "limits in words, one or a list: `mu > 4`, `drift > 2 %` (of the storey height) or `drift > 6 cm`, "
+        "`acceleration > 1 g`, `shear_demand > 1` (of columns that slabs strike), `contact`, `collapse`; of each "
+        "building, or with `in BUILDING`, `in BUILDING storey N` of one",
+    )
+    method: Literal["ida", "stripes", "cloud"] = spec_field(
+        "ida",
+        "`ida`: each motion is scaled through the swept intensities until it passes, few of them solved; "
+        "`stripes`: every motion at every swept intensity; `cloud`: motions as they are, and a line through them",
+    )
+    intensity: Annotated[Measure, ParsedText(parse_measure, "intensity measure", (*MEASURES, "sa(0.5 s)"))] | None = (
+        spec_field(None, "intensity measure of the curves; default: the swept one; for a cloud, pga")
+    )
+    fill: Annotated[int, WholeNumber(0, 1000)] = spec_field(
+        4,
+        "intensities solved below the one at which a motion passes (`ida`), in case it passes there too",
+    )
+    hazard: Hazards | None = spec_field(
+        None, f"{HAZARD_DESCRIPTION}: adds the annual rate of every limit", {"k0": 1e-4, "k": 2.5}
+    )
+    confidence: Annotated[float, CONFIDENCE] = spec_field("90 %", "confidence of all intervals")
+    draws: Annotated[int, WholeNumber(100, 100_000)] = spec_field(1000, "draws of the bootstrap over the motions")

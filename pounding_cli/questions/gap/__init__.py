@@ -1,0 +1,69 @@
+"""`pound gap`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from pounding_cli.questions.gap.spec import GapSpec
+from pounding_cli.questions.question import Question, StudyQuestion
+from pounding_cli.study.schema import Section
+
+if TYPE_CHECKING:
+    from pounding_cli.report.document import Picture
+    from pounding_cli.results.results import ResultTables
+    from pounding_cli.study import Study
+    from pounding_cli.tables import Table
+
+
+def _ask(study: Study) -> StudyQuestion:
+    from pounding_cli.questions.gap.separations import Gap
+
+    return Gap(study)
+
+
+def _sentences(results: ResultTables) -> Sequence[str]:
+    from pounding_cli.questions.gap.words import list_sentences
+
+    return list_sentences(results)
+
+
+def _shown_tables(results: ResultTables) -> Sequence[Table]:
+    from pounding_cli.questions.gap.words import list_tables
+
+    return list_tables(results)
+
+
+def _notes(results: ResultTables) -> Sequence[str]:
+    from pounding_cli.questions.gap.words import list_notes
+
+    return list_notes(results)
+
+
+def _figures(results: ResultTables) -> Sequence[Picture]:
+    from pounding_cli.questions.gap.figures import list_figures
+
+    return list_figures(results)
+
+
+def _cite(resolved: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+    from pounding_cli.questions.gap.words import list_references
+
+    return list_references(resolved)
+
+
+QUESTION = Question(
+    name="gap",
+    ask=_ask,
+    section=Section(
+        "gap",
+        GapSpec,
+        "settings of `pound gap`; gaps stand in cases, `cases: {near: {link: pounding, gap: 5 cm}}`",
+        {"percentiles": "84 %"},
+    ),
+    sentences=_sentences,
+    shown_tables=_shown_tables,
+    notes=_notes,
+    figures=_figures,
+    cite=_cite,
+)

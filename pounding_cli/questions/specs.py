@@ -1,0 +1,128 @@
+"""What the sections of several questions have in common: hazard curves, intensity measures, expressions, shares."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from pounding_cli.study.base import Model, one_or_many, spec_field, tagged_union
+from pounding_cli.study.quantity import TIME, ParsedText, Quantity, WholeNumber, refuse, written_unit
+
+SEED = Annotated[int, WholeNumber(1, 2**31 - 1)]
+EXPRESSION_COLUMNS = (
+    "a column of the tables, `largest`, `smallest` or `mean` over its storeys (default: `largest`), `in BUILDING`, "
+    "`storey N`; arithmetic, `max`, `min`"
+)
+
+
+def share_quantity(name: str, example: str) -> Quantity:
+    """Return a share above 0 % and below 100 %, written with its %; it is read as a number from 0 to 1."""
+    return Quantity(name, "", example, 0.0, 1.0, open_low=True, open_high=True, percent=True)
+
+
+CONFIDENCE = share_quantity("confidence", "90 %")
+
+
+def percents(name: str, example: str) -> Any:
+    """Return the type of one share or a list of them."""
+    return one_or_many(Annotated[float, share_quantity(name, example)], most=20, as_list=True)
+
+
+RATE = Quantity("annual rate", "", "1/475", 0.0, 1e3, open_low=True)
+
+
+class PowerHazard(Model):
+    """A hazard curve k0 x^-k."""
+
+    k0: Annotated[float, Quantity("annual rate at the intensity 1", "", "1e-4", 0.0, open_low=True)] = spec_field(
+        ..., "annual rate at which the intensity 1 (in `unit`) is exceeded", 1e-4
+    )
+    k: Annotated[float, Quantity("exponent", "", "2.5", 0.0, 20.0, open_low=True)] = spec_field(
+        ..., "exponent [-]", 2.5
+    )
+    unit: str | None = spec_field(None, "unit of the intensity; default: g, and m/s of velocities", "g")
+
+
+class HazardFile(Model):
+    """A hazard curve in a file."""
+
+    file: str = spec_field(
+        ...,
+        "CSV file relative to the study: intensity and annual rate in two columns, or the row of a site as OpenQuake "
+        "and others publish it",
+        "hazard.csv",
+    )
+    unit: str | None = spec_field(None, "unit of the intensities, where the file does not say it", "g")
+
+
+def _hazard_kind(value: Any) -> str:
+    """Return the kind of a hazard curve: power, file or table."""
+    keys = value.keys() if isinstance(value, dict) else ()
+    if isinstance(value, PowerHazard) or "k0" in keys or "k" in keys:
+        return "power"
+    return "file" if isinstance(value, str | HazardFile) or "file" in keys else "table"
+
+
+Hazards: Any = tagged_union(
+    _hazard_kind,
+    power=PowerHazard,
+    file=Annotated[HazardFile, BeforeValidator(lambda v: {"file": v} if isinstance(v, str) else v)],
+    table=Annotated[dict[str, Annotated[float, RATE]], Field(max_length=1000)],
+)
+"""Annual rates at which intensities are exceeded: a table {0.1 g: 0.02, 0.4 g: 1/475}, a power law, or a file."""
+
+HAZARD_DESCRIPTION = (
+    "annual rates at which intensities are exceeded: {0.1 g: 0.02, 0.4 g: 1/475}, {k0: 1e-4, k: 2.5}, or a file"
+)
+
+
+MEASURES = ("pga", "pgv", "sa", "factor")
+"""Intensity measures, as `records.scale` has them; `factor` is the scale factor itself."""
+
+_PERIOD = TIME.replace(name="period", example="0.5 s", low=0.01, open_low=False, high=60.0)
+_MEASURE = re.compile(r"(?P<name>[A-Za-z]+)\s*(?:\(\s*(?P<period>[^()]*?)\s*\))?\Z")
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An intensity measure of a motion.
+
+    name : one of MEASURES
+    period : of `sa` only, 0 where it is the swept one [s]
+    """
+
+    name: str
+    period: float = 0.0
+
+    def __str__(self) -> str:
+        return f"sa({self.period:g} s)" if self.period else self.name
+
+
+def parse_measure(value: Any) -> Measure:
+    """Return the measure in `pga`, `pgv`, `factor`, `sa` or `sa(0.5 s)`.  Raises PydanticCustomError."""
+    match = _MEASURE.match(value.strip()) if isinstance(value, str) and len(value) < 60 else None
+    name, period = match.groups() if match is not None else ("", None)
+    if name not in MEASURES or (period is not None and (name != "sa" or not written_unit(period))):
+        hint = "write pga, pgv, factor or the pseudo-acceleration at a period, sa(0.5 s)"
+        raise refuse(f"'{str(value)[:60]}' is not an intensity measure", hint)
+    return Measure(name, 0.0 if period is None else _PERIOD.read(period))
+
+
+def _read_text(value: Any) -> str:
+    """Return a value that is a text.  Raises PydanticCustomError."""
+    if not isinstance(value, str):
+        raise refuse("this is not an expression", "write e.g. `largest mu`")
+    return value
+
+
+EXPRESSION = Annotated[
+    str, ParsedText(_read_text, "expression over the tables", ("mu", "largest V_ratio in stiff", "max(mu, mu0)"))
+]
+
+
+STATEMENT = Annotated[
+    str, ParsedText(_read_text, "expression compared with a value", ("mu > 4", "drift in soft > 2 cm", "impacts > 0"))
+]

@@ -1,0 +1,91 @@
+"""What the columns of the tables of a results file mean, and the units that people read them in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from pounding_cli.numbers import Unit
+from pounding_cli.tables import Column
+from pounding_cli.variables import COORDINATE_VARIABLES, VARIABLES
+
+TABLES = (
+    *("storey", "floor", "link", "struck", "base", "scene"),
+    *("flagged", "accuracy", "summary", "records", "buildings"),
+)
+"""The tables that every results file has."""
+
+_FURTHER = {
+    "place": ("1", "place of the building from the left, from 1"),
+    "records_used": ("1", "number of records with a V_ratio"),
+    "records_flagged": ("1", "number of records whose scene carries a flag"),
+    "records_meaningless": ("1", "number of records whose numbers have no meaning"),
+    "records_collapsed": ("1", "number of records in whose scene a storey collapsed"),
+    "flag": ("", "what is flagged"),
+    "detail": ("", "where, and by how much"),
+    "severity": ("1", "larger where a flag of that kind is worse; none where its kind does not compare"),
+    "meaningless": ("", "whether the numbers of the scene have no meaning"),
+    "at": ("1", "height of the blow: part of the height of the storey"),
+    "by": ("", "building whose slab strikes"),
+    "by_floor": ("1", "its floor"),
+    "left": COORDINATE_VARIABLES["link_left"],
+    "right": COORDINATE_VARIABLES["link_right"],
+    "right_floor": COORDINATE_VARIABLES["link_right_floor"],
+}
+"""Columns that are no variables of the file: SI unit and meaning."""
+
+_DISPLAY_UNITS = {
+    "N": Unit("kN", 1e3),
+    "m": Unit("mm", 1e-3),
+    "J": Unit("kJ", 1e3),
+    "N s": Unit("kN s", 1e3),
+    "N/m": Unit("MN/m", 1e6),
+    "kg": Unit("t", 1e3),
+}
+"""SI unit -> the one that people read."""
+
+_DISPLAY_UNITS_OF_COLUMNS = {
+    "seconds": Unit("ms", 1e-3),
+    "contact_time": Unit("ms", 1e-3),
+    "drift_ratio": Unit("%", 0.01),
+    "height": Unit("m"),
+    "window": Unit("s"),
+    "period": Unit("s"),
+    "arias": Unit("m/s"),
+}
+"""Columns that are read in another unit than those of their kind."""
+
+
+def column_of(name: str, units: Mapping[str, Unit] | None = None, table: str = "") -> Column:
+    """Return a column of the tables of a results file, in the unit that people read it in.
+
+    units : column -> the unit the study writes it in (`Results.units`); it comes before the usual one
+    table : that has the column; the floor of a link is that of its left building
+    """
+    kind = ""
+    label = name.replace("_", " ")
+    variable = VARIABLES.get(name) or VARIABLES.get(f"record_{name}")
+    if name in _FURTHER or name in COORDINATE_VARIABLES:
+        key = "link_floor" if (table, name) == ("link", "floor") else name
+        si, text = {**COORDINATE_VARIABLES, **_FURTHER}[key]
+        label = "floor right" if name == "right_floor" else label
+    elif variable:
+        si = variable.unit
+        text = variable.text
+        label = variable.label or label
+        kind = variable.kind
+    else:
+        si = ""
+        text = "swept; as in the study file, SI"
+        label = name
+    unit = find_display_unit(name, Unit("" if si == "1" else si, 1.0, si), units)
+    return Column(name, text, unit, label, digits=0 if kind == "i" else 4)
+
+
+def find_display_unit(name: str, unit: Unit, units: Mapping[str, Unit] | None = None) -> Unit:
+    """Return the unit that people read a column in: that of the study, or kN and mm.
+
+    unit : of the column, in SI
+    """
+    shown = (units or {}).get(name) or _DISPLAY_UNITS_OF_COLUMNS.get(name) or _DISPLAY_UNITS.get(unit.si, unit)
+    return replace(shown, name=shown.name.replace("m/s2", "m/s²"), si=unit.si or shown.si)
