@@ -16,32 +16,25 @@ from click.testing import CliRunner
 from matplotlib.figure import Figure
 
 import pounding_cli as pound
-from pounding_cli import points
+from pounding_cli.api.studies import load_study
 from pounding_cli.cli.main import cli
 from pounding_cli.laws.foundation import Bearings as Bearings
 from pounding_cli.laws.foundation import FrictionPendulum as FrictionPendulum
 from pounding_cli.laws.foundation import Rubber as Rubber
 from pounding_cli.laws.joints import Connector as Connector
+from pounding_cli.paper import points
+from pounding_cli.questions.reports import build_report
 from pounding_cli.records.hazard import read_hazard as read_hazard
-from pounding_cli.report import report as report
-from pounding_cli.questions.accuracy.report import cheapest as cheapest
-from pounding_cli.report.sweep import Asked as Asked
-from pounding_cli.report.table import interval as interval
 from pounding_cli.solver import estimate as estimates
 from pounding_cli.solver import response as response
 from pounding_cli.solver import solve as solver
-from pounding_cli.study import load_study_file, make_plan, study_of
+from pounding_cli.study import make_plan
 from pounding_cli.study.expression import parse_limit as parse_limit
-from pounding_cli.questions import gap as gap
-from pounding_cli.questions import search as search
-from pounding_cli.questions.fragility.limits import next_levels as next_levels
-from pounding_cli.questions.hazard import Hazard as Hazard
-from pounding_cli.questions.hazard import probability as probability
 
 
 def sketch(results: pound.Results) -> Figure:
     """The drawing of the group at the head of a page."""
-    return report(results).sketch()
+    return build_report(results).sketch()
 
 
 FLOORS = "shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift"
@@ -80,7 +73,7 @@ class Scene:
         case = {"case": dict(self.case) or {"link": "none"}}
         study = {"records": {"use": ["elcentro"]}, "buildings": buildings, "group": (names * 2)[: max(2, len(names))]}
         study |= {"cases": case, "analyses": [self.analysis], "tail": self.tail, **self.more}
-        plan = make_plan(study_of(study))
+        plan = make_plan(load_study(study))
         scene = plan.build(0)
         motion = pound.motion(self.ground, dt=self.dt)
         links = scene.links if len(names) > 1 else ()
@@ -164,7 +157,7 @@ def _largest(run: Any, name: str) -> float:
 
 def scenes(study: Path) -> Iterator[tuple[str, pound.Scene, float]]:
     """Every scene of a study once, baselines too: its place in words, the scene, the accuracy asked."""
-    plan = make_plan(load_study_file(study))
+    plan = make_plan(load_study(study))
     rows, columns = plan.first
     for number, scene in enumerate(plan.scenes(np.arange(len(plan)))):
         row = plan.row(int(rows[number]))

@@ -10,7 +10,8 @@ import pytest
 from scipy import stats
 
 import pounding_cli
-from tests.adapter import interval, report, search
+from pounding_cli.questions.optimise import search
+from pounding_cli.questions.reports import build_report as report
 
 STUDY = """\
 title: Two small buildings

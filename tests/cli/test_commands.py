@@ -17,7 +17,7 @@ from click.testing import CliRunner
 
 import pounding_cli
 from pounding_cli.cli.main import cli
-from tests.adapter import cheapest
+from pounding_cli.questions.accuracy.report import cheapest
 
 from .conftest import TWO
 

@@ -9,7 +9,8 @@ import pytest
 from scipy.stats import lognorm
 
 from pounding_cli import open_results
-from tests.adapter import next_levels, report
+from pounding_cli.questions.fragility.limits import next_levels
+from pounding_cli.questions.reports import build_report as report
 
 # A has a soft lower storey that collapses, and an upper one far too strong to yield much. B stays far from its limits.
 STUDY = """\

@@ -12,7 +12,8 @@ from scipy import stats
 
 import pounding_cli
 from pounding_cli import open_results
-from tests.adapter import gap, report
+from pounding_cli.questions.gap import separations as gap
+from pounding_cli.questions.reports import build_report as report
 
 STUDY = """\
 title: Two small buildings

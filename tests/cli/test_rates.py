@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import pounding_cli as pound
-from tests.adapter import Hazard, refused, report
+from pounding_cli.questions.hazard import Hazard
+from pounding_cli.questions.reports import build_report as report
+from tests.adapter import refused
 
 G = 9.80665
 STUDY: dict[str, Any] = {

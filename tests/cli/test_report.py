@@ -15,7 +15,8 @@ from matplotlib.collections import QuadMesh
 from matplotlib.path import Path as MplPath
 
 import pounding_cli
-from tests.adapter import Asked, report
+from pounding_cli.questions.reports import build_report as report
+from pounding_cli.report.sweep import SweepChoice as Asked
 
 from .conftest import TWO
 

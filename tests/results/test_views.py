@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
-from pounding_cli.questions.run.report import largest
+from pounding_cli.questions.run.words import largest
 from pounding_cli.results import netcdf, tables
 from pounding_cli.results.compare import compare
 

@@ -11,7 +11,8 @@ from scipy.integrate import quad
 from scipy.special import ndtr
 
 import pounding_cli as pound
-from tests.adapter import Hazard, probability, read_hazard
+from pounding_cli.questions.hazard import Hazard, probability
+from tests.adapter import read_hazard
 
 G = 9.80665
 X, Y = np.array([0.05, 0.1, 0.2, 0.4, 0.8]), np.array([2e-2, 7e-3, 2e-3, 3e-4, 2e-5])

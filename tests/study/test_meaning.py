@@ -13,9 +13,9 @@ import yaml
 from scipy.signal import lsim
 
 import pounding_cli as pound
-from pounding_cli.study import make_plan
+from pounding_cli.api.studies import load_study as study_of
 from pounding_cli.questions.sensitivity.indices import Sensitivity
-from tests.adapter import study_of
+from pounding_cli.study import make_plan
 
 G = 9.80665
 STUDY = yaml.safe_load("""
