@@ -82,8 +82,8 @@ def test_the_gap_for_a_rate(tmp_path: Path) -> None:
 
 def test_a_table_of_gaps_follows_its_rate() -> None:
     """More contacts are allowed by a narrower gap: the rate of every other gap by the same pieces."""
-    table = Hazard.table(np.array([0.05, 0.3, 1.0]), np.array([0.02, 1 / 475, 1e-4]))
-    rates = table.of_lognormal(np.array([0.1, 0.2, 0.4]), 0.3)
+    table = Hazard.from_points(np.array([0.05, 0.3, 1.0]), np.array([0.02, 1 / 475, 1e-4]))
+    rates = table.lognormal_rates(np.array([0.1, 0.2, 0.4]), 0.3)
     assert (np.diff(rates) < 0).all()
 
 
