@@ -154,7 +154,9 @@ def compare_medians(curve: Comparison, median: Column, confidence: str) -> str:
         return "".join(texts.values())
     ratio = curve.pounding["ratio"]
     if not math.isfinite(ratio):
-        return f"{texts[POUNDING]} {POUNDING}, {texts[ALONE]} {ALONE}"
+        if texts[POUNDING] == texts[ALONE]:
+            return f"{texts[ALONE]}, {ALONE} and {POUNDING}"
+        return f"{POUNDING} {texts[POUNDING]}; {ALONE} {texts[ALONE]}"
     with_pounding = replace(median, low="", high="").format_with_unit(curve.pounding)
     alone = replace(median, low="", high="").format_with_unit(curve.alone)
     if _is_one(curve.pounding, "ratio"):
