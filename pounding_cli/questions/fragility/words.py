@@ -140,10 +140,12 @@ def describe_limit(text: str) -> str:
     value = comparison.partition(">")[2].strip()
     if limit.of_height:
         value = f"{100 * limit.value:.6g} % of the storey height"
-    level = ""
-    if limit.level:
-        level = f" of {'floor' if limit.quantity == 'acceleration' else 'storey'} {limit.level}"
-    return f"{_QUANTITIES[limit.quantity]}{level} above {value}"
+    quantity = _QUANTITIES[limit.quantity]
+    if limit.level and limit.quantity == "acceleration":
+        quantity = f"acceleration of floor {limit.level}"
+    elif limit.level:
+        quantity += f" of storey {limit.level}"
+    return f"{quantity} above {value}"
 
 
 def compare_medians(curve: Comparison, median: Column, confidence: str) -> str:
