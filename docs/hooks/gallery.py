@@ -154,7 +154,9 @@ def draw_fragility(solved: Solved, figure: Figure) -> None:
         style = "--" if row["state"] == "alone" else "-"
         median = row["median"] / STANDARD_GRAVITY
         probability = norm.cdf(np.log(intensity / median) / row["spread"])
-        ax.plot(intensity, probability, style, color=colors[row["building"]], label=f"{row['building']}, {row['state']}")
+        ax.plot(
+            intensity, probability, style, color=colors[row["building"]], label=f"{row['building']}, {row['state']}"
+        )
     ax.set(xlabel="peak ground acceleration [g]", ylabel="probability of mu > 4")
     ax.legend()
 
