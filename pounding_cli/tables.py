@@ -29,7 +29,7 @@ FormatRow = Callable[[Row], str]
 
 @dataclass(frozen=True)
 class Column:
-    """What a column means, and how its numbers become cells.
+    """A column: its meaning, and the way from its numbers to cells.
 
     name : of the column in the frame
     text : its meaning

@@ -48,7 +48,7 @@ solving_options = together(
     ),
     click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
 )  # fmt: skip
-"""How scenes are solved; keyword arguments of `solve_study`."""
+"""Options of solving; keyword arguments of `solve_study`."""
 
 _FURTHER_OPTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
     "optimise": (
@@ -133,7 +133,7 @@ def solve_study(
 
 
 def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
-    """Counts and times, unless `quiet`, and every scene that failed."""
+    """Print counts and times, unless `quiet`, and every scene that failed."""
     if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
         click.echo(
@@ -145,13 +145,13 @@ def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
 
 
 def _print_failures(failures: Iterable[tuple[str, str, str]]) -> None:
-    """Of every failure its place, what happened, and what to do about it."""
+    """Print for every failure its place, what happened, and what to do about it."""
     for place, status, advice in failures:
         click.echo(f"failed: {place}: {status}" + (f"\n    {advice}" if advice else ""), err=True)
 
 
 def _log_outcome(log: JsonLines, outcome: RunOutcome) -> None:
-    """The same as JSON lines."""
+    """Write the outcome as JSON lines."""
     for failure in outcome.failures:
         log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
     log.tell(
