@@ -35,8 +35,10 @@ Arrays = dict[str, np.ndarray]
 
 
 def build_arrays(plan: Plan, solved: Solved) -> ResultArrays:
-    """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
-    scene nobody asked for have no numbers, and no status."""
+    """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link.
+
+    Rows whose scene nobody asked for have no numbers, and no status.
+    """
     axes = tuple(axis.names[0] for axis in plan.axes)
     declared = [
         v
@@ -107,7 +109,7 @@ def _responses(plan: Plan, solved: Solved, declared: list[Variable]) -> Arrays:
 
 
 def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:
-    """Return the measures of `variables.STATISTIC_VARIABLES` of a ratio over the motions, the third dimension from behind.
+    """Return the measures of `variables.STATISTIC_VARIABLES` of a ratio over the motions, its third last dimension.
 
     Standard deviations are with n - 1 (NaN of one motion); error and sensitivity of the mean are over the motions that
     were assessed, NaN where none was.
@@ -214,7 +216,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
     separations = study.separations()
 
     def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> dict[str, Array]:
-        """Return what `value` gives at every combination of the values of the axes that change a section of the study."""
+        """Return what `value` gives at all combinations of the values of the axes that change a section."""
         touched = study.axes_changing(section)
         sizes = [len(plan.axes[k].values) for k in touched]
         each, found = [value(at) for at in points(plan, section)], {}

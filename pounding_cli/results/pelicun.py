@@ -21,9 +21,10 @@ UNITS = {"PFA": "mps2", "PID": "rad", "RID": "rad"}
 
 
 def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tuple[pd.DataFrame, int]:
-    """Return the demand table of one building in one case and analysis, and the number of scenes that are left out because a
-    storey collapsed or they failed: Pelicun takes the probability of collapse apart. A scene without residual drifts
-    (a flag of it has the reason) is left out too.
+    """Return the demand table of one building in one case and analysis, and the number of scenes that are left out.
+
+    Left out are scenes in which a storey collapsed or that failed, since Pelicun takes the probability of collapse
+    apart, and scenes without residual drifts (a flag of them has the reason).
 
     Parameters
     ----------
