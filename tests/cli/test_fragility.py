@@ -248,6 +248,15 @@ def test_case_analysis_and_point_stand_in_a_sentence_where_they_vary(ida):
     assert words.list_sentences(results)[2].startswith("soft, ductility above 3, case far, elastic storeys: median")
 
 
+def test_of_many_curves_the_table_tells_the_rest(ida):
+    curves = [PLACE | {"state": POUNDING, "limit": f"mu > {number}"} | fitted(0.1) for number in range(1, 31)]
+    results = with_rows(ida, "fragility", curves)
+    results.answers = ("fragility",)
+    sentences = words.list_sentences(results)
+    assert len(sentences) == 24 + 2
+    assert sentences[-2] == "The table has 6 more limits and buildings."
+
+
 # Tables
 
 

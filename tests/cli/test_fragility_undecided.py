@@ -97,7 +97,9 @@ def test_a_limit_is_sought_above_a_collapse(pound, folder):
         pound("fragility", "two.yaml", "-o", f"{method}.h5", "-q")
         found[method] = open_results(f"{method}.h5")
     stripes, ida = (found[method].table("fragility_motions") for method in ("stripes", "ida"))
-    passes = stripes[(stripes["demand"] > 1) & (stripes["state"] == "with pounding")].groupby("record")["intensity"].min()
+    passes = (
+        stripes[(stripes["demand"] > 1) & (stripes["state"] == "with pounding")].groupby("record")["intensity"].min()
+    )
     assert len(passes) >= 2
     above = ida[ida["state"] == "with pounding"].set_index("record")["passed"]
     assert (above[passes.index] >= passes).all()
@@ -186,7 +188,10 @@ def test_the_points_of_curves(pound, folder):
     """Fails if a point lies off its curve, or a curve that there is none of is told."""
     text = STUDY.replace("sweep: {", "sweep: {cases.touching.gap: [1 cm, 2 cm], ")
     (folder / "two.yaml").write_text(text)
-    pound("fragility", "two.yaml", "-o", "a.h5", "-q")
+    out = " ".join(pound("fragility", "two.yaml", "-o", "a.h5")[1].split())
+    assert "A, collapse, at cases.touching.gap = 1 cm: the difference" in out
+    assert ", at cases.touching.gap = 2 cm" not in out
+    assert "The table has the other points of the sweep." in out
     results = open_results("a.h5")
     keys = ["cases.touching.gap", "analysis", "limit", "building", "case", "state"]
     table = results.table("fragility")

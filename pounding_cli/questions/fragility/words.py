@@ -99,7 +99,9 @@ def list_sentences(results: ResultTables) -> list[str]:
             sentence += f" {words}."
         sentences.append(sentence)
     if len(curves) > MAX_SENTENCES:
-        sentences.append(f"{len(curves) - MAX_SENTENCES} more limits and buildings are in the table.")
+        sentences.append(f"The table has {len(curves) - MAX_SENTENCES} more limits and buildings.")
+    if len(evidence.here(answer.frame)) < len(answer.frame):
+        sentences.append("The table has the other points of the sweep.")
     return [*sentences, f"Intensity measure: {describe_measure(results)}."]
 
 
