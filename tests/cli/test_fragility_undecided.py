@@ -1,4 +1,4 @@
-"""`pound fragility` where a building collapses: what it leaves undecided for its neighbour and its other storeys."""
+"""`pound fragility` where a building collapses, what that leaves undecided, and where time histories fail."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from scipy.stats import lognorm
 from pounding_cli import open_results
 from pounding_cli.questions.fragility.hunt import next_levels
 from pounding_cli.questions.reports import build_report as report
+from tests.adapter import response
 
 # A has a soft lower storey that collapses, and an upper one far too strong to yield much. B stays far from its limits.
 STUDY = """\
@@ -211,3 +212,38 @@ def test_the_points_of_curves(pound, folder):
         assert of_curve["probability"].max() > 0.9
         checked += 1
     assert checked == 2 * 2 * 4
+
+
+def solve_or_fail(fails: str):
+    """Return a solver in which ductilities are 4 times the peak acceleration in g, and the linked scenes of a motion
+    fail."""
+
+    def solve(scene, accuracy=1e-6, method="taylor", **_):
+        storeys = tuple(building.storeys for building in scene.buildings)
+        peaks = response.no_peaks(storeys, len(scene.links))
+        is_failed = bool(scene.links) and scene.motion.name == fails
+        if not is_failed:
+            for name in (*response.STOREYS, *response.LINKS):
+                peaks[name] = 1.0
+            for place, count in enumerate(storeys):
+                peaks["ductility"][place] = np.full(count, 4 * scene.motion.pga / 9.80665)
+        status = "too many steps" if is_failed else "done"
+        closings = peaks["max_closing"]
+        return response.Response(peaks, storeys, status, "", "taylor", accuracy, 1, 1, 1e-4, closing_to_rest=closings)
+
+    return solve
+
+
+@pytest.mark.parametrize("fails", ["taft", ""])
+def test_failed_time_histories_are_counted_where_there_are_some(pound, folder, fails):
+    """Fails if a failed time history counts as one that holds or passes, or the note on it is lost or always there."""
+    text = STUDY[: STUDY.index("fragility:")]
+    (folder / "two.yaml").write_text(f"{text}fragility: {{method: stripes, limits: mu > 4 in B}}\n")
+    code, out, _ = pound("fragility", "two.yaml", "-o", "a.h5", solve=solve_or_fail(fails))
+    assert code == (1 if fails else 0)
+    assert ("20 time histories failed: counted neither as holding nor as passing." in out) == bool(fails)
+    assert ("failed: counted" in out) == bool(fails)
+    for state, failed in (("with pounding", 20 if fails else 0), ("alone", 0)):
+        row = curves("a.h5", state).loc["mu > 4 in B"]
+        assert (row["histories"], row["failed"]) == (80, failed)
+        assert (row["low"] / 9.80665, row["high"] / 9.80665) == pytest.approx((1.0, 1.1))
