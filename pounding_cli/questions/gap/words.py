@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -39,13 +39,23 @@ def _list_swept_keys(results: ResultTables, table: Table) -> list[str]:
     return [key for key in results.axes if table.has(key)]
 
 
+def _move_constants(frame: pd.DataFrame, columns: Sequence[Column], caption: str) -> tuple[list[Column], str]:
+    """Return the columns whose cells differ, and a caption with the cells of the others: "Required gap: A | B"."""
+    rows = frame.to_dict("records")
+    cells = {column.name: list(dict.fromkeys(column.cell(row) for row in rows)) for column in columns}
+    constants = [values[0] for values in cells.values() if len(values) == 1]
+    varying = [column for column in columns if len(cells[column.name]) > 1]
+    return varying, f"{caption}: {', '.join(constants)}" if constants else caption
+
+
 def _show_separations(results: ResultTables) -> Table:
     """Return the required gaps of every pair at the floors that need most on average."""
     table = results.answer(GAP_TABLE)
     keys = _list_swept_keys(results, table)
     rows = select_widest(table.frame, [*keys, "left", "right"])
     caption = "Required gap at the floors whose mean over the motions is the widest"
-    return table.view(*keys, _PAIR, _FLOORS, *_list_widths(table), frame=rows, caption=caption)
+    places, caption = _move_constants(rows, [_PAIR, _FLOORS], caption)
+    return table.view(*keys, *places, *_list_widths(table), frame=rows, caption=caption)
 
 
 def _show_distances(results: ResultTables) -> Table:
@@ -75,9 +85,10 @@ def _show_cases(results: ResultTables) -> Table:
     keys = _list_swept_keys(results, table)
     motions = Column("enough_for", "motions for which it is", label="for motions", write=_count_motions, optional=True)
     required = replace(table.column("required"), label="required (largest)")
-    columns: list[str | Column] = ["case", _PAIR, "analysis", "rule", "gap", required, "enough", motions]
-    caption = "Are the gaps of the cases enough? Gap and required gap at the governing floors"
-    return table.view(*keys, *columns, caption=caption)
+    caption = "Gaps of the cases and required gaps, both at the governing floors"
+    places, caption = _move_constants(table.frame, [table.column("case"), _PAIR], caption)
+    columns: list[str | Column] = ["analysis", "rule", "gap", required, "enough", motions]
+    return table.view(*keys, *places, *columns, caption=caption)
 
 
 def _count_motions(row: Row) -> str:
