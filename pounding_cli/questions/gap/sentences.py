@@ -96,16 +96,16 @@ def _describe_answer(evidence: GapEvidence, pair: tuple[str, str], needs: Mappin
     if not entries:
         yield f"{' | '.join(pair)} need {_join_needs(evidence, needs, _describe_kind)}."
         return
-    where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
+    where = f"Between {' and '.join(pair)} " if len(evidence.pairs) > 1 else ""
     names_cases = evidence.cases["case"].nunique() > 1
     for alike in _group_entries(entries, _required_gaps):
         verdicts = []
         for same in sorted(_group_entries(alike, _verdicts), key=lambda group: _rank(group[0])):
             subject = _describe_gaps(same, evidence.unit, names_cases)
-            verdicts.append(f"{subject}{where} {_describe_verdict(same)}")
+            verdicts.append(f"{subject} {_describe_verdict(same)}")
         gaps = {analysis: [entry.needs[analysis].gap for entry in alike] for analysis in alike[0].needs}
         reasons = _join_needs(evidence, alike[0].needs, lambda *need: _describe_subject(evidence, pair, *need), gaps)
-        yield f"{', '.join(verdicts)}: {reasons}."
+        yield f"{where}{', '.join(verdicts)}: {reasons}."
     yield from _describe_neighbours(evidence, pair, entries)
 
 
@@ -263,17 +263,23 @@ def _format_width(width: float, unit: Unit, gaps: Sequence[float]) -> str:
 
 
 def _describe_codes(evidence: GapEvidence, pair: tuple[str, str], needs: Mapping[str, Need]) -> Iterator[str]:
-    """Yield what codes ask for, beside what the motions require."""
+    """Yield in a sentence what codes ask for, beside what the motions require."""
+    rules: dict[str, list[str]] = {}
     for rule, gap in evidence.iter_code_gaps(pair):
-        short = [KINDS[analysis] for analysis, need in needs.items() if gap < need.required]
-        if not short:
-            comparison = "no less than these motions require"
-        elif len(short) == len(needs):
-            comparison = "less than these motions require"
-        else:
-            (other,) = (KINDS[analysis] for analysis, need in needs.items() if gap >= need.required)
-            comparison = f"less than {short[0]} buildings need, no less than {other} ones do"
-        yield f"{rule} asks for {unit_text(gap, evidence.unit)}, {comparison}."
+        rules.setdefault(_compare_with_needs(gap, needs), []).append(f"{rule} {unit_text(gap, evidence.unit)}")
+    if rules:
+        yield f"Codes: {'; '.join(f'{_join(gaps)}, {comparison}' for comparison, gaps in rules.items())}."
+
+
+def _compare_with_needs(gap: float, needs: Mapping[str, Need]) -> str:
+    """Return whether a gap is less than what two neighbours need in each analysis."""
+    short = [KINDS[analysis] for analysis, need in needs.items() if gap < need.required]
+    wide = [KINDS[analysis] for analysis, need in needs.items() if gap >= need.required]
+    if not short:
+        return "no less than these motions require"
+    if not wide:
+        return "less than these motions require"
+    return f"less than {short[0]} buildings need, no less than {wide[0]} ones do"
 
 
 def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:

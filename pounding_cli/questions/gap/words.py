@@ -54,7 +54,7 @@ def _show_separations(results: ResultTables) -> Table:
     keys = _list_swept_keys(results, table)
     rows = select_widest(table.frame, [*keys, "left", "right"])
     caption = "Required gap at the floors whose mean over the motions is the widest"
-    places, caption = _move_constants(rows, [_PAIR, _FLOORS], caption)
+    places, caption = _move_constants(rows, [_PAIR, _FLOORS, table.column("analysis")], caption)
     return table.view(*keys, *places, *_list_widths(table), frame=rows, caption=caption)
 
 
@@ -64,11 +64,13 @@ def _show_distances(results: ResultTables) -> Table:
     keys = _list_swept_keys(results, table)
     rows = select_widest(table.frame, [*keys, "building", "side"])
     caption = "Distance to a property line, at the floors whose mean over the motions is the largest"
-    return table.view(*keys, "building", "side", "floor", *_list_widths(table), frame=rows, caption=caption)
+    places = [table.column(name) for name in ("building", "side", "floor", "analysis")]
+    places, caption = _move_constants(rows, places, caption)
+    return table.view(*keys, *places, *_list_widths(table), frame=rows, caption=caption)
 
 
 def _list_widths(table: Table) -> list[str | Column]:
-    """Return analysis, rule and the widths, the most important first; the others give way on narrow terminals."""
+    """Return rule and widths, the most important first; the others give way on narrow terminals."""
     names = [column.name for column in table.columns]
     contact = [name for name in names if name.startswith("contact_") and not name.endswith(("_low", "_high"))]
     percentiles = [name for name in names if name.startswith("percentile_")]
@@ -76,7 +78,7 @@ def _list_widths(table: Table) -> list[str | Column]:
     if set(table.frame["rule"]) != {EXACT}:
         optional.append("over_exact")
     columns = [replace(table.column(name), optional=True) for name in optional]
-    return ["analysis", "rule", "mean", "largest", *columns]
+    return ["rule", "mean", "largest", *columns]
 
 
 def _show_cases(results: ResultTables) -> Table:
@@ -86,8 +88,9 @@ def _show_cases(results: ResultTables) -> Table:
     motions = Column("enough_for", "motions for which it is", label="for motions", write=_count_motions, optional=True)
     required = replace(table.column("required"), label="required (largest)")
     caption = "Gaps of the cases and required gaps, both at the governing floors"
-    places, caption = _move_constants(table.frame, [table.column("case"), _PAIR], caption)
-    columns: list[str | Column] = ["analysis", "rule", "gap", required, "enough", motions]
+    places = [table.column("case"), _PAIR, table.column("analysis")]
+    places, caption = _move_constants(table.frame, places, caption)
+    columns: list[str | Column] = ["rule", "gap", required, "enough", motions]
     return table.view(*keys, *places, *columns, caption=caption)
 
 
@@ -102,7 +105,8 @@ def _show_rate(results: ResultTables) -> Table:
     keys = _list_swept_keys(results, table)
     gap = replace(table.column("gap"), otherwise=_explain_no_gap)
     caption = f"Gap with which a pair touches {describe_rate(table.frame.iloc[0].to_dict())}"
-    return table.view(*keys, _PAIR, "analysis", gap, caption=caption)
+    places, caption = _move_constants(table.frame, [_PAIR, table.column("analysis")], caption)
+    return table.view(*keys, *places, gap, caption=caption)
 
 
 def _explain_no_gap(row: Row) -> str:
