@@ -13,7 +13,7 @@ from pounding_cli.model.links import BASE
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
 from pounding_cli.report.evidence import Evidence, nominal
-from pounding_cli.results.flags import failed_scenes
+from pounding_cli.solver.response import DONE
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Row
 
@@ -90,9 +90,9 @@ class GapEvidence:
         return [pair for pair in pairwise(self.results.names("building")) if pair in facing]
 
     def count_failed(self, analysis: str) -> int:
-        """Return how many motions have no result in an analysis."""
+        """Return how many motions have no closings in an analysis."""
         rows = self._scene[self._scene["analysis"] == analysis]
-        return len(failed_scenes(rows))
+        return len(select_failed(rows))
 
     def count_motions(self) -> int:
         """Return the number of motions."""
@@ -169,6 +169,11 @@ def list_written_gaps(results: ResultTables, case: str) -> list[str]:
         if link != "none" and not (isinstance(link, Mapping) and link.get("link") == "none")
     ]
     return [gap for gap in dict.fromkeys(gaps) if gap]
+
+
+def select_failed(scene: pd.DataFrame) -> pd.DataFrame:
+    """Return the runs without closings: those that failed, and those that a collapse ended."""
+    return scene[scene["status"] != DONE]
 
 
 def select_exact(frame: pd.DataFrame) -> pd.DataFrame:

@@ -11,10 +11,15 @@ import pandas as pd
 
 from pounding_cli.numbers import NOTHING, join_limited, pluralize
 from pounding_cli.questions.bootstrap import FEWEST_TOLD
-from pounding_cli.questions.gap.evidence import describe_floors, describe_pair, select_exact, select_widest
+from pounding_cli.questions.gap.evidence import (
+    describe_floors,
+    describe_pair,
+    select_exact,
+    select_failed,
+    select_widest,
+)
 from pounding_cli.questions.gap.sentences import describe_rate, list_sentences
 from pounding_cli.questions.gap.tables import CASES_TABLE, CONFIDENCE, EXACT, GAP_TABLE, LINE_TABLE, RATE_TABLE
-from pounding_cli.results.flags import failed_scenes
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Column, Row, Table
 
@@ -130,7 +135,7 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     if RATE_TABLE in results.answers:
         yield _describe_rate_basis(results.answer(RATE_TABLE).frame.iloc[0].to_dict())
     scene = results.scene()
-    if failed := failed_scenes(scene)["status"].value_counts().to_dict():
+    if failed := select_failed(scene)["status"].value_counts().to_dict():
         outcomes = ", ".join(f"{count} {status}" for status, count in failed.items())
         yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out."
     yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
