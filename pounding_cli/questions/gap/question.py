@@ -51,9 +51,9 @@ class Gap(StudyQuestion):
 
     def _read_hazard(self) -> None:
         """Find the intensities of the motions and how often they are exceeded.  Raises InputError."""
-        from pounding_cli.questions.hazard import hazard_of, intensity_axis  # with scipy: few studies need it
+        from pounding_cli.questions.hazard import build_hazard, find_intensity_axis  # with scipy: few studies need it
 
-        self.intensity_axis = intensity_axis(self, self.apart.axes)
+        self.intensity_axis = find_intensity_axis(self, self.apart.axes)
         scaled = self._find_swept_intensity() or self._find_written_intensity()
         if scaled is None:
             hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
@@ -62,7 +62,7 @@ class Gap(StudyQuestion):
         assert scaled is not None
         measure, intensities = scaled
         self.intensities = np.array(intensities, float)
-        self.hazard = hazard_of(self, measure)
+        self.hazard = build_hazard(self, measure)
 
     def _find_swept_intensity(self) -> tuple[Measure, list[Any]] | None:
         """Return the intensity measure that is swept, and its values [SI]; None where none is."""

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.questions.bootstrap import draws_of, with_interval
+from pounding_cli.questions.bootstrap import build_estimate, draw_motions
 from pounding_cli.questions.frames import build_swept_frame, list_swept_columns
 from pounding_cli.questions.gap.separations import list_points
 from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, RATE_COLUMNS, RATE_TABLE, is_length
-from pounding_cli.questions.hazard import LEAST, Hazard, gaps_of, probability
+from pounding_cli.questions.hazard import MIN_GAP, Hazard, find_gaps, poisson_probability
 from pounding_cli.study import Plan
 from pounding_cli.tables import Table, build_table
 
@@ -48,7 +48,7 @@ def build_rate_table(
         row: dict[str, Any] = dict(zip(keys, values, strict=True))
         row["left"], row["right"] = plan.buildings[row["number"] : row["number"] + 2]
         row["rate"] = rate
-        row["probability"] = probability(rate)
+        row["probability"] = poisson_probability(rate)
         gap_by_motion = group.pivot_table("value", "intensity", "motion", dropna=False)
         rows.append(row | _find_gap(hazard, rate, gap_by_motion.dropna(axis=1)))  # motions without a failed run
     frame = pd.DataFrame(rows).reindex(columns=[*other_keys, *(column.name for column in RATE_COLUMNS)])
@@ -79,6 +79,6 @@ def _find_gap(hazard: Hazard, rate: float, gap_by_motion: pd.DataFrame) -> dict[
     if motions < 2:
         return counts
     log_intensities = np.log(gap_by_motion.index.to_numpy())
-    log_gaps = np.log(gap_by_motion.clip(lower=LEAST).to_numpy())
-    gaps = gaps_of(hazard, rate, log_intensities, log_gaps, draws_of(motions, DRAWS))
-    return counts | with_interval("gap", gaps, CONFIDENCE, motions)
+    log_gaps = np.log(gap_by_motion.clip(lower=MIN_GAP).to_numpy())
+    gaps = find_gaps(hazard, rate, log_intensities, log_gaps, draw_motions(motions, DRAWS))
+    return counts | build_estimate("gap", gaps, CONFIDENCE, motions)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.questions.bootstrap import FEWEST_TOLD
+from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.frames import build_swept_frame, list_swept_columns
 from pounding_cli.questions.gap.separations import list_points
 from pounding_cli.questions.gap.spec import GapSpec
@@ -105,12 +105,12 @@ def find_fit_factors(motions: int, probability: float) -> tuple[float, float, fl
     """Return by how many standard deviations of the logarithms a gap lies above their mean, and its interval.
 
     The interval is exact for a normal sample: sqrt(n) times the distance of the quantile from the mean, over the
-    standard deviation, has Student's noncentral distribution. It is NaN for fewer motions than FEWEST_TOLD.
+    standard deviation, has Student's noncentral distribution. It is NaN for fewer motions than MIN_MOTIONS.
     """
     from scipy import special  # scipy.stats takes long to import
 
     z = -float(special.ndtri(probability))
-    if motions < FEWEST_TOLD:
+    if motions < MIN_MOTIONS:
         return z, np.nan, np.nan
     root = np.sqrt(motions)
     tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.bootstrap import FEWEST_TOLD
-from pounding_cli.questions.frames import NUMBER
+from pounding_cli.questions.bootstrap import MIN_MOTIONS
+from pounding_cli.questions.frames import NUMBER, list_estimate_columns
 from pounding_cli.tables import Column
 from pounding_cli.variables import COORDINATE_VARIABLES
 
@@ -119,16 +119,9 @@ RATE_COLUMNS = (
     Column("intensities", "number of intensities", NUMBER, digits=0),
     Column("rate", "annual rate of contact that is allowed", Unit("1/year", 1.0, "1/year")),
     Column("probability", "probability of contact within 50 years at this rate", NUMBER),
-    Column(
-        "gap",
-        "gap with this rate of contact at any floor of the pair",
-        LENGTH,
-        digits=3,
-        low="gap_low",
-        high="gap_high",
+    *list_estimate_columns(
+        Column("gap", "gap with this rate of contact at any floor of the pair", LENGTH, digits=3), "bootstrap interval"
     ),
-    Column("gap_low", "lower end of its bootstrap interval", LENGTH, "gap, low"),
-    Column("gap_high", "upper end of its bootstrap interval", LENGTH, "gap, high"),
 )
 """Columns of RATE_TABLE."""
 
@@ -167,16 +160,11 @@ def list_share_columns(table: str, percentiles: Sequence[float], contact: Sequen
         )
         for share in percentiles
     ]  # fmt: skip
+    interval = f"{CONFIDENCE:.0%} confidence interval, from {MIN_MOTIONS} motions on"
     for share in contact:
-        name = name_contact(share)
-        label = f"{event} {100 * share:g} %"
         text = f"{meaning} with a probability{of_contact} of {100 * share:g} % by the lognormal fit"
-        interval = f"{CONFIDENCE:.0%} confidence interval, from {FEWEST_TOLD} motions on: {text}"
-        columns += [
-            Column(name, text, LENGTH, label, digits=3, low=f"{name}_low", high=f"{name}_high"),
-            Column(f"{name}_low", f"lower end of its {interval}", LENGTH, f"{label}, low"),
-            Column(f"{name}_high", f"upper end of its {interval}", LENGTH, f"{label}, high"),
-        ]
+        column = Column(name_contact(share), text, LENGTH, f"{event} {100 * share:g} %", digits=3)
+        columns += list_estimate_columns(column, interval)
     return columns
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.numbers import NOTHING, join_limited, pluralize
-from pounding_cli.questions.bootstrap import FEWEST_TOLD
+from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.gap.evidence import (
     describe_floors,
     describe_pair,
@@ -140,11 +140,11 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
         yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out."
     yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
     fewest = int(exact["motions"].min())
-    if fewest >= FEWEST_TOLD:
+    if fewest >= MIN_MOTIONS:
         yield f"In brackets: {CONFIDENCE:.0%} confidence interval."
     else:
         motions = pluralize(fewest, "motion")
-        yield f"No confidence interval for fewer than {FEWEST_TOLD} motions: {motions} cannot tell it."
+        yield f"No confidence interval for fewer than {MIN_MOTIONS} motions: {motions} cannot tell it."
     if len(results.names("building")) > 2:
         yield (
             "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
