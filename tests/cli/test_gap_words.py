@@ -519,7 +519,11 @@ def test_captions_say_what_is_the_same_in_all_rows(solve):
     assert gap.caption.endswith(": A | B, floor 2")
     assert [column.head for column in gap.columns][:4] == ["analysis", "rule", "mean [cm]", "largest [cm]"]
     cases = pair["Gaps of the cases and required gaps, both at the governing floors"]
-    assert cases.caption.endswith(": near, A | B")
+    assert cases.caption.endswith(": case near, A | B")
+    line = pair["Distance to a property line, at the floors whose mean over the motions is the largest"]
+    assert line.caption.endswith("largest")
+    single = STUDY.replace("storeys: 3", "storeys: 2") + "analyses: [elastic]\n"
+    assert list_tables(solve(single))[2].caption.endswith("largest: floor 2, elastic")
     three = {table.caption.partition(":")[0]: table for table in list_tables(solve(THREE))}
     assert "between" in [column.head for column in three[gap.caption.partition(":")[0]].columns]
 
@@ -539,6 +543,10 @@ def test_cells_are_those_of_the_frames(solve):
             numbers = [float(each) for each in contact.replace("(", "").replace(")", "").replace("to ", "").split()]
             expected = [100 * row[f"contact_10{end}"] for end in ("", "_low", "_high")]
             assert numbers == pytest.approx(expected, rel=1e-2)
+    units = {
+        name: results.column("gap", name).unit.name for name in ("mean", "std", "contact_10_low", "error", "height")
+    }
+    assert units == dict.fromkeys(("mean", "std", "contact_10_low", "error"), "cm") | {"height": "m"}
     exact = results.table("gap")
     exact = exact[exact["rule"] == "exact"]
     widest = exact.groupby(["left", "right", "analysis"])["mean"].max()

@@ -45,10 +45,15 @@ def _list_swept_keys(results: ResultTables, table: Table) -> list[str]:
 
 
 def _move_constants(frame: pd.DataFrame, columns: Sequence[Column], caption: str) -> tuple[list[Column], str]:
-    """Return the columns whose cells differ, and a caption with the cells of the others: "Required gap: A | B"."""
+    """Return the columns whose cells differ, and the caption with the cells of the others: "Gaps: case near, A | B"."""
     rows = frame.to_dict("records")
     cells = {column.name: list(dict.fromkeys(column.cell(row) for row in rows)) for column in columns}
-    constants = [values[0] for values in cells.values() if len(values) == 1]
+    named = {"case": "case ", "floor": "floor "}
+    constants = [
+        f"{named.get(column.label or column.name, '')}{cells[column.name][0]}"
+        for column in columns
+        if len(cells[column.name]) == 1
+    ]
     varying = [column for column in columns if len(cells[column.name]) > 1]
     return varying, f"{caption}: {', '.join(constants)}" if constants else caption
 
