@@ -237,6 +237,7 @@ def test_one_building_beside_a_wall(solve):
     first = list_sentences(solve(text))[0]
     assert "the elastic building needs " in first
     assert ", the yielding one " in first
+    assert "cm for the elastic building, " in list_sentences(solve(text))[1]
     assert "ones" not in first.partition(". ")[0]
 
 
@@ -263,6 +264,9 @@ def test_cases_are_named_where_there_are_several(solve):
     text = STUDY + "  wide: {link: pounding, gap: 100 cm}\n  same: {link: pounding, gap: 5 cm}\n"
     first = list_sentences(with_verdicts(solve(text), {"near": "no", "wide": "yes", "same": "no"}))[0]
     assert first.startswith("100 cm (wide) is enough, 5 cm (near and same) are not enough: ")
+    swept = solve(text + "sweep: {cases.near.gap: [1 cm, 2 cm, 3 cm, 4 cm]}\n")
+    first = list_sentences(with_verdicts(swept, {"near": "no", "wide": "yes", "same": "no"}))[0]
+    assert first.startswith("100 cm (wide) is enough, 1 cm to 4 cm (near, 4 gaps) and 5 cm (same) are not enough: ")
     first = list_sentences(with_verdicts(solve(text), {"near": "yes", "wide": "no", "same": "yes"}))[0]
     assert first.startswith("5 cm (near and same) are enough, 100 cm (wide) is not enough: ")
 
@@ -280,6 +284,10 @@ def test_a_case_with_several_gaps_says_where_its_gap_governs(solve):
     row = cases[(cases["rule"] == "exact") & (cases["analysis"] == "elastic")].iloc[0]
     assert row["floor"] == 1
     assert f"near ({100 * row['gap']:g} cm at floor 1) is not enough: " in list_sentences(results)[0]
+    pairs = "{links: [{link: pounding, gap: 3 cm, pair: 1}, {link: pounding, gap: 4 cm, pair: 2}]}"
+    said = list_sentences(solve(THREE.replace("{link: pounding, gap: 5 cm}", pairs)))
+    assert said[0].startswith("Between A-1 and B 3 cm is ")
+    assert said[1].startswith("Between B and A-2 4 cm is ")
 
 
 @pytest.mark.parametrize("swapped", [False, True])

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.questions.gap.spec import GapSpec
-from pounding_cli.questions.gap.tables import COLUMNS
+from pounding_cli.questions.gap.tables import COLUMNS_BY_TABLE
 from pounding_cli.questions.question import Question, StudyQuestion
 from pounding_cli.study.schema import Section
 
@@ -62,7 +62,7 @@ QUESTION = Question(
         "settings of `pound gap`; gaps stand in cases, `cases: {near: {link: pounding, gap: 5 cm}}`",
         {"percentiles": "84 %"},
     ),
-    tables=COLUMNS,
+    tables=COLUMNS_BY_TABLE,
     sentences=_sentences,
     shown_tables=_shown_tables,
     notes=_notes,

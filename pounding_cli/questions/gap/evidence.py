@@ -89,6 +89,10 @@ class GapEvidence:
         facing = set(zip(self.gaps["left"], self.gaps["right"], strict=True))
         return [pair for pair in pairwise(self.results.names("building")) if pair in facing]
 
+    def has_wall(self, pair: tuple[str, str]) -> bool:
+        """Return whether one of two neighbours is a wall."""
+        return bool(set(pair) & set(self.results.walls))
+
     def count_failed(self, analysis: str) -> int:
         """Return how many motions have no closings in an analysis."""
         rows = self._scene[self._scene["analysis"] == analysis]
@@ -135,7 +139,7 @@ class GapEvidence:
         entries = []
         for (case, _), rows in cases.groupby([cases["case"], numbers], sort=False):
             needs = {}
-            is_uniform = len(list_written_gaps(self.results, str(case))) <= 1
+            is_uniform = len(list_written_gaps(self.results, str(case), pair)) <= 1
             for judged in rows.to_dict("records"):
                 of_analysis = exact[exact["analysis"] == judged["analysis"]]
                 is_here = (of_analysis[PLACE_KEYS] == [judged[key] for key in PLACE_KEYS]).all(axis=1)
@@ -154,8 +158,8 @@ class GapEvidence:
             yield str(rule), float(of_rule["mean"].max())
 
 
-def list_written_gaps(results: ResultTables, case: str) -> list[str]:
-    """Return the different gaps that the study writes for the links of a case."""
+def list_written_gaps(results: ResultTables, case: str, pair: tuple[str, str] | None = None) -> list[str]:
+    """Return the different gaps that the study writes for the links of a case, between two neighbours or all."""
     written = parse(results.study_text, str(results.path)).get("cases", {}).get(case)
     if not isinstance(written, Mapping):
         return []
@@ -163,12 +167,21 @@ def list_written_gaps(results: ResultTables, case: str) -> list[str]:
     if not isinstance(links, list):
         links = [{}]
     of_case = written.get("gap", "")
+    pairs = list(pairwise(results.names("building")))
+    number = None if pair is None else 1 + pairs.index(pair)
     gaps = [
         str(link.get("gap", of_case)) if isinstance(link, Mapping) else str(of_case)
         for link in links
-        if link != "none" and not (isinstance(link, Mapping) and link.get("link") == "none")
+        if _is_between(link, number)
     ]
     return [gap for gap in dict.fromkeys(gaps) if gap]
+
+
+def _is_between(link: Any, number: int | None) -> bool:
+    """Return whether a written link stands between the neighbours of a number from 1, or of any."""
+    if not isinstance(link, Mapping):
+        return bool(link != "none")
+    return link.get("link") != "none" and (number is None or str(link.get("pair", number)) == str(number))
 
 
 def select_failed(scene: pd.DataFrame) -> pd.DataFrame:

@@ -9,7 +9,7 @@ import numpy as np
 from pounding_cli.questions.bootstrap import build_estimate, draw_motions
 from pounding_cli.questions.frames import build_swept_frame, list_swept_columns
 from pounding_cli.questions.gap.separations import list_points
-from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, RATE_COLUMNS, RATE_TABLE, is_length
+from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, GAP_RATE_COLUMNS, RATE_TABLE, is_length
 from pounding_cli.questions.hazard import MIN_GAP, Hazard, find_gaps, poisson_probability
 from pounding_cli.study import Plan
 from pounding_cli.tables import Table, build_table
@@ -51,10 +51,10 @@ def build_rate_table(
         row["probability"] = poisson_probability(rate)
         gap_by_motion = group.pivot_table("value", "intensity", "motion", dropna=False)
         rows.append(row | _find_gap(hazard, rate, gap_by_motion.dropna(axis=1)))  # motions without a failed run
-    frame = pd.DataFrame(rows).reindex(columns=[*other_keys, *(column.name for column in RATE_COLUMNS)])
+    frame = pd.DataFrame(rows).reindex(columns=[*other_keys, *(column.name for column in GAP_RATE_COLUMNS)])
     unit = plan.study.unit("gap")
-    units = {column.name: unit for column in RATE_COLUMNS if is_length(column)}
-    return build_table(RATE_TABLE, frame, [*RATE_COLUMNS, *list_swept_columns(plan.axes)], units)
+    units = {column.name: unit for column in GAP_RATE_COLUMNS if is_length(column)}
+    return build_table(RATE_TABLE, frame, [*GAP_RATE_COLUMNS, *list_swept_columns(plan.axes)], units)
 
 
 def _find_largest(

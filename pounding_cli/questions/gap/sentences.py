@@ -131,14 +131,20 @@ def _rank(entry: CaseEntry) -> tuple[bool, bool]:
 
 
 def _describe_gaps(entries: Sequence[CaseEntry], unit: Unit, names_cases: bool) -> str:
-    """Return the gaps of some cases: "5 cm (near and far)", "5 mm to 40 mm (8 gaps)", "top (15 mm at floor 2)"."""
+    """Return the gaps of some cases: "5 cm (near)", "5 mm to 40 mm (8 gaps)", "top (15 mm at floor 2)"."""
     uneven = [f"{entry.case} ({_describe_uneven_gap(entry, unit)})" for entry in entries if not entry.is_uniform]
-    gaps: dict[str, list[str]] = {}
+    cases_by_gaps: dict[tuple[str, ...], list[str]] = {}
     for of_case in _group_entries([entry for entry in entries if entry.is_uniform], lambda entry: entry.case):
-        widths = [unit.text(gap) for gap in sorted({next(iter(entry.needs.values())).gap for entry in of_case})]
-        several = f"{widths[0]} to {widths[-1]} ({len(widths)} gaps)"
-        gaps.setdefault(_join(widths) if len(widths) <= MAX_GAPS else several, []).append(of_case[0].case)
-    return _join([*(f"{text} ({_join(cases)})" if names_cases else text for text, cases in gaps.items()), *uneven])
+        gaps = sorted({next(iter(entry.needs.values())).gap for entry in of_case})
+        cases_by_gaps.setdefault(tuple(map(unit.text, gaps)), []).append(of_case[0].case)
+    parts = []
+    for texts, cases in cases_by_gaps.items():
+        details = [_join(cases)] if names_cases else []
+        if len(texts) > MAX_GAPS:
+            details.append(f"{len(texts)} gaps")
+        gap = _join(texts) if len(texts) <= MAX_GAPS else f"{texts[0]} to {texts[-1]}"
+        parts.append(f"{gap} ({', '.join(details)})" if details else gap)
+    return _join([*parts, *uneven])
 
 
 def _describe_uneven_gap(entry: CaseEntry, unit: Unit) -> str:
@@ -222,8 +228,7 @@ def _describe_kind(analysis: str, width: str, is_first: bool) -> str:
 
 
 def _describe_subject(evidence: GapEvidence, pair: tuple[str, str], analysis: str, width: str, is_first: bool) -> str:
-    is_one = bool(set(pair) & set(evidence.results.walls))
-    if is_one:
+    if evidence.has_wall(pair):
         return f"the {KINDS[analysis]} {'building needs' if is_first else 'one'} {width}"
     return f"{KINDS[analysis]} {'buildings need' if is_first else 'ones'} {width}"
 
@@ -292,10 +297,10 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
         return ""
     floors = " or ".join(dict.fromkeys(describe_floors(row) for row in rows.to_dict("records")))
     widths: list[str] = []
+    article = "the " if evidence.has_wall(pair) else ""
     for row in rows.drop_duplicates("analysis").to_dict("records"):
-        widths.append(
-            f"{column.format_with_unit(row)} for {KINDS[row['analysis']]} {'ones' if widths else 'buildings'}"
-        )
+        noun = ("one" if widths else "building") + ("" if evidence.has_wall(pair) else "s")
+        widths.append(f"{column.format_with_unit(row)} for {article}{KINDS[row['analysis']]} {noun}")
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
     share = column.name.removeprefix("contact_")
     return f"A probability of contact of {share} % at {floors}{where}: {', '.join(widths)}."

@@ -12,7 +12,7 @@ from pounding_cli.questions.frames import build_swept_frame, list_swept_columns
 from pounding_cli.questions.gap.separations import list_points
 from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.tables import (
-    COLUMNS,
+    COLUMNS_BY_TABLE,
     CONFIDENCE,
     EXACT,
     MOTION_RULES,
@@ -40,7 +40,7 @@ def build_statistics_table(plan: Plan, name: str, spec: GapSpec, separations: pd
     rows["over_exact"] = rows["mean"] / exact_means.groupby(level=keys[:3], observed=True).transform("first")
     rows["motions"] = rows["motions"].where(rule.isin(MOTION_RULES), 0)
     statistics = list(rows.columns)
-    names = [column.name for column in COLUMNS[name] if column.name not in (*keys, *statistics)]
+    names = [column.name for column in COLUMNS_BY_TABLE[name] if column.name not in (*keys, *statistics)]
     place_names = [column for column in names if column in separations]
     places = separations[["row", *place_names]].drop_duplicates("row")
     rows = rows.reset_index().merge(places, on="row", how="left")
@@ -62,7 +62,7 @@ def build_point_table(
     points = list_points(plan)
     swept = build_swept_frame(plan.axes, [points[number] for number in rows["point"]])
     frame = pd.concat([swept, rows[list(names)].astype({"analysis": object, "rule": object})], axis=1)
-    declared = [*COLUMNS[name], *further, *list_swept_columns(plan.axes)]
+    declared = [*COLUMNS_BY_TABLE[name], *further, *list_swept_columns(plan.axes)]
     unit = plan.study.unit("gap")
     return build_table(name, frame, declared, {column.name: unit for column in declared if is_length(column)})
 

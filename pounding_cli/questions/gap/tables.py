@@ -111,7 +111,7 @@ CASES_COLUMNS = (
 )
 """Columns of CASES_TABLE. The governing floors lack most, or have least to spare."""
 
-RATE_COLUMNS = (
+GAP_RATE_COLUMNS = (
     _ANALYSIS,
     _LEFT,
     _RIGHT,
@@ -125,11 +125,11 @@ RATE_COLUMNS = (
 )
 """Columns of RATE_TABLE."""
 
-COLUMNS = {
+COLUMNS_BY_TABLE = {
     GAP_TABLE: GAP_COLUMNS,
     CASES_TABLE: CASES_COLUMNS,
     LINE_TABLE: LINE_COLUMNS,
-    RATE_TABLE: RATE_COLUMNS,
+    RATE_TABLE: GAP_RATE_COLUMNS,
 }
 """Columns of every table; those of `list_share_columns` and of swept keys depend on the study."""
 
