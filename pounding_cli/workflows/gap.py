@@ -135,7 +135,7 @@ class Gap(Workflow):
     def run(self, solver: Solver) -> Found:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
         plan = self.plan
-        contents = solver.contents(plan)
+        contents = solver.solve_dataset(plan)
         data = contents.dataset()
         separations = _separations(plan, _between_floors(plan, data))
         distances = _separations(plan, _to_lines(plan, data))

@@ -210,7 +210,7 @@ class Sensitivity(Workflow):
         """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
         samples."""
         plan, method = self.plan, self.spec.method
-        contents = solver.contents(plan)
+        contents = solver.solve_dataset(plan)
         data = contents.dataset()
         outputs = list(_series(plan, data, self, self.outputs))
         holds = list(_series(plan, data, self, self.statements))

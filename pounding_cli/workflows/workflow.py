@@ -131,7 +131,7 @@ class Run(Workflow):
 
     def run(self, solver: Solver) -> Found:
         """What all scenes did."""
-        return Found(self.plan, solver.contents(self.plan), [])
+        return Found(self.plan, solver.solve_dataset(self.plan), [])
 
 
 def swept(axes: Sequence[Axis], points: Sequence[Sequence[int]], **more: Sequence[Any]) -> pd.DataFrame:
