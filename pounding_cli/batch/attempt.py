@@ -68,9 +68,13 @@ class Task:
     def list_attempts(self, scenes: Iterable[Scene]) -> list[Attempt]:
         """Return the attempts to solve scenes, in their order."""
         attempts = []
+        apart_by_digest: dict[str, Scene] = {}  # one object for all that share it, which is sent to a worker once
         for scene in scenes:
-            has_apart = self.time_step is None and can_stay_open(scene)
-            attempts.append(Attempt(scene, build_apart(scene) if has_apart else None))
+            apart = None
+            if self.time_step is None and can_stay_open(scene):
+                apart = build_apart(scene)
+                apart = apart_by_digest.setdefault(apart.digest, apart)
+            attempts.append(Attempt(scene, apart))
         return attempts
 
     def run(self, attempts: Sequence[Attempt], known: ApartResponses) -> GroupResult:

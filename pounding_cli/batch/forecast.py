@@ -32,7 +32,7 @@ SOLUTIONS_BY_ESTIMATE = {"none": 1.0, "sample": 1.2, "all": 2.4}
 
 @dataclass
 class Forecast:
-    """What will run.
+    """Scenes that will run, and the effects that they call for.
 
     scenes : "of a building alone" or "of the group" -> number of scenes
     kept : effect -> scenes of the group with it
