@@ -105,9 +105,11 @@ def run_study(
             return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
         cache = stack.enter_context(contextlib.closing(Cache(cache_path(output))))
         if cache.was_damaged:
-            reporter.write_note(f"{cache.path} was damaged: what it held is solved again")
+            reporter.write_note(f"{cache.path} was damaged: its time histories are solved again")
         if cache.delete_other_versions(f"solver {solver_version()} "):
-            reporter.write_note(f"{cache.path} was made with another solver: all time histories are solved again")
+            reporter.write_note(
+                f"{cache.path} was made by another version of the solver: all time histories are solved again"
+            )
         solver = stack.enter_context(contextlib.closing(Solver(cache, workers_of, reporter)))
         if workflow.extent != "has":
             reporter.expected_count = workflow.expected_count

@@ -100,7 +100,7 @@ class Cache:
                     "another run is using these results", "wait until it ends, or stop it", str(self.path)
                 )
             else:
-                hint = "free some space or choose another place; what was solved is kept, and the same command goes on"
+                hint = "free some space or choose another place; solved scenes are kept, and the same command resumes"
                 problem = Problem(f"cannot be written: {error}", hint, str(self.path))
             raise InputError(problem) from None
 

@@ -63,9 +63,11 @@ def open_pool(name: str, workers: int | None = None, scheduler: str | None = Non
     InputError : no such engine; Dask is not installed; the scheduler does not answer, or its workers are other programs
     """
     if name not in ENGINES:
-        raise InputError(Problem(f"there is no engine '{name}'", f"write one of {', '.join(ENGINES)}"))
+        raise InputError(Problem(f"'{name}' is not an engine", f"write one of {', '.join(ENGINES)}"))
     if scheduler is not None and name != "dask":
-        raise InputError(Problem(f"the engine '{name}' has no scheduler", "add --engine dask"))
+        raise InputError(
+            Problem(f"the engine '{name}' takes no scheduler", "add --engine dask, or leave the scheduler out")
+        )
     if name == "dask":
         return _open_dask_pool(workers, scheduler)
     count = 1 if name == "serial" else workers or _count_cores()
@@ -186,5 +188,5 @@ class _ClusterWatch:
             if self._client.status == "running" and self._client.nthreads():
                 self._last_time_with_workers = time.monotonic()
         if time.monotonic() - self._last_time_with_workers > DASK_TIMEOUT:
-            hint = "start some; what was solved is kept, and the same command goes on"
-            raise InputError(Problem("the Dask cluster has no worker any more", hint))
+            hint = "start some; solved time histories are kept, and the same command resumes"
+            raise InputError(Problem(f"the Dask cluster has had no workers for {DASK_TIMEOUT:g} s", hint))

@@ -41,8 +41,8 @@ RATED_HISTORIES = 60
 MIN_PARALLEL_SECONDS = 1.0
 """Work [s] from which starting workers pays."""
 
-LOST_STATUS = "lost: the process that solved it ended, twice"
-LOST_ADVICE = "it may take too much memory: solve it alone, with `--engine serial`"
+LOST_STATUS = "lost: the worker that solved it ended twice"
+LOST_ADVICE = "it may need too much memory: solve it alone, with `--engine serial`"
 
 
 class SolvedGroup(NamedTuple):
