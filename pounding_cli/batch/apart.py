@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +22,17 @@ MAX_REMEMBERED = 4096
 
 MAX_CLOSING_ERROR = 10.0
 """Largest error of a closing over the accuracy of its run [-]."""
+
+
+class ApartScene(NamedTuple):
+    """Neighbours of a scene with nothing between them.
+
+    scene : these neighbours; its links exert no force
+    link_numbers : for every link of the first scene, the number of the link between the same ends in `scene`
+    """
+
+    scene: Scene
+    link_numbers: tuple[int, ...]
 
 
 class ApartResponses:
@@ -58,9 +70,12 @@ def can_stay_open(scene: Scene) -> bool:
     return bool(scene.links) and not any(link.law.joins or link.columns for link in scene.links)
 
 
-def build_apart(scene: Scene) -> Scene:
+def build_apart(scene: Scene) -> ApartScene:
     """Return the neighbours of a scene with nothing between them."""
-    return replace(scene, links=tuple(dict.fromkeys(map(_build_apart_link, scene.links))))
+    links = [_build_apart_link(link) for link in scene.links]
+    number_by_link = {link: number for number, link in enumerate(dict.fromkeys(links))}
+    link_numbers = tuple(number_by_link[link] for link in links)
+    return ApartScene(replace(scene, links=tuple(number_by_link)), link_numbers)
 
 
 def _build_apart_link(link: Link) -> Link:
@@ -68,7 +83,7 @@ def _build_apart_link(link: Link) -> Link:
     return Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
 
 
-def stays_open(scene: Scene, apart: Scene, response: Response, accuracy: float) -> bool:
+def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: float) -> bool:
     """Return whether no link of a scene acts before its neighbours are at rest, even if their closings are inexact.
 
     Parameters
@@ -84,7 +99,7 @@ def stays_open(scene: Scene, apart: Scene, response: Response, accuracy: float) 
     return bool(np.all(_open_gaps_to_rest(scene, apart, response) > margin))
 
 
-def stays_open_to_rest(scene: Scene, apart: Scene, response: Response) -> bool:
+def stays_open_to_rest(scene: Scene, apart: ApartScene, response: Response) -> bool:
     """Return whether no link of a scene acts before its neighbours with nothing between them are at rest.
 
     Their residual drifts are those of the scene then.
@@ -92,9 +107,9 @@ def stays_open_to_rest(scene: Scene, apart: Scene, response: Response) -> bool:
     return response.status == DONE and bool(np.all(_open_gaps_to_rest(scene, apart, response) > 0.0))
 
 
-def _open_gaps_to_rest(scene: Scene, apart: Scene, response: Response) -> np.ndarray:
+def _open_gaps_to_rest(scene: Scene, apart: ApartScene, response: Response) -> np.ndarray:
     """Return how much of the gap of every link stays open until the neighbours are at rest [m]."""
-    return _open_gaps(scene, _closings_of_links(scene, apart, response.closing_to_rest))
+    return _open_gaps(scene, response.closing_to_rest[list(apart.link_numbers)])
 
 
 def _open_gaps(scene: Scene, closings: np.ndarray) -> np.ndarray:
@@ -102,12 +117,7 @@ def _open_gaps(scene: Scene, closings: np.ndarray) -> np.ndarray:
     return np.array([link.law.free_below for link in scene.links]) - closings
 
 
-def _closings_of_links(scene: Scene, apart: Scene, closings: np.ndarray) -> np.ndarray:
-    """Return the largest closing for every link of a scene [m], from those of its neighbours with nothing between."""
-    return closings[[apart.links.index(_build_apart_link(link)) for link in scene.links]]
-
-
-def answer_from_apart(scene: Scene, apart: Scene, response: Response) -> Response:
+def answer_from_apart(scene: Scene, apart: ApartScene, response: Response) -> Response:
     """Return the response of a scene in which no gap closes, from that of its neighbours with nothing between them."""
     effects = effects_of(scene)
     peaks = no_peaks(response.storeys, len(scene.links))
@@ -115,7 +125,7 @@ def answer_from_apart(scene: Scene, apart: Scene, response: Response) -> Respons
         peaks[name] = response.peaks[name]
     for name in LINKS:
         peaks[name] = 0.0
-    peaks["max_closing"] = _closings_of_links(scene, apart, response.peaks["max_closing"])
+    peaks["max_closing"] = response.peaks["max_closing"][list(apart.link_numbers)]
     return replace(response, peaks=peaks, effects=effects.kept, dropped=effects.dropped)
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from pounding_cli.batch.apart import (
     ApartResponses,
+    ApartScene,
     add_open_gaps,
     answer_from_apart,
     build_apart,
@@ -32,12 +33,12 @@ FINER = 0.01
 class Attempt(NamedTuple):
     """A scene that is to be solved.
 
-    apart : the scene with nothing between its neighbours, whose response is that of the scene where no gap closes; None
+    apart : its neighbours with nothing between them, whose response is that of the scene where no gap closes; None
         where a link acts without a gap, or the method takes time steps
     """
 
     scene: Scene
-    apart: Scene | None
+    apart: ApartScene | None
 
 
 class GroupResult(NamedTuple):
@@ -68,12 +69,12 @@ class Task:
     def list_attempts(self, scenes: Iterable[Scene]) -> list[Attempt]:
         """Return the attempts to solve scenes, in their order."""
         attempts = []
-        apart_by_digest: dict[str, Scene] = {}  # one object for all that share it, which is sent to a worker once
+        shared_scenes: dict[str, Scene] = {}  # one object for all that have it, which is sent to a worker once
         for scene in scenes:
             apart = None
             if self.time_step is None and can_stay_open(scene):
                 apart = build_apart(scene)
-                apart = apart_by_digest.setdefault(apart.digest, apart)
+                apart = apart._replace(scene=shared_scenes.setdefault(apart.scene.digest, apart.scene))
             attempts.append(Attempt(scene, apart))
         return attempts
 
@@ -197,35 +198,39 @@ class GroupSolver:
             number for number in others
             if number in apart_scenes and _is_done_without_impact(responses[number])
         ]  # fmt: skip
-        self._solve_apart([apart_scenes[number] for number in open_ones])
+        self._solve_apart([apart_scenes[number].scene for number in open_ones])
         for number in open_ones:
             scene = attempts[number].scene
             apart = apart_scenes[number]
-            of_apart = self.apart_responses[apart.digest]
+            of_apart = self.apart_responses[apart.scene.digest]
             if stays_open_to_rest(scene, apart, of_apart):
                 answer = answer_from_apart(scene, apart, of_apart)
                 responses[number] = replace(answer, seconds=responses[number].seconds)
         for number, apart in apart_scenes.items():
-            seconds = self._apart_seconds.pop(apart.digest, 0.0)  # the first scene that shares a run is charged with it
+            seconds = self._apart_seconds.pop(
+                apart.scene.digest, 0.0
+            )  # the first scene that shares a run is charged with it
             if seconds:
                 responses[number] = replace(responses[number], seconds=responses[number].seconds + seconds)
         return [responses[number] for number in range(len(attempts))]
 
-    def _answer_from_shared(self, attempts: Sequence[Attempt], apart_scenes: dict[int, Scene]) -> dict[int, Response]:
+    def _answer_from_shared(
+        self, attempts: Sequence[Attempt], apart_scenes: dict[int, ApartScene]
+    ) -> dict[int, Response]:
         """Return the responses of scenes that neighbours with nothing between them answer, by number.
 
         Only neighbours that several scenes share, or that are known, are looked at.
         """
-        counts = Counter(apart.digest for apart in apart_scenes.values())
+        counts = Counter(apart.scene.digest for apart in apart_scenes.values())
         shared = [
-            apart for apart in apart_scenes.values()
-            if counts[apart.digest] > 1 or self.known.find(apart.digest) is not None
+            apart.scene for apart in apart_scenes.values()
+            if counts[apart.scene.digest] > 1 or self.known.find(apart.scene.digest) is not None
         ]  # fmt: skip
         self._solve_apart(shared)
         responses = {}
         for number, apart in apart_scenes.items():
             scene = attempts[number].scene
-            of_apart = self.apart_responses.get(apart.digest)
+            of_apart = self.apart_responses.get(apart.scene.digest)
             if of_apart is not None and stays_open(scene, apart, of_apart, self.task.accuracy):
                 responses[number] = answer_from_apart(scene, apart, of_apart)
         return responses

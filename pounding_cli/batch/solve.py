@@ -284,7 +284,7 @@ class _PlanRun:
         attempts = self._list_attempts(numbers)
         known = self.apart_responses
         if not shares_memory:
-            known = known.select(attempt.apart for attempt in attempts if attempt.apart is not None)
+            known = known.select(attempt.apart.scene for attempt in attempts if attempt.apart is not None)
         return executor.submit(self.task.run, attempts, known)
 
     def take_result(self, numbers: np.ndarray, result: GroupResult) -> SolvedGroup:

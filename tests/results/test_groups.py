@@ -127,13 +127,24 @@ def test_neighbours_solved_for_one_group_answer_those_after_it_in_any_process():
         digests += found
         known.add(found)
     (attempt,) = task.list_attempts([pound.scene([STIFF, SOFT], STRONG, gap=0.6)])
-    sent = pickle.loads(pickle.dumps(known.select([attempt.apart])))
+    sent = pickle.loads(pickle.dumps(known.select([attempt.apart.scene])))
     assert [known.find(digest) is None for digest in digests] == [False, False]
     assert [sent.find(digest) is None for digest in digests] == [False, True]
     second = task.run([attempt], sent)
     assert second.apart_responses == {}
     assert second.rows[0][1] == task.run([attempt], known).rows[0][1]
     assert GroupSolver(task, sent).solve([attempt])[0].seconds == 0.0
+
+
+def test_links_between_the_same_floors_have_the_closing_of_these():
+    """Fails if a link gets the closing of another, where two of three have the same ends."""
+    ends = ((1, 0.5), (2, 0.5), (1, 0.7))
+    links = [Link(0, floor, floor, pound.Pounding(gap, 1e9, 0.0)) for floor, gap in ends]
+    scene = pound.scene([STIFF, SOFT], STRONG, links=links)
+    (response,) = solve_group(Task(1e-6, "taylor"), [scene])
+    closings = response.links.max_closing
+    assert closings == pytest.approx(pound.solve(scene).links.max_closing, rel=1e-5)
+    assert closings[0] == closings[2] < 0.9 * closings[1]
 
 
 def test_the_oldest_responses_of_neighbours_are_forgotten_before_they_become_too_many(monkeypatch):
