@@ -96,7 +96,7 @@ class Gap(StudyQuestion):
     def answer(self, solver: Solver) -> Answer:
         """Return what is required, what that means for the cases, and the distances to property lines."""
         plan = self.plan
-        arrays = solver.contents(plan)
+        arrays = solver.solve_arrays(plan)
         separations = build_separations(plan, self.spec.gb50011, arrays)
         distances = build_distances(plan, arrays)
         tables = [

@@ -154,14 +154,16 @@ class Optimise(StudyQuestion):
 
         def function(points: list[Point], is_rough: bool) -> np.ndarray:
             plan = self.plan_of(points)
-            found = _sought(self, plan, contents(plan, solver.responses(plan, rough=is_rough)).dataset())
+            found = _sought(self, plan, contents(plan, solver.solve_plan(plan, rough=is_rough)).dataset())
             return self.sign * found["value"].to_numpy()[: len(points)]
 
         search = Search(function, [each.option_count for each in self.inputs], self.spec, self.written)
         search.run()
         tried = list(search.tried)
         plan = self.plan_of(tried)
-        told = contents(plan, solver.responses(plan, rough=True))  # what only led to the valley keeps its rough numbers
+        told = contents(
+            plan, solver.solve_plan(plan, rough=True)
+        )  # what only led to the valley keeps its rough numbers
         data = told.dataset()
         sought = _sought(self, plan, data)
         best = None if search.best is None else tried.index(search.best)

@@ -212,7 +212,7 @@ class Sensitivity(StudyQuestion):
         """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
         samples."""
         plan, method = self.plan, self.spec.method
-        contents = solver.contents(plan)
+        contents = solver.solve_arrays(plan)
         data = contents.dataset()
         outputs = list(_series(plan, data, self, self.outputs))
         holds = list(_series(plan, data, self, self.statements))
