@@ -157,7 +157,9 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
         click.echo(escape_formulas(frame).to_csv(index=False, lineterminator="\n"), nl=False)
         return
     aside = [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
-    shown = Table(table, frame, [results.column(table, str(name)) for name in frame.columns if name not in aside])
+    columns = [results.column(table, str(name)) for name in frame.columns if name not in aside]
+    ends = {end for column in columns for end in (column.low, column.high)}  # in the cells of their columns
+    shown = Table(table, frame, [column for column in columns if column.name not in ends])
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     click.echo(f"{results.title}\n{shown.to_text(width, max_rows=len(frame)) if len(frame) else 'no rows'}".rstrip())
     if aside:

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from click.testing import CliRunner
 from matplotlib.colors import to_hex
 
 import pounding_cli as pound
+from pounding_cli.cli.main import cli
 from pounding_cli.questions.fragility import figures, words
 from pounding_cli.results.results import ResultTables
 from pounding_cli.tables import Table
@@ -268,7 +270,8 @@ def test_tables_fit_the_terminal(ida, width):
     medians = words.list_tables(results)[0].to_text(width)
     assert "undecided in 3 of 4" in " ".join(medians.split())
     assert "0.123 (0.111 to 0.234)" in medians
-    assert ("0.816 (0.711 to 0.951)" in medians) == (width > 80)
+    assert "0.816 (0.711 to 0.951)" in medians
+    assert ("spread" in _left_out(medians)) == (width == 80)
 
 
 def _left_out(text: str) -> str:
@@ -289,6 +292,17 @@ def test_the_tables_hold_the_two_states_in_rows(ida):
     medians = curves[curves["limit"] == "mu > 3"].pivot_table("median", "building", "state")
     ratios = curves[~alone & (curves["limit"] == "mu > 3")].set_index("building")["ratio"]
     np.testing.assert_allclose(ratios, (medians[POUNDING] / medians[ALONE])[ratios.index], rtol=1e-12)
+
+
+def test_shown_tables_have_an_interval_in_one_cell(ida):
+    """Fails if `pound show` prints the ends of an interval a second time, or CSV leaves them out."""
+    shown = CliRunner().invoke(cli, ["show", str(ida.path), "fragility"]).output
+    assert "median_low" not in shown
+    row = ida.table("fragility").iloc[0]
+    median, low = (f"{row[name] / G:#.4g}" for name in ("median", "median_low"))
+    assert f"{median} ({low} to " in shown
+    csv = CliRunner().invoke(cli, ["show", str(ida.path), "fragility", "--format", "csv"]).output
+    assert {"median", "median_low", "median_high", "ratio_low", "ratio_high"} <= set(csv.splitlines()[0].split(","))
 
 
 # Notes

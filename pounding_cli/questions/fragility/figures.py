@@ -20,6 +20,7 @@ from pounding_cli.questions.fragility.words import (
     describe_measure,
     describe_place,
     format_confidence,
+    join_place,
     median_column,
     pair_states,
 )
@@ -101,11 +102,6 @@ def draw_curves(evidence: Evidence, analysis: str) -> Figure:
     shared_legend(figure, axes)
     finish(figure, evidence.title, _caption_curves(evidence, curves, len(cases)))
     return figure
-
-
-def join_place(building: str, limit: str) -> str:
-    """Return the limit and the building that it is asked of; a limit may name the building itself."""
-    return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
 
 
 def _select(frame: pd.DataFrame, **values: Any) -> pd.DataFrame:

@@ -290,6 +290,16 @@ def median_column(declared: Column) -> Column:
     return replace(declared, digits=3, otherwise=explain)
 
 
+def join_place(building: str, limit: str) -> str:
+    """Return the building and the limit that is asked of it; a limit may name the building itself."""
+    return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
+
+
+def _limit_column(table: Table) -> Column:
+    """Return the column of limits with their buildings."""
+    return replace(table.column("limit"), write=lambda row: join_place(row["building"], row["limit"]))
+
+
 def _ratio_column(declared: Column) -> Column:
     """Return the column of ratios to the building alone, empty where there is none to compare with."""
     return replace(declared, digits=3, label="ratio to alone", otherwise=lambda _row: "", optional=True)
@@ -304,8 +314,7 @@ def _varying(table: Table) -> list[str]:
 def _view_medians(curves: Table) -> Table:
     """Return the medians, a row a curve and point of the sweep."""
     return curves.view(
-        "limit",
-        "building",
+        _limit_column(curves),
         STATE,
         median_column(curves.column("median")),
         _ratio_column(curves.column("ratio")),
@@ -318,8 +327,7 @@ def _view_medians(curves: Table) -> Table:
 def _view_rates(rates: Table) -> Table:
     """Return the annual rates of the limits, a row as in the table of medians."""
     return rates.view(
-        "limit",
-        "building",
+        _limit_column(rates),
         STATE,
         replace(rates.column("rate"), digits=3, label="annual rate"),
         replace(rates.column("probability"), digits=3, unit=PERCENT, label=f"in {YEARS:g} years"),
