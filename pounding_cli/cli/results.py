@@ -23,15 +23,6 @@ if TYPE_CHECKING:
     from pounding_cli.results.compare import Comparison
     from pounding_cli.results.results import ResultTables
 
-_ASIDE = {
-    "summary": ("_error", "_sensitivity", "_std", "_min"),
-    "scene": (
-        *("advice", "flag_severity", "effects", "dropped"),
-        *("_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
-    ),
-    "records": ("digest",),
-}
-"""Endings of the columns that only CSV has, by table."""
 _FEW = 12
 """Lines of one kind that `pound compare` shows unless all are asked for."""
 _PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
@@ -156,12 +147,13 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
     if form == "csv":
         click.echo(escape_formulas(frame).to_csv(index=False, lineterminator="\n"), nl=False)
         return
-    aside = [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
-    shown = Table(table, frame, [results.column(table, str(name)) for name in frame.columns if name not in aside])
+    columns = [results.column(table, str(name)) for name in frame.columns]
+    aside = [column.name for column in columns if column.optional]
+    shown = Table(table, frame, [column for column in columns if not column.optional])
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     click.echo(f"{results.title}\n{shown.to_text(width, max_rows=len(frame)) if len(frame) else 'no rows'}".rstrip())
     if aside:
-        click.echo(f"{pluralize(len(aside), 'more column')} with --format csv: {', '.join(map(str, aside))}", err=True)
+        click.echo(f"{pluralize(len(aside), 'more column')} with --format csv: {', '.join(aside)}", err=True)
 
 
 def _filtered(
@@ -209,7 +201,7 @@ def report(
     from pounding_cli.paper.claims import list_claim_sections, verdicts
     from pounding_cli.paper.comparison import write_comparison
     from pounding_cli.questions.reports import build_report, find_no_sweep
-    from pounding_cli.report.style import OF_PAPERS, for_paper
+    from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 
     choices = _list_choices(quantities, rows)
     _refuse_contradictions(paper, no_figures, formats, choices)
@@ -229,7 +221,7 @@ def report(
     for each in reports:
         each.sections  # noqa: B018  # all that is asked for is refused before anything is written
     for (folder, results), made in zip(opened, reports, strict=True):
-        with for_paper() if paper else nullcontext():
+        with drawing_for(PAPER) if paper else nullcontext():
             written = made.save(folder, chosen, not paper)
         if not quiet:
             click.echo(f"{written[-1]}: {pluralize(len(written), 'file')}")

@@ -13,7 +13,9 @@ import xarray as xr
 from pounding_cli.numbers import pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES, Evidence, motion_sentence
-from pounding_cli.report.style import case_handles, finish, grid, looks, new_figure, shared_legend, styled
+from pounding_cli.report.style import (
+    case_handles, finish, grid, is_for_page, looks, new_figure, shared_legend, styled,
+)  # fmt: skip
 from pounding_cli.results.columns import column_of
 
 if TYPE_CHECKING:
@@ -61,7 +63,7 @@ def _over_height(evidence: Evidence, building: str, line: Sequence[Panel], what:
 
     what : is drawn, for the caption
     """
-    figure, ((*axes,),) = framed(evidence, building, 1, len(line), cases=evidence.plotted)
+    figure, ((*axes,),) = new_framed_panels(evidence, building, 1, len(line), cases=evidence.plotted)
     for ax, (values, label) in zip(axes, line, strict=True):
         _panel(ax, evidence, values)
         ax.set_title(str(values["analysis"].item()).capitalize(), loc="left")
@@ -75,26 +77,39 @@ def _over_height(evidence: Evidence, building: str, line: Sequence[Panel], what:
     return figure
 
 
-def framed(
+def new_framed_panels(
     evidence: Evidence, black: str, rows: int, columns: int, size: tuple[float, float] = (3.6, 3.3),
     cases: Sequence[str] = (),
 ) -> tuple[Figure, list[list[Axes]]]:  # fmt: skip
-    """A figure with the group's drawing and the legend of `cases` above `rows` x `columns` panels of a size [in].
+    """Return a figure of `rows` x `columns` panels of a size [in] with the group and a legend above, and its panels.
 
-    black : building filled in the drawing
+    The group is not drawn for a page, which has it in its head.
+
+    black : building filled in the drawing of the group
+    cases : those of the legend; () for none
     """
-    figure = new_figure(max(columns * size[0], 5.4), rows * size[1] + 1.75)
-    grid = figure.add_gridspec(2, 1, height_ratios=[0.95, size[1] * rows])
-    wide = figure.get_figwidth()
-    drawing = min(0.62 * len(evidence.group) + 0.2, 0.6 * wide)
-    head = grid[0].subgridspec(1, 2, width_ratios=[drawing, wide - drawing])
-    draw_group(figure.add_subplot(head[0]), evidence, black)
-    side = figure.add_subplot(head[1])
-    side.axis("off")
+    width = max(columns * size[0], 5.4)
+    if is_for_page() and not cases:
+        figure = new_figure(width, rows * size[1] + 0.2)
+        return figure, [list(row) for row in figure.subplots(rows, columns, squeeze=False)]
+    legend_rows = min(len(cases), 3)
+    head_height = 0.2 * legend_rows + 0.1 if is_for_page() else 0.95
+    margin = 0.2 if is_for_page() else 0.8  # for title and caption
+    figure = new_figure(width, rows * size[1] + head_height + margin)
+    sides = figure.add_gridspec(2, 1, height_ratios=[head_height, size[1] * rows])
+    if is_for_page():
+        legend_ax = figure.add_subplot(sides[0])
+    else:
+        drawing_width = min(0.62 * len(evidence.group) + 0.2, 0.6 * width)
+        head = sides[0].subgridspec(1, 2, width_ratios=[drawing_width, width - drawing_width])
+        draw_group(figure.add_subplot(head[0]), evidence, black)
+        legend_ax = figure.add_subplot(head[1])
+    legend_ax.axis("off")
     if cases:
         handles = case_handles({case: evidence.marked(case) for case in cases})
-        side.legend(handles=handles, loc="center left", ncols=-(-len(cases) // 3), handlelength=3.2, borderaxespad=0)
-    return figure, [list(row) for row in grid[1].subgridspec(rows, columns).subplots(squeeze=False)]
+        columns_of_legend = -(-len(cases) // 3)
+        legend_ax.legend(handles=handles, loc="center left", ncols=columns_of_legend, handlelength=3.2, borderaxespad=0)
+    return figure, [list(row) for row in sides[1].subgridspec(rows, columns).subplots(squeeze=False)]
 
 
 def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray) -> None:

@@ -16,7 +16,7 @@ from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES as PANELS
 from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
-from pounding_cli.report.figures import framed
+from pounding_cli.report.figures import new_framed_panels
 from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.results.columns import column_of
 from pounding_cli.solver.outcome import is_meaningless
@@ -287,7 +287,7 @@ def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panel
     cases = list(dict.fromkeys(case for *_, by_case in panels for case in by_case))
     (axis,), look, columns = axes, looks(cases), min(len(panels), 2)
     x, is_scale = axis.coordinates, axis.numeric
-    figure, lines = framed(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
+    figure, lines = new_framed_panels(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
     flat = [ax for line in lines for ax in line]
     for ax, (quantity, analysis, by_case) in zip(flat, panels, strict=False):
         for case, over in by_case.items():
@@ -322,7 +322,7 @@ def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels:
     columns, sizes = max(len(by_case) for *_, by_case in panels), [len(axis.points) for axis in axes]
     few = max(sizes) <= MOST_TICKS
     along, across = (1.4 + 0.34 * max(size, 3) if few else 3.7 for size in sizes)
-    figure, lines = framed(shown, building, len(panels), columns, (across, along))
+    figure, lines = new_framed_panels(shown, building, len(panels), columns, (across, along))
     values = np.concatenate([over["mean"].values.ravel() for *_, by_case in panels for over in by_case.values()])
     labels = list(dict.fromkeys(column_of(quantity, shown.results.units).head for quantity, *_ in panels))
     are_ratios = all(is_ratio(quantity) for quantity, *_ in panels)

@@ -12,7 +12,7 @@ import xarray as xr
 
 from pounding_cli.laws import link_symbol
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
-from pounding_cli.report.style import for_page, looks
+from pounding_cli.report.style import looks, to_page_look
 from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
 from pounding_cli.results.columns import column_of
 from pounding_cli.study.display import key_words
@@ -56,7 +56,7 @@ def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
         said = f"This sweep is large: the page has {', '.join(cut)}; tables/ has all."
     if cut and not arrays:
         said = "The sweep is too large to look around here; tables/ has all numbers."
-    looked = [for_page(look) for look in looks(data["case"].values.tolist()).values()]
+    looked = [to_page_look(look) for look in looks(data["case"].values.tolist()).values()]
     void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
     return {
         "axes": [
