@@ -199,7 +199,6 @@ def report(
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
     from pounding_cli.paper.claims import list_claim_sections, verdicts
-    from pounding_cli.paper.comparison import write_comparison
     from pounding_cli.questions.reports import build_report, find_no_sweep
     from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 
@@ -231,6 +230,8 @@ def report(
         for path, reason in without_sweep.items():
             click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
+        from pounding_cli.paper.comparison import write_comparison
+
         named = {folder.name: results for folder, results in opened}
         page, *_ = write_comparison(named, reports, output or Path("comparison"))
         if not quiet:

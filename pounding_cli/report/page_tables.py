@@ -67,7 +67,6 @@ def fit_table(table: Table, width: float = PAGE_WIDTH) -> PageTable:
         return sum(widths[id(column)] for column in some) > width
 
     shared: list[str] = []
-    left_out: list[str] = []
     further: list[Column] = []
     if is_too_wide(columns) and len(table.frame) > 1:
         for column in columns[1:]:
@@ -77,12 +76,12 @@ def fit_table(table: Table, width: float = PAGE_WIDTH) -> PageTable:
     while is_too_wide(columns) and len(columns) > 2:
         optional = [place for place, column in enumerate(columns) if column.optional and place]
         dropped = columns.pop(optional[-1] if optional and table.name else -1)
-        left_out.insert(0, dropped.head)
-        further.insert(0, dropped)
+        further.append(dropped)
+    further.sort(key=table.columns.index)
     rows = [list(row) for row in zip(*(cells[id(column)] for column in columns), strict=True)]
     cut = Table(table.name, table.frame, columns, table.caption)
     if table.name or not further:
-        return PageTable(cut, rows, shared, left_out)
+        return PageTable(cut, rows, shared, [column.head for column in further])
     rest = Table("", table.frame, [*columns[: _count_leading_texts(cut)], *further], table.caption)
     if len(rest.columns) >= len(table.columns):  # no part is narrower
         return PageTable(table, table.cells(PAGE_ROWS))
