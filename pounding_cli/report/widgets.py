@@ -13,7 +13,7 @@ import xarray as xr
 from pounding_cli.laws import link_symbol
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
 from pounding_cli.report.style import looks, to_page_look
-from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
+from pounding_cli.report.sweep import SweptAxis, find_meaningless, list_swept_axes
 from pounding_cli.results.columns import column_of
 from pounding_cli.study.display import key_words
 from pounding_cli.variables import RESPONSE_VARIABLES
@@ -29,7 +29,7 @@ MOST_BYTES = 12_000_000
 """What all series together may take on the page, as text."""
 
 
-def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
+def build_explorer_data(results: ResultTables, shown: Evidence) -> dict[str, Any]:
     """Axes and quantities; none of these where none has room or a number.
 
     `mean`, `low`, `high` of a quantity: over case, motion, analysis, building or pair, level and the points of the
@@ -37,10 +37,10 @@ def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
     storeys or floors, [0] where only the largest over the height is here. `void`: over case, analysis and points how
     many motions have numbers without meaning. `cut`: what the page leaves out, in words.
     """
-    axes, data, cut = swept_axes(results), results.data.sel(case=shown.cases[:MOST_CASES]), list[str]()
+    axes, data, cut = list_swept_axes(results), results.data.sel(case=shown.cases[:MOST_CASES]), list[str]()
     dims, arrays, motions = [axis.keys[0] for axis in axes], dict[str, xr.DataArray](), shown.names("record")
     for variable in sorted((v for v in RESPONSE_VARIABLES if v.charts and v.name in data), key=lambda v: not v.ratio):
-        values = by_floor(data, variable.name) if variable.dims[-1] == "link" else data[variable.name]
+        values = group_links_by_floor(data, variable.name) if variable.dims[-1] == "link" else data[variable.name]
         if (values.fillna(0.0) != 0).any():
             arrays[variable.name] = values
     size = sum(values.size for values in arrays.values()) * (3 / len(motions) + (len(motions) > 1))
@@ -57,12 +57,12 @@ def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
     if cut and not arrays:
         said = "The sweep is too large to look around here; tables/ has all numbers."
     looked = [to_page_look(look) for look in looks(data["case"].values.tolist()).values()]
-    void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
+    void = find_meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
     return {
         "axes": [
             {
-                "label": axis_words(axis), "numeric": axis.numeric, "names": axis.names,
-                "values": [rounded(value) for value in axis.coordinates.tolist()],
+                "label": format_axis(axis), "numeric": axis.numeric, "names": axis.names,
+                "values": [round_for_page(value) for value in axis.coordinates.tolist()],
             }
             for axis in axes
         ],
@@ -74,7 +74,7 @@ def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def axis_words(axis: SweptAxis) -> str:
+def format_axis(axis: SweptAxis) -> str:
     """What the keys of an axis are, with their units, and the keys in brackets."""
     return ", ".join(f"{u.label(key_words(key))} ({key})" for key, u in zip(axis.keys, axis.units, strict=True))
 
@@ -92,13 +92,15 @@ def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], res
     if whole and values.sizes["record"] > 1:
         found["mean"] = xr.concat([found["mean"], values], "record")
     order = ("case", "record", "analysis", where, level, *dims)
-    packed = {key: [rounded(v) for v in of.transpose(*order).values.ravel().tolist()] for key, of in found.items()}
+    packed = {
+        key: [round_for_page(v) for v in of.transpose(*order).values.ravel().tolist()] for key, of in found.items()
+    }
     levels = values[level].values.tolist() if whole else [0]
     about = {"key": name, "label": how.head, "text": how.text or how.label, "level": level, "levels": levels}
     return about | {"where": where, "places": values[where].values.tolist()} | packed
 
 
-def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
+def group_links_by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
     """A variable of the links over pair and floor: of several links between the same floors the largest."""
     values, floors = data[name], data["link_floor"].values.tolist()
     levels = sorted(set(floors))  # 0 is a base
@@ -112,7 +114,7 @@ def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
     return xr.DataArray(found, coords, (*values.dims[:-1], "pair", "floor"))
 
 
-def rounded(value: float) -> float | int | None:
+def round_for_page(value: float) -> float | int | None:
     """A number with six digits; None where there is none, a whole one as an integer."""
     if not math.isfinite(value):
         return None
@@ -120,7 +122,7 @@ def rounded(value: float) -> float | int | None:
     return int(short) if short.is_integer() and abs(short) < 1e15 else short
 
 
-def players(results: ResultTables) -> list[dict[str, Any]]:
+def build_player_scenes(results: ResultTables) -> list[dict[str, Any]]:
     """The kept scenes as the player reads them, as many as a page has room for: first those with contacts, of these the
     inelastic."""
     scenes, left = list[dict[str, Any]](), MOST_BYTES
@@ -144,10 +146,10 @@ def _scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
         floors = history.displacement[:, number, : len(rows)].T
         series += [*floors, *(foundation if moves else ())]
         buildings.append({
-            "name": name, "period": rounded(float(rows["period"].iloc[0])), "slab": float(rows["slab"].iloc[0]),
+            "name": name, "period": round_for_page(float(rows["period"].iloc[0])), "slab": float(rows["slab"].iloc[0]),
             "wall": bool(evidence.of_study(str(name)).get("wall")),
-            "heights": [rounded(height) for height in rows["height"]],
-            "yield": [rounded(drift) for drift in rows["yield_shear"] / rows["stiffness"]], "foundation": moves,
+            "heights": [round_for_page(height) for height in rows["height"]],
+            "yield": [round_for_page(drift) for drift in rows["yield_shear"] / rows["stiffness"]], "foundation": moves,
         })  # fmt: skip
     rows = evidence.link[evidence.link["case"] == place["case"]].drop_duplicates("link")
     known = dict(zip(rows["link"], rows.to_dict("records"), strict=True))
