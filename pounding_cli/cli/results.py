@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 _FEW = 12
-"""Lines of one kind that `pound compare` shows unless all are asked for."""
+"""Lines of one kind that `pound compare` shows without --all."""
 _PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
 """What figures over a sweep may fix besides swept keys."""
 
@@ -344,47 +344,66 @@ def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
     Example:
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
-    from pounding_cli.results.compare import compare as compared
+    from pounding_cli.results.compare import compare as compare_results
 
-    found = compared(open_file(first), open_file(second))
-    click.echo("\n".join(_told(found, everything)))
-    if not (found.same_numbers if numbers else found.same):
+    comparison = compare_results(open_file(first), open_file(second))
+    click.echo("\n".join(_iter_changes(comparison, everything)))
+    if not (comparison.has_same_numbers if numbers else comparison.is_same):
         ctx.exit(1)
 
 
-def _told(found: Comparison, everything: bool) -> Iterator[str]:
-    """What changed, line by line."""
-    from pounding_cli.results.columns import column_of
+def _iter_changes(comparison: Comparison, everything: bool) -> Iterator[str]:
+    """Yield the differences of two files, line by line.
 
-    keys = [
-        f"{key}: {' -> '.join('nothing' if each is None else str(each) for each in two)}" for key, *two in found.keys
-    ]
-    scenes = [*(f"- {place}" for place in found.removed), *(f"+ {place}" for place in found.added)]
-    scenes += [f"{place}: {one} -> {other}" for place, one, other in found.outcomes]
-    moved = f"{len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome"
-    study = "the same, with different wording" if found.lines else "the same"
-    study = f"differs in {pluralize(len(keys), 'key')}" if keys else study
+    everything : True lists all of them
+    """
+    yield from _iter_study_changes(comparison, everything)
+    changes = comparison.changes
+    differ = "differs" if len(changes) == 1 else "differ"
+    yield f"Numbers: {len(changes)} of {comparison.compared} {differ} beyond the errors of both files."
+    if comparison.unestimated:
+        rows = pluralize(comparison.unestimated, "row carries", "rows carry")
+        yield f"  {rows} no error estimate: the accuracy asked or rounding is used instead."
+    yield from _iter_number_changes(changes, everything)
+
+
+def _iter_study_changes(comparison: Comparison, everything: bool) -> Iterator[str]:
+    """Yield the differences of study, versions and rows, line by line."""
+    keys = []
+    for key, old, new in comparison.keys:
+        values = ["nothing" if value is None else str(value) for value in (old, new)]
+        keys.append(f"{key}: {' -> '.join(values)}")
+    if keys:
+        study = f"differs in {pluralize(len(keys), 'key')}"
+    else:
+        study = "the same, with different wording" if comparison.lines else "the same"
+    versions = [f"{name}: {old} -> {new}" for name, old, new in comparison.software]
+    rows = [f"- {place}" for place in comparison.removed]
+    rows += [f"+ {place}" for place in comparison.added]
+    rows += [f"{place}: {old} -> {new}" for place, old, new in comparison.outcomes]
+    counts = (
+        f"{len(comparison.removed)} removed, {len(comparison.added)} added, "
+        f"{len(comparison.outcomes)} with another outcome"
+    )
     for head, lines in (
-        (f"Study: {study}.", [*found.lines, *keys]),
-        (
-            f"Versions: {'differ' if found.software else 'the same'}.",
-            [f"{name}: {one} -> {other}" for name, one, other in found.software],
-        ),
-        (f"Rows: {moved}.", scenes),
+        (f"Study: {study}.", [*comparison.lines, *keys]),
+        (f"Versions: {'differ' if versions else 'the same'}.", versions),
+        (f"Rows: {counts}.", rows),
     ):
         few = len(lines) if everything else _FEW
         yield from (head, *(f"  {line}" for line in lines[:few]))
         if len(lines) > few:
             yield f"  ... {len(lines) - few} more: --all lists them"
-    differ = "differs" if len(found.changes) == 1 else "differ"
-    yield f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files."
-    if found.unestimated:
-        what = pluralize(found.unestimated, "row carries", "rows carry")
-        yield f"  {what} no error estimate: the accuracy asked or rounding is used instead."
-    for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
+
+
+def _iter_number_changes(changes: pd.DataFrame, everything: bool) -> Iterator[str]:
+    """Yield the numbers that changed, column by column; of each the largest change unless all are listed."""
+    from pounding_cli.results.columns import column_of
+
+    for (table, column), rows in changes.groupby(["table", "column"], sort=False):
         unit = column_of(str(column), table=str(table)).unit
-        yield f"  {table} {column}:" if everything else f"  {table} {column}: {len(rows)} differ, most:"
+        count = f"{len(rows)} {'differs' if len(rows) == 1 else 'differ'}, most:"
+        yield f"  {table} {column}:" if everything else f"  {table} {column}: {count}"
         for row in (rows if everything else rows.head(1)).itertuples():
-            values = [unit.text(value) for value in (row.before, row.after)]
-            change = " -> ".join(values)
+            change = f"{unit.text(row.before)} -> {unit.text(row.after)}"
             yield f"    {row.place}: {change}, by {row.difference:.1e}; carried {row.carried:.1e}"
