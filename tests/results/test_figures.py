@@ -52,7 +52,7 @@ GAPS = [7, 5, 6]  # [mm], in the order of the study
 FURTHER = {
     "plain": "keep: {histories: {cases: [connected], analyses: [inelastic], records: [taft]}}\n",
     "curves": f"sweep: {{cases.gap.gap: [{', '.join(f'{gap} mm' for gap in GAPS)}]}}\n",
-    "maps": "sweep: {cases.connected.gap: [500 mm, 1 mm, 2 mm], impact.restitution: [0.6, 0.4]}\n",
+    "maps": "sweep: {cases.connected.stiffness: [50 kN/mm, 0.5 kN/mm, 5 kN/mm], impact.restitution: [0.6, 0.4]}\n",
 }
 
 
@@ -64,7 +64,8 @@ def solved(tmp_path_factory):
     def solve(name: str) -> pounding_cli.Results:
         if name not in made:
             path = tmp_path_factory.mktemp(name) / "study.yaml"
-            path.write_text(ISOLATED if name == "isolated" else STUDY + FURTHER[name])
+            study = ISOLATED if name == "isolated" else STUDY + FURTHER[name]
+            path.write_text(study.replace("gap: 50 cm", "gap: 1 cm") if name == "maps" else study)
             made[name] = pounding_cli.run(path, path.with_suffix(".h5"), engine="serial")
         return made[name]
 
@@ -197,7 +198,8 @@ def test_cells_of_maps_stand_at_their_values(solved):
     results = solved("maps")
     pictures = sweep.list_sweep_pictures(results, nominal(results))
     assert [picture.name for picture in pictures] == ["stiff-map", "soft-map"]
-    gaps, restitutions = [1, 2, 500], [0.4, 0.6]
+    stiffnesses, restitutions = [0.5, 5, 50], [0.4, 0.6]
+    void = find_void(results)
     for building, picture in zip(("stiff", "soft"), pictures, strict=True):
         panels = find_panels(picture.draw())
         assert list(panels) == [f"{case}, {analysis}" for analysis in ("elastic", "inelastic") for case in CASES]
@@ -206,8 +208,8 @@ def test_cells_of_maps_stand_at_their_values(solved):
             quantity = "V_ratio" if analysis == "elastic" else "mu_ratio"
             rows = results.storey()
             rows = rows[(rows["case"] == case) & (rows["analysis"] == analysis) & (rows["building"] == building)]
-            means = rows.groupby(["impact.restitution", "cases.connected.gap", "storey"])[quantity].mean()
-            wanted = means.groupby(["impact.restitution", "cases.connected.gap"]).max().unstack().to_numpy()
+            means = rows.groupby(["impact.restitution", "cases.connected.stiffness", "storey"])[quantity].mean()
+            wanted = means.groupby(["impact.restitution", "cases.connected.stiffness"]).max().unstack().to_numpy()
             (mesh,) = [each for each in ax.collections if isinstance(each, QuadMesh)]
             assert np.asarray(mesh.get_array()).reshape(2, 3) == pytest.approx(wanted)
             cells = mesh.get_coordinates()
@@ -216,13 +218,28 @@ def test_cells_of_maps_stand_at_their_values(solved):
             assert set(texts) == {(column, row) for column in (1, 2, 3) for row in (1, 2)}
             for (column, row), text in texts.items():
                 assert float(text) == pytest.approx(wanted[row - 1, column - 1], rel=6e-3)
-            hatched = [tuple(np.round(cell.mean(axis=0)).astype(int)) for cell in _iter_hatched(ax)]
-            assert sorted(hatched) == ([(1, 1), (1, 2), (2, 1), (2, 2)] if case == "connected" else [])
+            hatched = {tuple(np.round(cell.mean(axis=0)).astype(int)) for cell in _iter_hatched(ax)}
+            assert hatched == {
+                (stiffnesses.index(stiffness) + 1, restitutions.index(restitution) + 1)
+                for of_case, of_analysis, stiffness, restitution in void
+                if (of_case, of_analysis) == (case, analysis)
+            }
         bottom = panels["gap, inelastic"]
-        assert [text.get_text() for text in bottom.get_xticklabels()] == [str(gap) for gap in gaps]
+        assert [text.get_text() for text in bottom.get_xticklabels()] == [f"{stiffness:g}" for stiffness in stiffnesses]
         assert [text.get_text() for text in bottom.get_yticklabels()] == [str(each) for each in restitutions]
-        assert bottom.get_xlabel().startswith("gap of connected [mm]")
+        assert bottom.get_xlabel().startswith("stiffness of connected [kN/mm]")
         assert bottom.get_ylabel().startswith("restitution")
+
+
+def find_void(results) -> dict[tuple[str, str, float, float], int]:
+    """Case, analysis, stiffness [kN/mm] and restitution of the runs that are not meaningful; how many motions."""
+    flagged = results.table("flagged").query("meaningless")
+    keys = ["case", "analysis", "cases.connected.stiffness", "impact.restitution"]
+    counts = flagged.groupby(keys)["record"].nunique()
+    found = {(case, analysis, stiffness / 1e6, each): n for (case, analysis, stiffness, each), n in counts.items()}
+    assert {case for case, *_ in found} == {"connected"}
+    assert 0 < len({stiffness for _, _, stiffness, _ in found}) < 3
+    return found
 
 
 def _iter_hatched(ax: Axes) -> Iterator[np.ndarray]:
@@ -356,9 +373,9 @@ def test_the_explorer_has_every_number_at_its_place(solved, quantity, label, fac
     (found,) = [each for each in drawn["quantities"] if each["key"] == quantity]
     assert found["label"] == label
     assert drawn["motions"] == ["mean", "elcentro", "taft", "parkfield"]
-    assert [axis["values"] for axis in drawn["axes"]] == [[500, 1, 2], [0.6, 0.4]]
+    assert [axis["values"] for axis in drawn["axes"]] == [[50, 0.5, 5], [0.6, 0.4]]
     assert [axis["label"] for axis in drawn["axes"]] == [
-        "gap of connected [mm] (cases.connected.gap)", "restitution (impact.restitution)",
+        "stiffness of connected [kN/mm] (cases.connected.stiffness)", "restitution (impact.restitution)",
     ]  # fmt: skip
     rows = results.storey()
     for row in rows.sample(60, random_state=1).to_dict("records"):
@@ -367,14 +384,14 @@ def test_the_explorer_has_every_number_at_its_place(solved, quantity, label, fac
             "analysis": drawn["analyses"].index(row["analysis"]),
             "place": found["places"].index(row["building"]),
             "level": found["levels"].index(row["storey"]),
-            "axis0": drawn["axes"][0]["values"].index(round(1e3 * row["cases.connected.gap"], 9)),
+            "axis0": drawn["axes"][0]["values"].index(round(1e-6 * row["cases.connected.stiffness"], 9)),
             "axis1": drawn["axes"][1]["values"].index(row["impact.restitution"]),
         }
         motion = drawn["motions"].index(row["record"])
         assert read_explored(drawn, quantity, "mean", motion=motion, **place) == pytest.approx(
             row[quantity] / factor, rel=1e-4
         )
-        keys = ["case", "analysis", "building", "storey", "cases.connected.gap", "impact.restitution"]
+        keys = ["case", "analysis", "building", "storey", "cases.connected.stiffness", "impact.restitution"]
         same = rows[(rows[keys] == [row[key] for key in keys]).all(axis=1)][quantity] / factor
         for kind, number in (("mean", same.mean()), ("low", same.min()), ("high", same.max())):
             assert read_explored(drawn, quantity, kind, motion=0, **place) == pytest.approx(number, rel=1e-4)
@@ -387,20 +404,27 @@ def test_the_explorer_has_the_links_of_each_floor(solved):
     (found,) = [each for each in drawn["quantities"] if each["key"] == "max_closing"]
     assert (found["label"], found["where"], found["level"]) == ("largest closing [mm]", "pair", "floor")
     assert found["places"] == ["stiff | soft"]
-    means = results.link().groupby(["case", "analysis", "floor", "cases.connected.gap", "impact.restitution"])
-    for (case, analysis, floor, gap, restitution), closing in (1e3 * means["max_closing"].mean()).items():
+    means = results.link().groupby(["case", "analysis", "floor", "cases.connected.stiffness", "impact.restitution"])
+    for (case, analysis, floor, stiffness, restitution), closing in (1e3 * means["max_closing"].mean()).items():
         place = {
             "case": drawn["cases"].index(case),
             "analysis": drawn["analyses"].index(analysis),
             "place": 0,
             "level": found["levels"].index(floor),
-            "axis0": drawn["axes"][0]["values"].index(round(1e3 * gap, 9)),
+            "axis0": drawn["axes"][0]["values"].index(round(1e-6 * stiffness, 9)),
             "axis1": drawn["axes"][1]["values"].index(restitution),
         }
         assert read_explored(drawn, "max_closing", "mean", motion=0, **place) == pytest.approx(closing, rel=1e-4)
-    void = np.reshape(drawn["void"], (3, 2, 3, 2))
-    assert void[CASES.index("connected")].tolist() == [[[0, 0], [3, 3], [3, 3]]] * 2
-    assert not void[[CASES.index("gap"), CASES.index("infill")]].any()
+    void = find_void(results)
+    drawn_void = np.reshape(drawn["void"], (3, 2, 3, 2))
+    for place in np.ndindex(drawn_void.shape):
+        case, analysis, stiffness, restitution = place
+        where = (
+            CASES[case],
+            drawn["analyses"][analysis],
+            *(axis["values"][number] for axis, number in zip(drawn["axes"], (stiffness, restitution), strict=True)),
+        )
+        assert drawn_void[place] == void.get(where, 0)
 
 
 def test_the_player_has_the_history_of_its_scene(solved):
