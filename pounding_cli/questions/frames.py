@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import Unit
@@ -56,3 +57,14 @@ def list_swept_columns(axes: Sequence[Axis]) -> list[Column]:
             unit = axis.units[number]
             columns.append(Column(name, f"swept: {name}", Unit(unit.name, unit.factor, "") if is_text else unit))
     return columns
+
+
+def list_estimate_columns(column: Column, interval: str = "interval") -> tuple[Column, Column, Column]:
+    """Return a column with an interval, and the columns of both ends: `name`, `name_low`, `name_high`."""
+    low = f"{column.name}_low"
+    high = f"{column.name}_high"
+    return (
+        replace(column, low=low, high=high),
+        replace(column, name=low, text=f"{column.text}: lower end of its {interval}"),
+        replace(column, name=high, text=f"{column.text}: upper end of its {interval}"),
+    )
