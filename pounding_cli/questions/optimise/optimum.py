@@ -158,7 +158,7 @@ class Optimise(StudyQuestion):
     def plan(self) -> Plan:
         """The time histories of the first points: the study as it is written, or else the middle of all ranges.
 
-        Raises InputError: the study is not sound there, or at both ends of every range and every option of every choice.
+        Raises InputError: the study is not sound there, at an end of a range, or with an option of a choice.
         """
         corners = product(*(each.end_quantiles() for each in self.inputs))
         study_at_points(self.study, self.inputs, np.array(list(islice(corners, MAX_CORNERS))))

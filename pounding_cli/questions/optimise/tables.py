@@ -43,8 +43,8 @@ OPTIMUM_COLUMNS = (
 DESIGN_COLUMNS = (
     Column(
         "quantity",
-        "what is compared: first the number sought, then the largest over all motions, points of a sweep, storeys, floors "
-        "and links",
+        "what is compared: first the number sought, then the largest over all motions, points of a sweep, storeys, "
+        "floors and links",
     ),
     Column("unit", "SI unit; 1 of a pure number"),
     Column(

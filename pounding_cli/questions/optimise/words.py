@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, count_histories, join_limited, pluralize
@@ -77,8 +77,8 @@ def list_notes(results: ResultTables) -> list[str]:
     if first["meaningless"]:
         verb = "was" if first["meaningless"] == 1 else "were"
         notes.append(
-            f"{int(first['meaningless'])} of {points} {verb} excluded: a link left the range in which its law has a meaning "
-            "(`pound show FILE.h5 flagged`)."
+            f"{int(first['meaningless'])} of {points} {verb} excluded: a link left the range in which its law has a "
+            "meaning (`pound show FILE.h5 flagged`)."
         )
     count = len(results.answer(OPTIMUM).frame)
     if count > MAX_KEYS:
@@ -95,10 +95,9 @@ def list_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 # The optimum
 
 
-def _first_row(results: ResultTables) -> dict[str, Any]:
+def _first_row(results: ResultTables) -> Row:
     """Return the row of the first key, which also has what all rows share."""
-    row: dict[str, Any] = results.answer(OPTIMUM).frame.iloc[0].to_dict()
-    return row
+    return results.answer(OPTIMUM).frame.iloc[0].to_dict()
 
 
 def _split_goal(row: Row) -> tuple[str, str]:
@@ -203,7 +202,7 @@ def _list_keys_at_end(results: ResultTables) -> list[str]:
 
 def _view_optimum(results: ResultTables) -> Table:
     """Return the best value of every key, in the unit of the key."""
-    options = results.answer(POINTS).frame
+    points = results.answer(POINTS).frame
 
     def format_range(row: Row, low: str, high: str) -> str:
         if math.isnan(row[low]):
@@ -216,6 +215,11 @@ def _view_optimum(results: ResultTables) -> Table:
             return row[option] or NOTHING
         return Unit().text(key_unit(results, row["key"]).number(row[number]), 4)
 
+    def format_searched(row: Row) -> str:
+        if row["option"]:
+            return ", ".join(dict.fromkeys(map(str, points[row["key"]])))
+        return format_range(row, "range_from", "range_to")
+
     columns = (
         Column("key", write=lambda row: key_unit(results, row["key"]).label(row["key"])),
         Column("value", label="best", write=lambda row: format_value(row, "value", "option")),
@@ -223,22 +227,17 @@ def _view_optimum(results: ResultTables) -> Table:
         Column(
             "good_from", label="as good", optional=True, write=lambda row: format_range(row, "good_from", "good_to")
         ),
-        Column(
-            "range_from", label="searched", optional=True,
-            write=lambda row: ", ".join(map(str, options[row["key"]].unique()))
-            if row["option"] else format_range(row, "range_from", "range_to"),
-        ),
-    )  # fmt: skip
+        Column("range_from", label="searched", optional=True, write=format_searched),
+    )
     return results.answer(OPTIMUM).view(*columns, caption="The optimum")
 
 
 # What the buildings do
 
 
-def _design_rows(results: ResultTables) -> list[dict[str, Any]]:
+def _design_rows(results: ResultTables) -> Sequence[Row]:
     """Return the rows of the design, the number sought first."""
-    rows: list[dict[str, Any]] = results.answer(DESIGN).frame.to_dict("records")
-    return rows
+    return results.answer(DESIGN).frame.to_dict("records")
 
 
 def _is_on_contact(results: ResultTables, row: Row) -> bool:

@@ -191,8 +191,8 @@ class Sensitivity(StudyQuestion):
     def independent_samples(self) -> np.ndarray:
         """The numbers of the samples that are independent of each other.
 
-        Of Sobol's method those of his matrices A and B, shape (2 x base samples,); of Morris's the first sample of every
-        trajectory, shape (base samples,).
+        Of Sobol's method those of his matrices A and B, shape (2 x base samples,); of Morris's the first sample of
+        every trajectory, shape (base samples,).
         """
         block = len(self.cube) // self.samples
         begins = np.arange(self.samples) * block
@@ -259,7 +259,7 @@ def _iter_series(
     """Yield expressions, or whether statements hold, at all samples: by point, case, analysis and expression."""
     values = _values_of_samples(arrays, question, {part.name for one in asked for part in one.quantities})
     samples_axis = len(plan.axes) - 1
-    series = []
+    series: list[tuple[Expression | Statement, Expression, np.ndarray, str]] = []
     for one in asked:
         expression = one.expression if isinstance(one, Statement) else one
         of_samples = evaluate_expression(expression, values, question.spec.over_motions)

@@ -48,8 +48,8 @@ INDEX_COLUMNS = (
     Column("mean", "mean of the output over the independent samples, in its SI unit", digits=3),
     Column(
         "at_low",
-        "mean of the output where the key is in the lowest fifth of its distribution, in its SI unit; of a choice, at the "
-        "option where it is least",
+        "mean of the output where the key is in the lowest fifth of its distribution, in its SI unit; of a choice, at "
+        "the option where it is least",
         digits=3,
         error="at_low_error",
     ),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, pluralize
@@ -60,8 +60,8 @@ def list_notes(results: ResultTables) -> list[str]:
     frame = results.answer(INDICES).frame
     samples = pluralize(int(frame["samples"].iloc[0]), "sample")
     notes = [
-        f"In brackets: {100 * spec['confidence']:.4g} % interval, of indices from {spec['draws']} bootstrap draws of the "
-        f"{samples}; behind ±: standard error."
+        f"In brackets: {100 * spec['confidence']:.4g} % interval, of indices from {spec['draws']} bootstrap draws of "
+        f"the {samples}; behind ±: standard error."
     ]
     is_of_case = frame["case"] != ""
     if is_of_case.any() and (words := describe_motions(results)):
@@ -119,7 +119,7 @@ def list_shown(results: ResultTables) -> list[pd.DataFrame]:
 
 
 def describe_place(results: ResultTables, row: Row) -> str:
-    """Return an output or statement with where it stands: "largest μ in soft (case gap, elastic, mean of 5 motions)"."""
+    """Return an output or statement with where it stands: "largest μ (case gap, elastic, mean of 5 motions)"."""
     keys = _other_keys(results)
     words = [f"{key} = {results.value_label(key, row[key])}" for key in keys if key in row]
     if row["case"]:
@@ -266,12 +266,11 @@ def _has_contact_outputs(results: ResultTables) -> bool:
 # Statements
 
 
-def _list_statements(results: ResultTables) -> list[dict[str, Any]]:
+def _list_statements(results: ResultTables) -> Sequence[Row]:
     """Return the rows of the statements at one point of the other swept keys."""
     if PROBABILITIES not in results.answers:
         return []
-    rows: list[dict[str, Any]] = _shown_point(results).here(results.answer(PROBABILITIES).frame).to_dict("records")
-    return rows
+    return _shown_point(results).here(results.answer(PROBABILITIES).frame).to_dict("records")
 
 
 def describe_statement(results: ResultTables, row: Row) -> str:
@@ -286,7 +285,7 @@ def describe_statement(results: ResultTables, row: Row) -> str:
     return f"{words}."
 
 
-def summarize_statements(results: ResultTables, rows: list[dict[str, Any]]) -> str:
+def summarize_statements(results: ResultTables, rows: Sequence[Row]) -> str:
     """Return how many of several statements hold more often than not, with the most and the least likely one."""
     known = sorted((row for row in rows if math.isfinite(row["probability"])), key=lambda row: row["probability"])
     if not known:
@@ -294,7 +293,8 @@ def summarize_statements(results: ResultTables, rows: list[dict[str, Any]]) -> s
     count = sum(row["probability"] > 0.5 for row in known)
     column = results.answer(PROBABILITIES).column("probability")
     least, most = (f"{_name_statement(row)}, {column.cell(row)}" for row in (known[0], known[-1]))
-    return f"Of {len(rows)} statements {count} hold with a probability above 50 %; most likely: {most}; least likely: {least}."
+    words = f"Of {len(rows)} statements {count} hold with a probability above 50 %"
+    return f"{words}; most likely: {most}; least likely: {least}."
 
 
 def _name_statement(row: Row) -> str:
