@@ -48,9 +48,21 @@ solving_options = together(
     ),
     click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
 )  # fmt: skip
-"""How scenes are solved; keyword arguments of `solve_study`."""
+"""Options of solving; keyword arguments of `solve_study`."""
 
-_HELP = """{title}{more}
+_FURTHER_OPTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
+    "optimise": (
+        click.option(
+            "--write",
+            type=FILE,
+            metavar="FILE.yaml",
+            help="Write STUDY with the best values, its comments kept; replaced only with --replace.",
+        ),
+    ),
+}
+"""Options of single questions, besides those of all."""
+
+_HELP = """{title}{about}
 
 Time histories of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run
 the same command again to resume. Exit code 0: all done; 1: some failed; 2: the study or the output was refused.
@@ -61,30 +73,19 @@ Example:
 """
 
 
-def _question(name: str, *options: Callable[..., Any]) -> click.Command:
-    """The command of a question, with further options of its own."""
+def build_question_command(name: str) -> click.Command:
+    """Return the command of a question."""
+    about = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
 
-    more = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
-
-    @click.command(name, help=_HELP.format(title=TITLES[name], more=more, name=name))
+    @click.command(name, help=_HELP.format(title=TITLES[name], about=about, name=name))
     @study_argument
     @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
-    @together(*options, solving_options, click.pass_context)
+    @together(*_FURTHER_OPTIONS.get(name, ()), solving_options, click.pass_context)
     def command(ctx: click.Context, **options: Any) -> None:
         if not solve_study(name, **options):
             ctx.exit(1)
 
     return command
-
-
-run, gap, fragility, sensitivity = map(_question, ("run", "gap", "fragility", "sensitivity"))
-optimise = _question(
-    "optimise",
-    click.option(
-        "--write", type=FILE, metavar="FILE.yaml",
-        help="Write STUDY with the best values, its comments kept; replaced only with --replace.",
-    ),
-)  # fmt: skip
 
 
 def solve_study(
@@ -123,7 +124,7 @@ def solve_study(
         if not quiet:
             summarize(outcome).print()
         _print_outcome(outcome, quiet)
-    is_written = write is None or _write_best(cast("Optimise", asked), outcome.path, write)
+    is_written = write is None or _write_best(cast("Optimise", asked), outcome, write)
     if not is_written:
         click.echo(f"{write} is not written: there is no optimum", err=True)
     elif write is not None and not (quiet or log):
@@ -132,7 +133,7 @@ def solve_study(
 
 
 def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
-    """Counts and times, unless `quiet`, and every scene that failed."""
+    """Print counts and times, unless `quiet`, and every scene that failed."""
     if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
         click.echo(
@@ -144,13 +145,13 @@ def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
 
 
 def _print_failures(failures: Iterable[tuple[str, str, str]]) -> None:
-    """Of every failure its place, what happened, and what to do about it."""
+    """Print for every failure its place, what happened, and what to do about it."""
     for place, status, advice in failures:
         click.echo(f"failed: {place}: {status}" + (f"\n    {advice}" if advice else ""), err=True)
 
 
 def _log_outcome(log: JsonLines, outcome: RunOutcome) -> None:
-    """The same as JSON lines."""
+    """Write the outcome as JSON lines."""
     for failure in outcome.failures:
         log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
     log.tell(
@@ -176,13 +177,14 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
     asked.format_study(asked.middle)  # refused where the text does not take other values
 
 
-def _write_best(asked: Optimise, results: Path, write: Path) -> bool:
-    """Write the study with the best values that a results file has; whether there are such."""
+def _write_best(asked: Optimise, outcome: RunOutcome, write: Path) -> bool:
+    """Write the study with the best values that the results have; return whether there are such."""
     from pounding_cli.api.studies import open_results
     from pounding_cli.questions.optimise.optimum import NOTHING
     from pounding_cli.questions.optimise.tables import OPTIMUM
 
-    table = open_results(results).answer(OPTIMUM).frame
+    results = outcome.results or open_results(outcome.path)
+    table = results.answer(OPTIMUM).frame
     if table["outcome"].iloc[0] == NOTHING:
         return False
     write.write_text(asked.format_study(tuple(table["place"].tolist())), encoding="utf-8", newline="")
