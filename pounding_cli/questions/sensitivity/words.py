@@ -59,10 +59,12 @@ def list_notes(results: ResultTables) -> list[str]:
     spec = results.resolved["sensitivity"]
     frame = results.answer(INDICES).frame
     samples = pluralize(int(frame["samples"].iloc[0]), "sample")
-    notes = [
-        f"In brackets: {100 * spec['confidence']:.4g} % interval, of indices from {spec['draws']} bootstrap draws of "
-        f"the {samples}; behind ±: standard error."
-    ]
+    notes = []
+    if (frame["outcome"] == FOUND).any() or PROBABILITIES in results.answers:
+        notes.append(
+            f"In brackets: {100 * spec['confidence']:.4g} % interval, of indices from {spec['draws']} bootstrap draws of "
+            f"the {samples}; behind ±: standard error."
+        )
     is_of_case = frame["case"] != ""
     if is_of_case.any() and (words := describe_motions(results)):
         is_mean = not words.startswith("one")
@@ -157,24 +159,33 @@ def describe_influence(results: ResultTables, rows: pd.DataFrame) -> str:
     rows : of the output, as `iter_outputs`
     """
     first = rows.iloc[0].to_dict()
-    if first["outcome"] != FOUND:
-        return f"no index: {first['outcome']}."
     unit = find_output_unit(results, first["output"], first["unit"])
+    if first["outcome"] != FOUND:
+        words = f"no index: {first['outcome']}"
+    elif first[_influence_column(results)] <= 0:
+        words = "no key has an influence"
+    else:
+        words = _describe_most_influential(results, first, rows.iloc[1].to_dict(), unit)
+    return f"{words}.{describe_spread(results, first, unit)}"
+
+
+def _describe_most_influential(results: ResultTables, first: Row, second: Row, unit: Unit) -> str:
+    """Return the most influential key with its effect.
+
+    first, second : indices of the most influential key and of the one behind it
+    unit : of the output
+    """
     influence = _influence_column(results)
-    if first[influence] <= 0:
-        return "no key has an influence."
     words = f"most influential: {first['key']}"
-    second = rows.iloc[1].to_dict()
     if first[f"{influence}_low"] <= second[f"{influence}_high"]:
         samples = pluralize(int(first["samples"]), "sample")
         words += f" (not significantly more than {second['key']} with {samples})"
     if influence == "mu_star":
         effect = _find_column(results, influence, unit).format_with_unit(first)
-        return f"{words}, which changes it by {effect} on average over its range."
+        return f"{words}, which changes it by {effect} on average over its range"
     share, low, high = (100 * first[name] for name in ("total", "total_low", "total_high"))
     words += f", which explains {share:.0f} % ({low:.0f} to {high:.0f} %) of the variance, interactions included"
-    parts = filter(None, [words, describe_ends(results, first, unit)])
-    return f"{'; '.join(parts)}.{describe_spread(results, first, unit)}"
+    return "; ".join(filter(None, [words, describe_ends(results, first, unit)]))
 
 
 def describe_ends(results: ResultTables, row: Row, unit: Unit) -> str:
@@ -206,6 +217,8 @@ def describe_spread(results: ResultTables, row: Row, unit: Unit) -> str:
         return ""  # a statement
     numbers = frame[is_same].iloc[0].to_dict()
     table = results.answer(OUTPUTS).with_columns(mean={"unit": unit})
+    if not math.isfinite(numbers["mean"]):
+        return ""
     low, _, high = PERCENTILES
     mean = table.column("mean").format_with_unit(numbers)
     between = " and ".join(
