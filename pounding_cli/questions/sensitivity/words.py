@@ -60,10 +60,11 @@ def list_notes(results: ResultTables) -> list[str]:
     frame = results.answer(INDICES).frame
     samples = pluralize(int(frame["samples"].iloc[0]), "sample")
     notes = []
-    if (frame["outcome"] == FOUND).any() or PROBABILITIES in results.answers:
+    if (frame["outcome"] == FOUND).any() or {OUTPUTS, PROBABILITIES} & set(results.answers):
+        confidence = f"{100 * spec['confidence']:.4g} % interval"
         notes.append(
-            f"In brackets: {100 * spec['confidence']:.4g} % interval, of indices from {spec['draws']} bootstrap draws of "
-            f"the {samples}; behind ±: standard error."
+            f"In brackets: {confidence}, of indices from {spec['draws']} bootstrap draws of the {samples}; behind ±: "
+            "standard error."
         )
     is_of_case = frame["case"] != ""
     if is_of_case.any() and (words := describe_motions(results)):
