@@ -5,12 +5,17 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
+import pounding_cli
 from pounding_cli import open_results
 from pounding_cli.numbers import format_number
+from pounding_cli.questions.reports import build_report
+from pounding_cli.results.results import ResultTables
 from pounding_cli.study import load_study_file
+from pounding_cli.tables import Table
 
 STUDY = """\
 title: Two small buildings
@@ -48,7 +53,8 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     assert 0 < row["error"] < 1e-5
     assert f" in place of {format_number(row['as_written'], 5)} as written" in text  # though the file says no e
     assert f"{row['value']:.4g}" in out
-    assert "cases.joined.links.1.stiffness [x mean storey of A]" in out
+    assert "\n cases.joined.links.1.stiffness " in out
+    assert "\n [x mean storey of A]" in out
     assert "The search ended before the points of a generation were nearly as good" in out
     assert re.search(r"Time histories: \d+ solved, 0 reused, 0 failed", out)
     code, out, _ = pound("report", "results/two-optimise.h5", "-q", "--format", "png")
@@ -213,8 +219,9 @@ def test_the_largest_is_the_largest_and_what_is_worse_is_said(pound):
     assert not [name for name in design.index if "moat" in name]
     assert design["over_motions"].tolist() == ["mean"] + [""] * (len(design) - 1)
     table = out[out.index("What the buildings do (largest of 3 motions, unless said otherwise)") :]
-    assert re.findall("^ (?:largest peak force .*|.*of 3 motions.*)$", table, re.MULTILINE)[1].strip() == (
-        "mean of 3 motions, depends on the contact stiffness"
+    assert re.search(
+        r"\n largest peak force .*\n mean of 3 motions\n depends on the contact stiffness\n contacts, all motions ",
+        table,
     )
     for study, column in (("best", "optimum"), ("struck", "as_written")):
         assert pound("run", f"{study}.yaml", "-q", "-o", f"{study}.h5")[0] == 0
@@ -355,7 +362,7 @@ def test_flags_are_counted_on_both_sides(pound):
     assert len(flagged) >= 1
     for flag, rows in flagged.groupby("flag"):
         assert design.loc[f"time histories flagged: {flag}", ["optimum", "as_written"]].tolist() == [0, len(rows)]
-        assert re.search(rf"time histories flagged: {flag} +0 of 2 +{len(rows)} of 2", out)
+        assert re.search(rf"time histories flagged +0 of 2 +{len(rows)} of 2\n {flag}\n", out)
     assert "nothing is flagged" in out
     assert "gap: 9 m   # narrow" in Path("best.yaml").read_text()
 
@@ -437,3 +444,244 @@ def test_no_optimum_writes_no_study(pound):
     assert code == 1
     assert "best.yaml is not written: there is no optimum" in err
     assert not Path("best.yaml").exists()
+
+
+# Sentences, figures and notes, from tables with chosen numbers
+
+
+def build_study(**changes) -> dict:
+    """Return a study; keys of `optimise` among the changes are added to its section."""
+    section = {
+        "least": "largest drift in B",
+        "over": {
+            "cases.near.gap": {"from": "1 mm", "to": "9 mm"},
+            "impact.restitution": {"choice": [0.4, 0.65]},
+        },
+        "population": 5, "generations": 1, "slice_points": 5,
+    }  # fmt: skip
+    study = {
+        "title": "Two small buildings",
+        "records": {"use": ["elcentro", "taft"], "duration": "3 s"},
+        "buildings": {"A": {"storeys": 2, "period": "0.3 s"}, "B": {"like": "A", "storeys": 1, "period": "0.5 s"}},
+        "group": ["A", "B"],
+        "cases": {"near": {"link": "pounding", "gap": "3 mm"}},
+        "impact": {"restitution": 0.65},
+        "analyses": ["inelastic"],
+        "estimate": "none",
+    }
+    study |= {key: value for key, value in changes.items() if key in study or key == "sweep"}
+    further = {key: value for key, value in changes.items() if key not in study}
+    return study | {"optimise": section | further}
+
+
+@pytest.fixture(scope="module")
+def shared_folder(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("optimise")
+
+
+def ask(folder: Path, **changes) -> ResultTables:
+    """Return the results of a study; time histories of those before are reused."""
+    return pounding_cli.run(build_study(**changes), folder / "r.h5", workflow="optimise", engine="serial")
+
+
+@pytest.fixture(scope="module")
+def results(shared_folder) -> ResultTables:
+    return ask(shared_folder)
+
+
+def change(results: ResultTables, **edits) -> ResultTables:
+    """Return results with other tables: name -> edit(frame) -> frame."""
+    tables = []
+    for name in results.answers:
+        table = results.answer(name)
+        frame = edits[name](table.frame.copy()) if name in edits else table.frame
+        tables.append(Table(name, frame, table.columns, table.caption))
+    return ResultTables(results.path, results.arrays, tables)
+
+
+def set_optimum(results: ResultTables, direction: str, optimum: float, written: float) -> ResultTables:
+    numbers = {"sought": f"{direction} largest drift in B", "optimum": optimum, "as_written": written, "error": np.nan}
+    return change(results, optimise=lambda frame: frame.assign(**numbers, value=[0.004, np.nan], option=["", "0.4"]))
+
+
+def first_sentence(results: ResultTables) -> str:
+    return build_report(results).answer.sentences[0]
+
+
+@pytest.mark.parametrize(
+    ("direction", "optimum", "written", "words"),
+    [
+        ("least", 0.01, 0.02, "10.000 mm in place of 20.000 mm as written, 50 % lower"),
+        ("most", 0.02, 0.01, "20.000 mm in place of 10.000 mm as written, 100 % higher"),
+        ("least", 0.02, 0.01, "20.000 mm in place of 10.000 mm as written, 100 % higher: the study as written, outside "
+         "what was searched, is better"),
+        ("most", 0.01, 0.02, "10.000 mm in place of 20.000 mm as written, 50 % lower: the study as written, outside what "
+         "was searched, is better"),
+        ("least", 0.01, 0.01, "10.000 mm, as good as the study as written"),
+        ("least", 0.01, np.nan, "10.000 mm; the study as written has no value"),
+    ],
+)  # fmt: skip
+def test_the_first_sentence_compares_the_optimum_with_the_study_as_written(results, direction, optimum, written, words):
+    """Fails if lower is said for higher, if the two numbers are swapped, or if a better study as written is hidden."""
+    said = first_sentence(set_optimum(results, direction, optimum, written))
+    best = "The best values are gap of near 4 mm, restitution 0.4"
+    assert said == f"{best}: largest drift in B {words} (mean of 2 motions)."
+
+
+def test_the_best_value_of_one_key_is_told_by_its_name(shared_folder):
+    single = ask(shared_folder, over={"cases.near.gap": {"from": "1 mm", "to": "9 mm"}})
+    edit = {"value": 0.0042, "optimum": 0.0105, "as_written": 0.0138, "error": 2e-6}
+    said = first_sentence(change(single, optimise=lambda frame: frame.assign(**edit)))
+    assert said == (
+        "The best gap of near is 4.2 mm: largest drift in B 10.500 ± 0.002 mm in place of 13.800 mm as written, "
+        "24 % lower (mean of 2 motions)."
+    )
+
+
+def set_design(results: ResultTables, **rows: tuple[float, float]) -> ResultTables:
+    """Return results in which quantities have these values at the optimum and as written, all others 1 and 1."""
+
+    def edit(frame):
+        frame[["optimum", "as_written"]] = 1.0
+        for name, values in rows.items():
+            frame.loc[frame["quantity"] == name.replace("__", " "), ["optimum", "as_written"]] = values
+        return frame
+
+    return change(results, optimise_design=edit)
+
+
+def test_what_the_optimum_makes_worse_is_larger_than_as_written(results):
+    """Fails if what falls is called worse, or if the numbers are swapped."""
+    rows = {
+        "largest__drift__in__A": (0.02, 0.01),
+        "largest__mu__in__B": (2.0, 5.0),
+        "largest__V_ratio__in__B": (2.0, 2.01),
+    }
+    said = build_report(set_design(results, **rows)).answer.sentences[-1]
+    assert said == "The optimum makes worse: largest drift in A, 20 mm in place of 10 mm."
+    mirrored = {name: values[::-1] for name, values in rows.items()}
+    said = build_report(set_design(results, **mirrored)).answer.sentences[-1]
+    assert said == "The optimum makes worse: largest μ in B, 5 in place of 2."
+    said = build_report(set_design(results)).answer.sentences[-1]
+    assert "makes worse" not in said
+
+
+@pytest.mark.parametrize(
+    ("optimum", "written", "words"),
+    [
+        (0.0, 2.0, "no contact is left"), (2.0, 0.0, "contact is left in 2 of 2 time histories"),
+        (1.0, 2.0, "contact is left in 1 of 2 time histories"),
+        (np.nan, 2.0, "contacts are not known, since a run failed"),
+    ],
+)  # fmt: skip
+def test_contacts_left_are_those_of_the_optimum(results, optimum, written, words):
+    said = build_report(set_design(results, time__histories__with__contact=(optimum, written))).answer.sentences[1]
+    assert said == f"At the optimum {words}; nothing is flagged."
+
+
+def test_flags_are_those_of_the_optimum(results):
+    def edit(frame, values):
+        row = frame.iloc[0].to_dict() | {"quantity": "time histories flagged: slipped", "of": 2}
+        frame.loc[len(frame)] = row | dict(zip(("optimum", "as_written"), values, strict=True))
+        return frame
+
+    for values, words in (((1, 0), "flagged: slipped."), ((0, 1), "nothing is flagged.")):
+        flagged = change(results, optimise_design=lambda frame, values=values: edit(frame, values))
+        assert build_report(flagged).answer.sentences[1].endswith(f"; {words}")
+
+
+def test_the_figure_shows_optimum_points_and_line_in_their_units(results):
+    """Fails if optimum and study as written are swapped, or if numbers in m stand on an axis in mm."""
+
+    def edit_keys(frame):
+        return frame.assign(
+            value=[0.004, np.nan], option=["", "0.4"], written=[0.003, np.nan], written_option=["", "0.65"],
+            good_from=[0.0035, np.nan], good_to=[0.005, np.nan], optimum=0.01, as_written=0.02,
+        )  # fmt: skip
+
+    def edit_points(frame):
+        frame = frame.head(4)
+        keys = {"cases.near.gap": [0.003, 0.004, 0.002, 0.004], "impact.restitution": ["0.65", "0.4", "0.4", "0.65"]}
+        return frame.assign(**keys, value=[0.02, 0.01, 0.015, 0.012])
+
+    drawn = change(results, optimise=edit_keys, optimise_points=edit_points)
+    gap, restitution = build_report(drawn).figures()[0].draw().axes
+    assert gap.get_ylabel().replace("\n", " ") == "largest drift in B [mm]"
+    assert gap.get_xlabel().startswith("gap of near [mm]")
+
+    def line(ax, label):
+        (one,) = [each for each in ax.lines if each.get_label() == label]
+        return [pytest.approx(np.asarray(each, float)) for each in (one.get_xdata(), one.get_ydata())]
+
+    assert line(gap, "optimum") == [[4], [10]]
+    assert line(gap, "as written") == [[3], [20]]
+    assert line(gap, "through the optimum") == [[2, 4], [15, 10]]
+    assert line(gap, "point tried") == [[3, 4, 2, 4], [20, 10, 15, 12]]
+    (span,) = [patch for patch in gap.patches if patch.get_label() == "as good"]
+    assert [span.get_x(), span.get_x() + span.get_width()] == pytest.approx([3.5, 5])
+    options = [label.get_text() for label in restitution.get_xticklabels()]
+    assert options == ["0.65", "0.4"]
+    assert line(restitution, "optimum") == [[1], [10]]
+    assert line(restitution, "as written") == [[0], [20]]
+    assert sorted(zip(*(each.expected for each in line(restitution, "through the optimum")), strict=True)) == [
+        (0, pytest.approx(12)), (1, pytest.approx(10))
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [80, 120, 200])
+def test_tables_and_sentences_fit_the_terminal(results, width):
+    text = "\n".join(build_report(results).summary.iter_lines(width))
+    assert max(map(len, text.splitlines())) <= width
+    assert "…" not in text
+    assert re.search(r"^ quantity +at the optimum +as written$", text, re.MULTILINE)
+    assert re.search(r"^ key +best +as written", text, re.MULTILINE)
+
+
+CONTACT = "depend on the contact stiffness, which is unknown"
+FAR = {"near": {"link": "pounding", "gap": "5 m"}}
+GAP = {"cases.near.gap": {"from": "1 mm", "to": "9 mm"}}
+JOINED = {"near": {"link": "connector", "gap": "3 mm", "stiffness": "1/5 mean storey of A"}}
+
+NOTES = [
+    ("The number sought is the mean of 2 motions, storey by storey", {}, {"records": {"use": ["taft"], "duration": "3 s"}}),
+    ("The number sought is the largest of 2 motions", {"over_motions": "largest"}, {}),
+    ("The numerical error is not known: no run near the optimum was assessed", {}, {"estimate": "all"}),
+    (CONTACT, {}, {"cases": FAR, "over": {"buildings.B.mass": {"choice": ["100 t", "101 t"]}}}),
+    (CONTACT, {}, {"over": {"impact.stiffness": {"choice": ["10 x stiffest storey", "20 x stiffest storey"]}}}),
+    ("cases.near.gap is best at the end of its range", {"over": GAP, "least": "impacts - 1000 * max_closing"},
+     {"over": {"impact.restitution": {"choice": [0.4, 0.65]}}}),
+    ("write more `generations:`", {"over": GAP}, {"over": {"impact.restitution": {"choice": [0.4, 0.65]}}}),
+    ("2 of 2 points have no value: a run failed or the quantity is undefined",
+     {"least": "sqrt(0 - mu)", "over": {"impact.restitution": {"choice": [0.4, 0.65]}}}, {}),
+    ("1 of 2 points was excluded: a link left the range in which its law has a meaning",
+     {"cases": JOINED, "over": {"cases.near.gap": {"choice": ["3 mm", "9 m"]}}},
+     {"cases": JOINED, "over": {"cases.near.gap": {"choice": ["8 m", "9 m"]}}}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("words", "raising", "other"), NOTES, ids=[f"{number}" for number in range(len(NOTES))])
+def test_notes_stand_where_they_belong(shared_folder, words, raising, other):
+    notes = [build_report(ask(shared_folder, **each)).answer.notes for each in (raising, other)]
+    assert [any(words in note for note in each) for each in notes] == [True, False]
+
+
+def test_more_keys_than_are_drawn_are_counted(results):
+    import pandas as pd
+
+    for count, is_said in ((8, False), (9, True)):
+        many = change(
+            results, optimise=lambda frame, count=count: pd.concat([frame.head(1)] * count, ignore_index=True)
+        )
+        assert any(f"Figures show 8 of {count} keys" in note for note in build_report(many).answer.notes) == is_said
+
+
+def test_only_contacts_make_numbers_depend_on_the_contact_stiffness(shared_folder):
+    """Fails if a building whose floors do not strike carries the words, or an acceleration beside a blow lacks them."""
+    words = "depends on the contact stiffness"
+    three = {"buildings": build_study()["buildings"] | {"C": {"like": "A"}}, "group": ["A", "B", "C"]}
+    links = [{"link": "pounding", "pair": ["A", "B"]}, {"link": "pounding", "pair": ["B", "C"], "gap": "5 m"}]
+    report = build_report(ask(shared_folder, **three, cases={"near": {"gap": "3 mm", "links": links}}, over=GAP))
+    cells = {row[0].split("\n")[0]: words in row[0] for row in report.answer.tables[1].cells()}
+    marked = {name for name, is_marked in cells.items() if is_marked}
+    assert marked == {"largest acceleration in A", "largest acceleration in B", "largest peak force"}
+    assert "largest acceleration in C" in cells

@@ -168,7 +168,8 @@ def _compare_with_written(row: Row, unit: Unit) -> str:
         return ", as good as the study as written"
     words = f" in place of {Column('as_written', unit=unit, digits=5).format_with_unit(row)} as written"
     if written != 0:
-        words += f", {abs(change / written) * 100:.2g} % {'lower' if change < 0 else 'higher'}"
+        percent = Unit("%").text(100 * abs(change / written), 2)
+        words += f", {percent} {'lower' if change < 0 else 'higher'}"
     if (change > 0) == (direction == "least"):
         words += ": the study as written, outside what was searched, is better"
     return words
@@ -215,15 +216,24 @@ def _view_optimum(results: ResultTables) -> Table:
             return row[option] or NOTHING
         return Unit().text(key_unit(results, row["key"]).number(row[number]), 4)
 
+    def format_unit(row: Row) -> str:
+        name = key_unit(results, row["key"]).name
+        return f"[{name}]" if name else ""
+
     def format_searched(row: Row) -> str:
         if row["option"]:
             return ", ".join(dict.fromkeys(map(str, points[row["key"]])))
         return format_range(row, "range_from", "range_to")
 
     columns = (
-        Column("key", write=lambda row: key_unit(results, row["key"]).label(row["key"])),
-        Column("value", label="best", write=lambda row: format_value(row, "value", "option")),
-        Column("written", label="as written", write=lambda row: format_value(row, "written", "written_option")),
+        Column("key", below=format_unit),
+        Column("value", label="best", is_right=True, write=lambda row: format_value(row, "value", "option")),
+        Column(
+            "written",
+            label="as written",
+            is_right=True,
+            write=lambda row: format_value(row, "written", "written_option"),
+        ),
         Column(
             "good_from", label="as good", optional=True, write=lambda row: format_range(row, "good_from", "good_to")
         ),
@@ -316,13 +326,23 @@ def _view_design(results: ResultTables) -> Table:
     frame = frame.assign(reduction=[describe_reduction(results), *[""] * (len(frame) - 1)])
 
     def describe_row(row: Row) -> str:
-        """Return what stands below a quantity."""
-        words = [row["reduction"], ON_CONTACT if _is_on_contact(results, row) else ""]
-        return ", ".join(filter(None, words))
+        """Return what stands below a quantity: what is flagged, what it is over the motions, whether on contact."""
+        kind = row["quantity"].removeprefix(FLAGGED) if row["quantity"].startswith(FLAGGED) else ""
+        return "\n".join(filter(None, [kind, row["reduction"], ON_CONTACT if _is_on_contact(results, row) else ""]))
 
     columns = (
-        Column("quantity", write=name_quantity, below=describe_row),
-        Column("optimum", label="at the optimum", write=lambda row: format_quantity(results, row, "optimum")),
-        Column("as_written", label="as written", write=lambda row: format_quantity(results, row, "as_written")),
+        Column("quantity", write=lambda row: name_quantity(row).partition(": ")[0], below=describe_row),
+        Column(
+            "optimum",
+            label="at the optimum",
+            is_right=True,
+            write=lambda row: format_quantity(results, row, "optimum"),
+        ),
+        Column(
+            "as_written",
+            label="as written",
+            is_right=True,
+            write=lambda row: format_quantity(results, row, "as_written"),
+        ),
     )
     return results.answer(DESIGN).view(*columns, frame=frame[~is_idle], caption=caption)

@@ -321,16 +321,27 @@ def _name_statement(row: Row) -> str:
 def _view_probabilities(results: ResultTables) -> Table:
     """Return the probability of every statement, with the most influential key and its influence."""
     influence = "total index" if _influence_column(results) == "total" else "mean effect"
+
+    def write_statement(row: Row) -> str:
+        return describe_output(row["statement"]) if row["case"] else row["statement"].partition(", ")[0]
+
+    def write_below(row: Row) -> str:
+        """Return which reading of a claim it is, or that the statement depends on the contact stiffness."""
+        if has_contact_words(results, row):
+            return ON_CONTACT
+        return "" if row["case"] else row["statement"].partition(", ")[2]
+
     table = results.answer(PROBABILITIES).with_columns(
         case={"write": lambda row: row["case"] or "all"},
         analysis={"write": lambda row: row["analysis"] or "both"},
-        statement={"write": lambda row: describe_output(row["statement"]) if row["case"] else row["statement"],
-                   "below": lambda row: ON_CONTACT if has_contact_words(results, row) else ""},
+        statement={"write": write_statement, "below": write_below},
         most_influential={
-            "write": lambda row: row["most_influential"] or NOTHING, "label": "most influential", "optional": True
+            "write": lambda row: row["most_influential"] or NOTHING,
+            "label": "most influential",
+            "optional": True,
         },
         influence={"label": f"its {influence}", "optional": True},
-    )  # fmt: skip
+    )
     caption = "Probability that statements hold"
     if (words := describe_motions(results)) and (results.answer(PROBABILITIES).frame["case"] != "").any():
         caption += f" ({words})"
