@@ -105,19 +105,19 @@ def solve_study(
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     from pounding_cli.api.running import ask_question, run_study, summarize
     from pounding_cli.api.studies import default_output, load_study
-    from pounding_cli.batch.progress import JsonLines, chosen
+    from pounding_cli.batch.progress import JsonLines, choose_progress
 
     log = JsonLines() if log_json else None
     loaded = load_study(study)
     for warning in loaded.warnings:
         if log:
-            log.tell("warning", text=str(warning))
+            log.write_event("warning", text=str(warning))
         elif not quiet:
             click.echo(f"warning: {warning}", err=True)
     asked = ask_question(name, loaded)
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])
-    outcome = run_study(asked, output or default_output(study, name), progress=log or chosen(quiet), **how)
+    outcome = run_study(asked, output or default_output(study, name), progress=log or choose_progress(quiet), **how)
     if log:
         _log_outcome(log, outcome)
     else:
@@ -153,8 +153,8 @@ def _print_failures(failures: Iterable[tuple[str, str, str]]) -> None:
 def _log_outcome(log: JsonLines, outcome: RunOutcome) -> None:
     """Write the outcome as JSON lines."""
     for failure in outcome.failures:
-        log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
-    log.tell(
+        log.write_event("failed", scene=failure.place, status=failure.status, advice=failure.advice)
+    log.write_event(
         "end", done=outcome.done, failed=outcome.failed, reused=outcome.reused, results=str(outcome.path),
         engine=outcome.engine, workers=outcome.workers, solver_seconds=round(outcome.solver_seconds, 3),
         wall_seconds=round(outcome.wall_seconds, 3),

@@ -15,7 +15,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 
 if TYPE_CHECKING:
-    from pounding_cli.batch.forecast import Duration, Forecast
+    from pounding_cli.batch.forecast import Forecast, RunDuration
     from pounding_cli.errors import Problem
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
@@ -130,7 +130,7 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
     path = output or default_output(Path(question.study.path), question.name)
     try:
         standing = find_standing(question, path)
-    except InputError as refused:  # another run is at work on these results
+    except InputError as refused:  # another run is using these results
         return f"{count_histories(len(question.plan))}; {refused.problems[0].message}"
     if standing.is_current:
         return f"{count_histories(standing.total)}, all solved: {path} is current"
@@ -147,7 +147,7 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
     return f"{'; '.join(said)}; {_describe_duration(standing.duration)}"
 
 
-def _describe_duration(duration: Duration) -> str:
+def _describe_duration(duration: RunDuration) -> str:
     """Return the expected time of a run, or why it is not known."""
     from pounding_cli.solver.kernels import COMPILE_TIME
 
@@ -164,11 +164,11 @@ def _describe_duration(duration: Duration) -> str:
 
 def _describe_plan(plan: Plan) -> list[str]:
     """Return in lines what a run of a plan would solve and leave out."""
-    from pounding_cli.batch.forecast import forecast
+    from pounding_cli.batch.forecast import build_forecast
     from pounding_cli.study.group import format_meetings
 
     study, first = plan.study, (0,) * len(plan.axes)
-    found = forecast(plan)
+    found = build_forecast(plan)
     step = "" if plan.time_step is None else f"time step {study.unit('time step').text(plan.time_step)}"
     lines = [study.title, f"group      {' | '.join(plan.buildings)}"]
     for axis in plan.axes:

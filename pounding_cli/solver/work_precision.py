@@ -18,7 +18,7 @@ from pounding_cli.methods import METHODS, get_method
 from pounding_cli.model.scene import Scene
 from pounding_cli.numbers import pluralize
 from pounding_cli.solver.response import DONE, Response
-from pounding_cli.solver.solve import refusal_of, solve
+from pounding_cli.solver.solve import explain_refusal, solve
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
@@ -102,7 +102,7 @@ def measure(
             break
         tell(", ".join(place.values()))
         begin = time.perf_counter()
-        able = [name for name in methods if not refusal_of(METHODS[name], scene)]
+        able = [name for name in methods if not explain_refusal(METHODS[name], scene)]
         short = dataclasses.replace(scene, motion=scene.motion.cut_to(WARM_UP * scene.motion.dt))
         for name in {*able, REFERENCE[0], SECOND[0]}:
             _solved(short, name, 1e-4)

@@ -225,8 +225,8 @@ class Fragility(StudyQuestion):
         """The curves, what every motion said and, with a hazard curve, annual rates."""
         places = list(self._places())
         asked = self._hunted(places, solver) if self.spec.method == "ida" else np.arange(len(self.plan))
-        solved = solver.responses(self.plan, asked)
-        return Answer(self.plan, solver.contents(self.plan, asked), self._tables(places, solved))
+        solved = solver.solve_plan(self.plan, asked)
+        return Answer(self.plan, solver.solve_arrays(self.plan, asked), self._tables(places, solved))
 
     # Which scenes are solved
 
@@ -252,7 +252,7 @@ class Fragility(StudyQuestion):
         """
         asked = new = np.unique([scenes[:, 0] for place in places for scenes in place.scenes.values()])
         while new.size:
-            solved, wanted = solver.responses(self.plan, asked), set[int]()
+            solved, wanted = solver.solve_plan(self.plan, asked), set[int]()
             for place in places:
                 for end, scenes in place.scenes.items():
                     is_seen, demand = np.isin(scenes, asked), self._demand(place, solved, end)

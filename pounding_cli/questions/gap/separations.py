@@ -138,7 +138,7 @@ class Gap(StudyQuestion):
     def answer(self, solver: Solver) -> Answer:
         """The tables of what is required, of what that means for the cases, and of the property lines."""
         plan = self.plan
-        contents = solver.contents(plan)
+        contents = solver.solve_arrays(plan)
         data = contents.dataset()
         separations = _separations(plan, _between_floors(plan, data))
         distances = _separations(plan, _to_lines(plan, data))

@@ -179,7 +179,7 @@ class Optimise(StudyQuestion):
 
         def function(points: list[Point], is_rough: bool) -> np.ndarray:
             plan = self.plan_points(points)
-            arrays = build_arrays(plan, solver.responses(plan, rough=is_rough))
+            arrays = build_arrays(plan, solver.solve_plan(plan, rough=is_rough))
             sought = _evaluate_sought(self, plan, _find_values(self, plan, arrays))
             return self.sign * sought["value"].to_numpy()[: len(points)]
 
@@ -187,7 +187,8 @@ class Optimise(StudyQuestion):
         search.run()
         points = list(search.values)
         plan = self.plan_points(points)
-        arrays = build_arrays(plan, solver.responses(plan, rough=True))  # the way to the valley keeps its rough numbers
+        solved = solver.solve_plan(plan, rough=True)  # what only led to the valley keeps its rough numbers
+        arrays = build_arrays(plan, solved)
         values = _find_values(self, plan, arrays)
         sought = _evaluate_sought(self, plan, values)
         best = None if search.best_point is None else points.index(search.best_point)

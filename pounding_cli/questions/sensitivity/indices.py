@@ -231,7 +231,7 @@ class Sensitivity(StudyQuestion):
     def answer(self, solver: Solver) -> Answer:
         """Return indices, distributions of outputs, probabilities of statements and claims, and the samples."""
         plan = self.plan
-        arrays = solver.contents(plan)
+        arrays = solver.solve_arrays(plan)
         outputs = list(_iter_series(plan, arrays, self, self.outputs))
         statements = list(_iter_series(plan, arrays, self, self.statements))
         claims: list[Series] = []
