@@ -174,19 +174,20 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
     check_output(write, [study], lambda *_: True, "--write")
     if write.exists() and not replace:
         raise InputError(Problem("is there already", "choose another name, or add --replace to replace it", str(write)))
-    asked.text(asked.middle)  # refused where the text does not take other values
+    asked.format_study(asked.middle)  # refused where the text does not take other values
 
 
 def _write_best(asked: Optimise, outcome: RunOutcome, write: Path) -> bool:
     """Write the study with the best values that the results have; return whether there are such."""
     from pounding_cli.api.studies import open_results
-    from pounding_cli.questions.optimise.optimum import NOTHING, OPTIMUM
+    from pounding_cli.questions.optimise.optimum import NOTHING
+    from pounding_cli.questions.optimise.tables import OPTIMUM
 
     results = outcome.results or open_results(outcome.path)
     table = results.answer(OPTIMUM).frame
     if table["outcome"].iloc[0] == NOTHING:
         return False
-    write.write_text(asked.text(tuple(table["place"].tolist())), encoding="utf-8", newline="")
+    write.write_text(asked.format_study(tuple(table["place"].tolist())), encoding="utf-8", newline="")
     return True
 
 

@@ -395,8 +395,8 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
     axes = [axis.names[0] for axis in plan.axes]  # the samples are the last one
     data = data.drop_vars(axes[-1]).isel({axes[-1]: xr.DataArray(question.point_of_sample, dims=axes[-1])})
     scenes = data
-    if question.drawn is not None:
-        drawn = xr.DataArray(question.drawn, dims=(axes[-1], "record"))
+    if question.motions_of_samples is not None:
+        drawn = xr.DataArray(question.motions_of_samples, dims=(axes[-1], "record"))
         scenes = data.drop_vars("record").isel(record=drawn)
     alone_failed: Any = np.isfinite(scenes["drift"]) & ~np.isfinite(scenes["drift0"])
     failed = (scenes["status"] != DONE) | alone_failed.any(("building", "storey"))
