@@ -97,7 +97,9 @@ def test_a_limit_is_sought_above_a_collapse(pound, folder):
         pound("fragility", "two.yaml", "-o", f"{method}.h5", "-q")
         found[method] = open_results(f"{method}.h5")
     stripes, ida = (found[method].table("fragility_motions") for method in ("stripes", "ida"))
-    passes = stripes[(stripes["demand"] > 1) & (stripes["state"] == "with pounding")].groupby("record")["intensity"].min()
+    passes = (
+        stripes[(stripes["demand"] > 1) & (stripes["state"] == "with pounding")].groupby("record")["intensity"].min()
+    )
     assert len(passes) >= 2
     above = ida[ida["state"] == "with pounding"].set_index("record")["passed"]
     assert (above[passes.index] >= passes).all()
