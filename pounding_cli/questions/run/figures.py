@@ -29,9 +29,9 @@ def further_sections(results: ResultTables, choice: SweepChoice | None) -> list[
     kept, scenes, said = len(results.histories()), build_player_scenes(results), list[str]()
     if not kept:
         keep = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.names('record')[0]}]}}}}"
-        said = [f"No scene is kept over time. To see moving buildings, add `{keep}` to the study and run it again."]
+        said = [f"No time history is kept. To see moving buildings, add `{keep}` to the study and run it again."]
     elif len(scenes) < kept:
-        said = [f"{len(scenes)} of {kept} kept scenes have room here: keep fewer, or longer steps, `every: 20 ms`."]
+        said = [f"{len(scenes)} of {kept} kept time histories have room here: keep fewer, or longer steps, `every: 20 ms`."]
     chart = build_explorer_data(results, shown)
     drawn: dict[str, Any] = {"widget": "explorer", "data": chart} if chart["quantities"] else {}
     return [
