@@ -192,7 +192,7 @@ MOST_LOOPS = 6
 
 
 def list_loops(evidence: Evidence) -> list[Picture]:
-    """Return the figure of the force of isolators over the displacement of their base; none without kept time histories."""
+    """Return the figure of the loops of isolators; none where no time history is kept."""
     bases = {name: evidence.of_study(name).get("foundation") for name in evidence.group}
     isolated = [name for name, base in bases.items() if isinstance(base, dict) and base.get("isolation")]
     kept = evidence.here(evidence.results.histories()).head(MOST_LOOPS)

@@ -30,7 +30,8 @@ analyses: [elastic, inelastic]
 SWEEP = "estimate: none\nsweep: {cases.gap.gap: [5 mm, 6 mm, 7 mm], impact.restitution: [0.4, 0.6]}\n"
 ONE = STUDY[: STUDY.index("  infill:")] + "analyses: [inelastic]\nestimate: none\n"
 UNCERTAIN = (
-    "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.7}}, buildings.soft.period: {normal: {mean: 0.5 s, sd: 0.03 s}}}\n"
+    "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.7}}, "
+    "buildings.soft.period: {normal: {mean: 0.5 s, sd: 0.03 s}}}\n"
 )
 STUDIES = {
     "kept": ("run", STUDY + "keep: {histories: {cases: [touching], records: [elcentro]}}\n"),
