@@ -183,7 +183,7 @@ def readout(page) -> dict[str, str]:
 def test_the_player_shows_the_history(visit, reports):
     """It opens at the hardest impact; every number is that of the history at its time."""
     page, (results, _) = visit("kept"), reports("kept")
-    choose(page, "Scene", "touching, elastic, elcentro", "#player")
+    choose(page, "Time history", "touching, elastic, elcentro", "#player")
     history = results.history(case="touching", analysis="elastic", record="elcentro")
     hardest, floor = np.unravel_index(np.argmax(history.link_force), history.link_force.shape)
 
