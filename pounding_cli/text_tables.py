@@ -11,8 +11,11 @@ PIPE_WIDTH = 250
 MIN_TEXT_WIDTH = 24
 """Characters to which a column of texts may be wrapped."""
 
-_SPACE = 2
+_SPACE = 3
 """Characters between two columns."""
+
+_EDGES = 2
+"""Characters before the first column and behind the last one."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class TextTable:
     def _min_width(self) -> int:
         """Return how many characters the columns need, with texts wrapped to MIN_TEXT_WIDTH."""
         widths = [self._column_width(place) for place in range(len(self.heads))]
-        return sum(widths) + _SPACE * (len(widths) - 1)
+        return sum(widths) + _SPACE * (len(widths) - 1) + _EDGES
 
     def _column_width(self, place: int) -> int:
         from rich.cells import cell_len
