@@ -75,13 +75,15 @@ def check(study: Path, output: Path | None) -> None:
     Example: pound check configs/fig6.yaml
     """
     from pounding_cli.api.studies import load_study
-    from pounding_cli.paper.points import POINT_COMMANDS, load_sweep
+    from pounding_cli.paper import TITLES as POINT_TITLES
     from pounding_cli.questions import TITLES
     from pounding_cli.reading import shorten_path
     from pounding_cli.study.file import kind_of_file
 
     name, kind = shorten_path(study), kind_of_file(study)
-    if kind in POINT_COMMANDS:
+    if kind in POINT_TITLES:
+        from pounding_cli.paper.points import load_sweep
+
         sweep = load_sweep(study, kind)
         for warning in sweep.warnings:
             click.echo(f"warning: {warning}", err=True)

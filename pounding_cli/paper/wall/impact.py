@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshQuad
@@ -18,7 +17,7 @@ from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVecto
 from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.paper.points import to_variable
+from pounding_cli.paper.points import MESH, PointAnswer, build_array
 from pounding_cli.paper.wall.study import SectionSpec, WallStudySpec
 
 MAX_ELEMENTS = 250_000
@@ -37,11 +36,11 @@ HISTORIES = {
     "kinetic_energy": ("J", "kinetic energy of wall and frame"),
     "strain_energy": ("J", "strain energy of wall and frame"),
 }
-"""What is known at every instant: unit and meaning."""
+"""Quantities known at every instant: unit and meaning."""
 
 
-def solve_impact(study: WallStudySpec) -> xr.Dataset:
-    """Solve one impact: numbers, histories, stresses at the struck face and on the mesh of the wall.
+def solve_impact(study: WallStudySpec) -> PointAnswer:
+    """Return the answer of one impact: numbers, histories, stresses at the struck face and on the mesh of the wall.
 
     Raises InputError where it would take too many steps or gave a number that is not finite, with what to change.
     """
@@ -83,42 +82,41 @@ def solve_impact(study: WallStudySpec) -> xr.Dataset:
     averaged = largest["cells"]
     shear, moment = largest["rows"].reshape(-1, 2).max(axis=0)
     distance = np.abs(system.cell_height - 0.5 * (low + high))
-    values_by_name = {
-        "peak_force": to_variable("N", "largest contact force", force.max()),
-        "peak_time": to_variable("s", "time of the largest contact force", time[np.argmax(force)]),
-        "separation": to_variable("s", "first time the striker leaves the wall", find_separation_time(time, force)),
-        "last_contact": to_variable("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
-        "impulse": to_variable("N s", "impulse of the contact force", float(np.trapezoid(force, time))),
-        "energy_residual": to_variable("1", "largest open part of the energy balance, over the first energy", off),
-        "wall_stress": to_variable("N/m2", "largest von Mises stress of an element", largest["elements"].max()),
-        "averaged_stress": to_variable(
-            "N/m2", "largest von Mises stress, averaged over the length stated", averaged.max()
-        ),
+    numbers = {
+        "peak_force": force.max(),
+        "peak_time": time[np.argmax(force)],
+        "separation": find_separation_time(time, force),
+        "last_contact": time[np.flatnonzero(force > 0)[-1]],
+        "impulse": np.trapezoid(force, time),
+        "energy_residual": off,
+        "wall_stress": largest["elements"].max(),
+        "averaged_stress": averaged.max(),
     }
     for name, members in (("beam", slice(system.beams)), ("column", slice(system.beams, None))):
-        text = f"largest edge stress of the {name}s"
-        values_by_name[f"{name}_stress"] = to_variable("N/m2", text, largest["members"][members].max())
-        text = f"{text} at the instant of the wall's peak"
-        values_by_name[f"{name}_stress_then"] = to_variable("N/m2", text, np.abs(then["members"][members]).max())
-    values_by_name |= {
-        "wall_shear": to_variable("N", "largest shear force in a cross-section of the wall", shear),
-        "wall_moment": to_variable("N m", "largest bending moment in a cross-section of the wall", moment),
-        "reach": to_variable("m", "farthest from the contact that the averaged stress exceeds half its largest",
-                       interpolate_stress_reach(distance, averaged)),
-        "step": to_variable("s", "time step", end / steps),
-        "freedoms": to_variable("1", "degrees of freedom", float(system.M.size)),
-        "time_of_peak": to_variable("s", "instant of the largest stress of an element", at_peak),
-        "cell_height": to_variable("m", "height of a cell at the struck face", system.cell_height, "cell"),
-        "cell_stress": to_variable("N/m2", "largest von Mises stress of the mean stress in a cell", averaged, "cell"),
-        "outline": to_variable("m", "corners of every element",
-                               system.mesh.p.T[system.mesh.t.T], "element", "side", "axis"),
-        "stress_peak": to_variable("N/m2", "von Mises stress of every element at the peak",
-                               then["elements"], "element"),
-        "stress_envelope": to_variable("N/m2", "largest von Mises stress of every element",
-                               largest["elements"], "element"),
-    }  # fmt: skip
-    values_by_name |= {name: to_variable(*HISTORIES[name], values, "instant") for name, values in run.items()}
-    return xr.Dataset(values_by_name, attrs={"notes": notes})
+        numbers[f"{name}_stress"] = largest["members"][members].max()
+        numbers[f"{name}_stress_then"] = np.abs(then["members"][members]).max()
+    numbers |= {
+        "wall_shear": shear,
+        "wall_moment": moment,
+        "reach": interpolate_stress_reach(distance, averaged),
+        "step": end / steps,
+        "freedoms": system.M.size,
+        "time_of_peak": at_peak,
+    }
+    corners = system.mesh.p.T[system.mesh.t.T]
+    text = "largest von Mises stress of the mean stress in a cell"
+    arrays = {
+        "cell_height": build_array("m", "height of a cell at the struck face", system.cell_height, "cell"),
+        "cell_stress": build_array("N/m2", text, averaged, "cell"),
+        "outline": build_array("m", "corners of every element", corners, *MESH),
+    }
+    for name, text, values in (
+        ("stress_peak", "von Mises stress of every element at the peak", then["elements"]),
+        ("stress_envelope", "largest von Mises stress of every element", largest["elements"]),
+    ):
+        arrays[name] = build_array("N/m2", text, values, "element")
+    arrays |= {name: build_array(*HISTORIES[name], values, "instant") for name, values in run.items()}
+    return PointAnswer({name: float(number) for name, number in numbers.items()}, arrays, notes)
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
