@@ -121,6 +121,7 @@ def run_study(
         plan = answer.plan
         histories = iter_kept_histories(plan, answer.arrays, reporter.say)
         attributes = {
+            "workflow": question.name,
             "content": content,
             "study_file": _place_of(study, output),
             "answers": json.dumps([table.name for table in answer.tables]),

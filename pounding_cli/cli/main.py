@@ -17,16 +17,15 @@ from pounding_cli.errors import InputError
 from pounding_cli.paper import TITLES as POINT_TITLES
 from pounding_cli.questions import TITLES
 
+_QUESTIONS = {name: ("solve", title) for name, title in TITLES.items()}
+
 COMMANDS = {
     "init": ("study", "Write a commented study to start from."),
     "check": ("study", "Validate a study; show what is solved, and how long the rest takes."),
-    "run": ("solve", TITLES["run"]),
+    "run": _QUESTIONS.pop("run"),
     "show": ("results", "Print a table of a results file."),
     "report": ("results", "Write figures, tables, claims and a page of results files."),
-    "gap": ("solve", TITLES["gap"]),
-    "fragility": ("solve", TITLES["fragility"]),
-    "sensitivity": ("solve", TITLES["sensitivity"]),
-    "optimise": ("solve", TITLES["optimise"]),
+    **_QUESTIONS,
     "export": ("results", "Write tables as CSV, Parquet, Excel or netCDF."),
     "compare": ("results", "Show what changed between two results files."),
     "cite": ("study", "List the references of what a study used."),
@@ -54,7 +53,8 @@ class LazyGroup(click.Group):
             if near and not ctx.resilient_parsing:  # not while a shell completes a line
                 ctx.fail(f"No such command '{cmd_name}'. Did you mean '{near[0]}'?")
             return None
-        command = getattr(importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}"), cmd_name)
+        module = importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}")
+        command = module.build_question_command(cmd_name) if cmd_name in TITLES else getattr(module, cmd_name)
         command.short_help = COMMANDS[cmd_name][1]
         return command
 

@@ -44,7 +44,19 @@ solving_options = together(
 )  # fmt: skip
 """How scenes are solved; keyword arguments of `solve_study`."""
 
-_HELP = """{title}{more}
+_FURTHER_OPTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
+    "optimise": (
+        click.option(
+            "--write",
+            type=FILE,
+            metavar="FILE.yaml",
+            help="Write STUDY with the best values, its comments kept; replaced only with --replace.",
+        ),
+    ),
+}
+"""Options of single questions, besides those of all."""
+
+_HELP = """{title}{about}
 
 Time histories of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run
 the same command again to resume. Exit code 0: all done; 1: some failed; 2: the study or the output was refused.
@@ -55,30 +67,19 @@ Example:
 """
 
 
-def _question(name: str, *options: Callable[..., Any]) -> click.Command:
-    """The command of a question, with further options of its own."""
+def build_question_command(name: str) -> click.Command:
+    """Return the command of a question."""
+    about = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
 
-    more = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
-
-    @click.command(name, help=_HELP.format(title=TITLES[name], more=more, name=name))
+    @click.command(name, help=_HELP.format(title=TITLES[name], about=about, name=name))
     @study_argument
     @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
-    @together(*options, solving_options, click.pass_context)
+    @together(*_FURTHER_OPTIONS.get(name, ()), solving_options, click.pass_context)
     def command(ctx: click.Context, **options: Any) -> None:
         if not solve_study(name, **options):
             ctx.exit(1)
 
     return command
-
-
-run, gap, fragility, sensitivity = map(_question, ("run", "gap", "fragility", "sensitivity"))
-optimise = _question(
-    "optimise",
-    click.option(
-        "--write", type=FILE, metavar="FILE.yaml",
-        help="Write STUDY with the best values, its comments kept; replaced only with --replace.",
-    ),
-)  # fmt: skip
 
 
 def solve_study(
@@ -117,7 +118,7 @@ def solve_study(
         if not quiet:
             summarize(outcome).print()
         _print_outcome(outcome, quiet)
-    is_written = write is None or _write_best(cast("Optimise", asked), outcome.path, write)
+    is_written = write is None or _write_best(cast("Optimise", asked), outcome, write)
     if not is_written:
         click.echo(f"{write} is not written: there is no optimum", err=True)
     elif write is not None and not (quiet or log):
@@ -164,12 +165,13 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
     asked.text(asked.middle)  # refused where the text does not take other values
 
 
-def _write_best(asked: Optimise, results: Path, write: Path) -> bool:
-    """Write the study with the best values that a results file has; whether there are such."""
+def _write_best(asked: Optimise, outcome: RunOutcome, write: Path) -> bool:
+    """Write the study with the best values that the results have; return whether there are such."""
     from pounding_cli.api.studies import open_results
     from pounding_cli.questions.optimise.optimum import NOTHING, OPTIMUM
 
-    table = open_results(results).answer(OPTIMUM).frame
+    results = outcome.results or open_results(outcome.path)
+    table = results.answer(OPTIMUM).frame
     if table["outcome"].iloc[0] == NOTHING:
         return False
     write.write_text(asked.text(tuple(table["place"].tolist())), encoding="utf-8", newline="")

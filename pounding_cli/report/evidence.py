@@ -165,7 +165,7 @@ def points_of(results: ResultTables, keys: Sequence[str]) -> list[tuple[Any, ...
 def at_point(results: ResultTables, index: Mapping[str, int]) -> Evidence:
     """The evidence at a point: on every axis, by its first key, the number of a value."""
     point = {key: results.axes[key][index[keys[0]]] for keys in results.swept for key in keys}
-    return Evidence(results.at(index), point)
+    return Evidence(results.cut(index), point)
 
 
 def nominal(results: ResultTables) -> Evidence:

@@ -56,10 +56,10 @@ _BUILDING = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear
 _BASE = ["sway", "rocking", "isolator_displacement"]
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
 
-Wanted = Mapping[str, Callable[[Any], Any]]
-"""Variable -> whether a row with such values of it is wanted."""
+RowFilter = Mapping[str, Callable[[Any], Any]]
+"""Variable -> function of its values that tells which rows are wanted."""
 
-_SOLVED: Wanted = {"status": lambda status: status != ""}
+_SOLVED: RowFilter = {"status": lambda status: status != ""}
 """A question need not ask for all scenes."""
 
 
@@ -167,8 +167,8 @@ class ResultTables:
         buildings), or one of `answers`.  Raises InputError: there is no such table."""
         if name not in TABLES:
             return self.answer(name).frame.copy()
-        found = getattr(self, name)
-        return found() if callable(found) else found
+        table = getattr(self, name)
+        return table() if callable(table) else table
 
     def answer(self, name: str) -> Table:
         """One of the tables of `answers`.  Raises InputError: the file has no such table."""
@@ -187,14 +187,14 @@ class ResultTables:
     def storey(self, *columns: str) -> pd.DataFrame:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
         are named."""
-        return self._frame(
+        return self._build_frame(
             columns or _OVER[STOREY_DIMS], (*SCENE_DIMS, "building", "storey"), {"mass": np.isfinite, **_SOLVED}
         )
 
     def floor(self, *columns: str) -> pd.DataFrame:
         """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]; all unless some are
         named."""
-        return self._frame(
+        return self._build_frame(
             columns or _OVER[FLOOR_DIMS], (*SCENE_DIMS, "building", "floor"), {"mass": np.isfinite, **_SOLVED}
         )
 
@@ -207,13 +207,13 @@ class ResultTables:
             import pandas as pd
 
             return pd.DataFrame(columns=[*self.axes, *SCENE_DIMS, "link", *(n.removeprefix("link_") for n in names)])
-        frame = self._frame(names, (*SCENE_DIMS, "link"), {"kind": lambda kind: kind != "", **_SOLVED})
+        frame = self._build_frame(names, (*SCENE_DIMS, "link"), {"kind": lambda kind: kind != "", **_SOLVED})
         return frame.rename(columns=lambda name: str(name).removeprefix("link_"))
 
     def base(self) -> pd.DataFrame:
         """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
         names = [name for name in _BASE if name in self.arrays]
-        frame = self._frame(names, (*SCENE_DIMS, "building"), _SOLVED)
+        frame = self._build_frame(names, (*SCENE_DIMS, "building"), _SOLVED)
         return frame[(frame[names] > 0).any(axis=1)].reset_index(drop=True)
 
     def struck(self) -> pd.DataFrame:
@@ -229,21 +229,21 @@ class ResultTables:
         link = link.reindex(columns=[*dict.fromkeys([*link.columns, *COLUMN_VARIABLES])])
         link = link[link["shear_below"].notna()].reset_index(drop=True)
         is_left = link["link"].astype(str).str.contains(", left")
-        found = {name: link[left].where(is_left, link[right]) for name, (left, right) in sides.items()}
+        by_side = {name: link[left].where(is_left, link[right]) for name, (left, right) in sides.items()}
         return link[[*self.axes, *SCENE_DIMS]].assign(
-            **found, **link[["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force"]]
+            **by_side, **link[["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force"]]
         )
 
     def scene(self) -> pd.DataFrame:
-        """Per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
+        """Return per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
         return self._scene.copy()
 
     @cached_property
     def _scene(self) -> pd.DataFrame:
-        return self._frame(_SCENE, SCENE_DIMS, _SOLVED)
+        return self._build_frame(_SCENE, SCENE_DIMS, _SOLVED)
 
     def flagged(self) -> pd.DataFrame:
-        """Which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, severity, meaningless; no
+        """Return which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, severity, meaningless; no
         row where nothing is.
 
         flag : what is flagged; detail : where and by how much; severity : larger where a flag of its kind is worse, NaN
@@ -254,10 +254,10 @@ class ResultTables:
         return flagged_scenes(self.scene())
 
     def accuracy(self) -> pd.DataFrame:
-        """Per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
+        """Return per scene what its accuracy cost: asked and estimated error [-], sensitivity [-], how both were found,
         energy left open [-], steps, events, Taylor orders, seconds in the solver.
         """
-        return self._frame(_ACCURACY, SCENE_DIMS, _SOLVED)
+        return self._build_frame(_ACCURACY, SCENE_DIMS, _SOLVED)
 
     def summary(self) -> pd.DataFrame:
         """Statistics over the records of every ratio [-] with error and sensitivity of its mean; floor i stands with
@@ -268,9 +268,9 @@ class ResultTables:
         `records_collapsed` those in whose scene a storey collapsed.
         """
         names = [*(f"{ratio}_{measure}" for ratio in RATIO_VARIABLES for measure in _MEASURES), "V_ratio_count"]
-        frame = self._frame(names, ("case", "analysis", "building", "storey"), {"mass": np.isfinite})
+        frame = self._build_frame(names, ("case", "analysis", "building", "storey"), {"mass": np.isfinite})
         place = [*self.axes, "case", "analysis"]
-        scenes = self._frame(["flags", "status"], SCENE_DIMS)
+        scenes = self._build_frame(["flags", "status"], SCENE_DIMS)
         counts = scenes[place].assign(
             records_flagged=scenes["flags"] != "",
             records_meaningless=scenes["flags"].map(is_void),
@@ -280,11 +280,11 @@ class ResultTables:
         return frame.rename(columns={"V_ratio_count": "records_used"}).merge(counts, on=place)
 
     def records(self) -> pd.DataFrame:
-        """Per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.
+        """Return per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.
 
         Swept axes that change a motion come first.
         """
-        frame = self._frame([f"record_{name}" for name in _RECORD], ("record",))
+        frame = self._build_frame([f"record_{name}" for name in _RECORD], ("record",))
         return frame.rename(columns=lambda name: str(name).removeprefix("record_"))
 
     @cached_property
@@ -295,7 +295,7 @@ class ResultTables:
 
         Swept axes that change a building come first.
         """
-        frame = self._frame(_BUILDING, ("building", "storey"), {"height": np.isfinite})  # walls have no mass
+        frame = self._build_frame(_BUILDING, ("building", "storey"), {"height": np.isfinite})  # walls have no mass
         places = {name: place for place, name in enumerate(self.names("building"), start=1)}
         frame.insert(list(frame.columns).index("storey"), "place", frame["building"].map(places))
         return frame
@@ -303,7 +303,7 @@ class ResultTables:
     # Scenes over time
 
     def histories(self) -> pd.DataFrame:
-        """Which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
+        """Return which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -324,31 +324,36 @@ class ResultTables:
         ------
         InputError : no kept scene, or more than one, is meant
         """
-        given = {"case": case, "analysis": analysis, "record": record, **swept}
-        given = {key: value for key, value in given.items() if value is not None}
-        places = list_histories(self.path)
-        meant = [place for place in places if all(_same(place.get(key), value) for key, value in given.items())]
-        if len(meant) == 1:
-            return History(open_arrays(self.path, f"histories/{meant[0]['number']}").to_dataset().load())
-        said = " of " + ", ".join(f"{key} {value}" for key, value in given.items()) if given else ""
+        conditions = {"case": case, "analysis": analysis, "record": record, **swept}
+        conditions = {key: value for key, value in conditions.items() if value is not None}
+        histories = list_histories(self.path)
+        matches = [
+            history
+            for history in histories
+            if all(_is_same_value(history.get(key), value) for key, value in conditions.items())
+        ]
+        if len(matches) == 1:
+            return History(open_arrays(self.path, f"histories/{matches[0]['number']}").to_dataset().load())
+        where = " of " + ", ".join(f"{key} {value}" for key, value in conditions.items()) if conditions else ""
         hint = "say which of those that Results.histories() lists"
-        if not places:
-            said, hint = "", "add `keep: histories` to the study and run it again; what is solved stays"
-        raise InputError(Problem(f"keeps {len(meant) or 'no'} histories{said}", hint, str(self.path)))
+        if not histories:
+            where = ""
+            hint = "add `keep: histories` to the study and run it again; what is solved stays"
+        raise InputError(Problem(f"keeps {len(matches) or 'no'} histories{where}", hint, str(self.path)))
 
     def first_sample(self) -> ResultTables:
-        """The same with the last swept axis cut to its first point; tables of `answers` stay whole."""
-        return self.at({self.swept[-1][0]: 0})
+        """Return the same with the last swept axis cut to its first point; tables of `answers` stay whole."""
+        return self.cut({self.swept[-1][0]: 0})
 
-    def at(self, index: Mapping[str, int]) -> ResultTables:
-        """The same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
-        found = copy.copy(self)
+    def cut(self, index: Mapping[str, int]) -> ResultTables:
+        """Return the same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
+        part = copy.copy(self)
         for name in ("buildings", "_scene", "data"):  # of the whole
-            found.__dict__.pop(name, None)
-        found.arrays = self.arrays.cut(index)
-        cut = {name: index[names[0]] for names in self.swept if names[0] in index for name in names}
-        found.axes = {k: [v[cut[k]]] if k in cut else v for k, v in self.axes.items()}
-        return found
+            part.__dict__.pop(name, None)
+        part.arrays = self.arrays.cut(index)
+        places = {name: index[names[0]] for names in self.swept if names[0] in index for name in names}
+        part.axes = {key: [values[places[key]]] if key in places else values for key, values in self.axes.items()}
+        return part
 
     # In a notebook
 
@@ -365,15 +370,15 @@ class ResultTables:
             "analysis": ("analysis", "analyses"),
             "record": ("motion",),
         }
-        said = []
+        parts = []
         for dim, word in words.items():
             names = self.names(dim)
-            said.append(pluralize(len(names), *word) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
+            parts.append(pluralize(len(names), *word) + (f" ({', '.join(names)})" if len(names) <= 5 else ""))
         if self.axes:
-            said.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
+            parts.append("swept " + ", ".join(f"{key} ({len(values)})" for key, values in self.axes.items()))
         failed = f" ({self.attrs['scenes_failed']} failed)" if self.attrs["scenes_failed"] else ""
-        said.append(f"{count_histories(self.attrs['scenes'])}{failed}")
-        return f"Results({self.title!r}: {', '.join(said)}; {self.path})"
+        parts.append(f"{count_histories(self.attrs['scenes'])}{failed}")
+        return f"Results({self.title!r}: {', '.join(parts)}; {self.path})"
 
     def _repr_html_(self) -> str:
         """With the largest mean ratio over the storeys and the sweep by case and building."""
@@ -381,14 +386,18 @@ class ResultTables:
         worst = self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
         return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format='{:.3f}'.format, max_rows=40)}"
 
-    def _frame(self, names: Sequence[str], places: tuple[str, ...], wanted: Wanted | None = None) -> pd.DataFrame:
-        """Variables over the swept axes that change them and `places`, which come first as columns; an axis gives one
-        for each of its keys.  What is known of a storey is known of its floor."""
+    def _build_frame(
+        self, names: Sequence[str], places: tuple[str, ...], row_filter: RowFilter | None = None
+    ) -> pd.DataFrame:
+        """Return variables over the swept axes that change them and `places`, which come first as columns.
+
+        An axis gives a column for each of its keys.  What is known of a storey is known of its floor.
+        """
         import pandas as pd
 
-        wanted = wanted or {}
-        variables = {name: self.arrays[name] for name in (*self.axes, *places, *names, *wanted)}
-        changing = {dim for name in (*names, *wanted) for dim in variables[name].dims}
+        row_filter = row_filter or {}
+        variables = {name: self.arrays[name] for name in (*self.axes, *places, *names, *row_filter)}
+        changing = {dim for name in (*names, *row_filter) for dim in variables[name].dims}
         dims = (*(keys[0] for keys in self.swept if keys[0] in changing), *places)
         all_sizes = self.arrays.sizes
         sizes = {dim: all_sizes[dim] for dim in dims}
@@ -400,15 +409,15 @@ class ResultTables:
             spread = v.values.transpose(order).reshape(shape)
             return np.broadcast_to(spread, tuple(sizes.values())).ravel()
 
-        rows = np.all([is_wanted(column(variables[name])) for name, is_wanted in wanted.items()], axis=0)
+        rows = np.all([is_wanted(column(variables[name])) for name, is_wanted in row_filter.items()], axis=0)
         at = np.flatnonzero(np.broadcast_to(rows, math.prod(sizes.values())))
         place: dict[Any, np.ndarray] = dict(zip(dims, np.unravel_index(at, tuple(sizes.values())), strict=True))
         keys = [key for key in self.axes if variables[key].dims[0] in dims]
-        found: dict[str, Any] = {}
+        columns: dict[str, Any] = {}
         for name in (*keys, *places, *names):
             v = variables[name]  # texts that repeat are made once
-            found[name] = pd.Series(v.values).array.take(place[v.dims[0]]) if len(v.dims) == 1 else column(v)[at]
-        return pd.DataFrame(found)
+            columns[name] = pd.Series(v.values).array.take(place[v.dims[0]]) if len(v.dims) == 1 else column(v)[at]
+        return pd.DataFrame(columns)
 
 
 def _describe_columns(names: Sequence[str]) -> str:
@@ -429,8 +438,8 @@ for _table, _columns in {
     _table.__doc__ = f"{_table.__doc__}{_describe_columns(_columns)}"
 
 
-def _same(one: Any, other: Any) -> bool:
-    """Whether two values of a key are the same, numbers to nine digits."""
+def _is_same_value(one: Any, other: Any) -> bool:
+    """Return whether two values of a key are the same, numbers to nine digits."""
     if isinstance(one, float) and isinstance(other, int | float):
         return math.isclose(one, other, rel_tol=1e-9)
     return bool(one == other)

@@ -82,7 +82,7 @@ OPERATIONS = {
     "sorted dataset": lambda results: results.data.sortby("case")["mu"].to_dataframe(),
     "picked values": lambda results: results.data["mu"].isel(storey=[4, 0, 2]).to_dataframe(),
     "process": lambda results: pickle.loads(pickle.dumps(results.data)).to_dataframe(),
-    "first sample": lambda results: results.at({}).storey(),
+    "first sample": lambda results: results.cut({}).storey(),
     "compare": lambda results: compare(results, results).changes,
     "largest": lambda results: largest(results, results.scene()).frame,
     **{name: (lambda results, name=name: results.table(name)) for name in tables.TABLES},
