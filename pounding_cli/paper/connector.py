@@ -37,8 +37,8 @@ COLUMNS = (
     Column("at1", "Omega / omega10 at the peak of system 1", _RATIO, "at Ω/ω₁₀"),
     Column("peak2", "largest ratio of system 2", _RATIO, "peak 2"),
     Column("at2", "Omega / omega10 at the peak of system 2", _RATIO, "at Ω/ω₁₀"),
-    Column("frequency_low", "lower coupled frequency over omega10", _RATIO, "low"),
-    Column("frequency_high", "higher coupled frequency over omega10", _RATIO, "high"),
+    Column("frequency_low", "lower coupled frequency over omega10", _RATIO, "ω low"),
+    Column("frequency_high", "higher coupled frequency over omega10", _RATIO, "ω high"),
     Column("p", "omega20 / omega10", _RATIO),
 )
 """The numbers of a point."""
