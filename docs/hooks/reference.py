@@ -12,7 +12,7 @@ import click
 
 from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
-from pounding_cli.report.references import method_sources
+from pounding_cli.report.references import list_method_sources
 from pounding_cli.study import building_spec, link_specs, questions, records_spec, schema
 from pounding_cli.study.quantity import PLAUSIBLE_RANGES
 from pounding_cli.study.warnings import format_value
@@ -150,7 +150,7 @@ def keys_page() -> str:
 def methods_page() -> str:
     """Sources of the methods of solution."""
     about = "[What accuracy costs](../accuracy.md#the-methods) describes and compares the methods. Sources:"
-    return "\n\n".join(["# Methods", about, "\n".join(method_sources(METHODS))]) + "\n"
+    return "\n\n".join(["# Methods", about, "\n".join(list_method_sources(METHODS))]) + "\n"
 
 
 def commands_page() -> str:
