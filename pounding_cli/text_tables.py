@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from dataclasses import dataclass, replace
 
 PIPE_WIDTH = 250
@@ -53,7 +54,10 @@ class TextTable:
         if table._min_width() > width:
             return self._lay_out_blocks(width)
         text = table._lay_out_grid(width)
-        return f"{text}Left out at this width: {', '.join(left_out)}\n" if left_out else text
+        if not left_out:
+            return text
+        note = f"Left out at this width: {', '.join(left_out)}"
+        return f"{text}{textwrap.fill(note, width, break_long_words=False, break_on_hyphens=False)}\n"
 
     def _min_width(self) -> int:
         """Return how many characters the columns need, with texts wrapped to MIN_TEXT_WIDTH."""
@@ -96,8 +100,6 @@ class TextTable:
 
     def _lay_out_blocks(self, width: int) -> str:
         """Return a block of lines for every row: its texts at the left as heading, then a line a column."""
-        import textwrap
-
         first = next((place for place, right in enumerate(self.is_right) if right), min(2, len(self.heads) - 1))
         heading_count = max(1, min(first, 2))
         lines = [self.caption] if self.caption else []

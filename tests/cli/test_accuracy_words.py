@@ -1,4 +1,4 @@
-"""`pound accuracy`: which method is named, what the others cost, the tables at three widths, the data of the diagram."""
+"""`pound accuracy`: the method named, the costs of the others, tables at three widths, the data of the diagram."""
 
 from __future__ import annotations
 
@@ -114,10 +114,8 @@ def test_time_histories_with_other_impacts_are_counted():
 )
 def test_how_well_the_reference_is_known(impacts, words):
     (note,) = [text for text in list_notes(measured([], impacts=impacts)) if text.startswith("Reference: ")]
-    assert (
-        f"storey shear 1.0×10⁻¹², ductility 2.0×10⁻¹², floor acceleration 3.0×10⁻¹², link force 4.0×10⁻¹²; {words}."
-        in note
-    )
+    differences = "storey shear 1.0×10⁻¹², ductility 2.0×10⁻¹², floor acceleration 3.0×10⁻¹², link force 4.0×10⁻¹²"
+    assert note.endswith(f"at most: {differences}; {words}.")
 
 
 def test_no_reference_at_all_is_said():
@@ -134,11 +132,10 @@ def test_the_table_of_methods_fits_the_terminal(width):
     runs = [run(place, method, 1e-4, error=3.2e-8) for place in PLACES for method in METHODS]
     shown, _ = list_tables(measured(runs))
     text = shown.to_text(width)
-    assert max(map(len, text.splitlines())) <= width or "Left out at this width" in text.splitlines()[-1]
-    assert max(map(len, text.splitlines()[:-1])) <= width
+    assert max(map(len, text.splitlines())) <= width
     assert "…" not in text
     for head in shown.heads():
-        assert head in text
+        assert head in " ".join(text.split())
 
 
 def test_errors_are_drawn_against_time_in_milliseconds():
