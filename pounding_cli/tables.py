@@ -29,7 +29,7 @@ FormatRow = Callable[[Row], str]
 
 @dataclass(frozen=True)
 class Column:
-    """What a column means, and how its numbers become cells.
+    """A column: its meaning, and the way from its numbers to cells.
 
     name : of the column in the frame
     text : its meaning
@@ -140,7 +140,7 @@ class Table:
         name : of the view, which is written to a file of its own then
         """
         frame = self.frame if frame is None else frame
-        before = [each for each in varying if each in frame and frame[each].nunique(dropna=False) > 1]
+        before = [each for each in varying if each in frame and len(frame[each].unique()) > 1]
         columns = [self.column(each) if isinstance(each, str) else each for each in (*before, *wanted)]
         return Table(name, frame, columns, caption or self.caption)
 

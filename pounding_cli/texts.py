@@ -14,7 +14,7 @@ CONTROL = re.compile(
     "[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069\ud800-\udfff\ufffe\uffff]"
     "|\r(?!\n)"
 )
-"""What moves a cursor, turns the direction of writing or is no character; line ends and tabs are none of it."""
+"""Characters that move a cursor or turn the direction of writing, and codes of no character; not line ends and tabs."""
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _LONGEST_NAME = 120

@@ -35,7 +35,7 @@ reading_options = together(
     click.option("--column", type=int, metavar="N", help="Column of a table that has the acceleration."),
     click.option("--format", type=click.Choice(motions.MOTION_FORMATS), help="File format, if it is not detected."),
 )
-"""How a file is to be read."""
+"""Options that say how a file is read."""
 
 
 @records.command("list")

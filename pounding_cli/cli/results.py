@@ -324,7 +324,7 @@ def export(
 def _export_demands(results: ResultTables, output: Path | None, wanted: Sequence[tuple[str, str]]) -> None:
     """Write the demands of the chosen rows, and say what is left out."""
     from pounding_cli.outputs import check_output
-    from pounding_cli.results.pelicun import demands, left_out_in_words
+    from pounding_cli.results.pelicun import demands, describe_left_out
 
     table, left_out = demands(results, _filtered(results, results.storey(), wanted, "storey"))
     path = output or results.path.with_name(f"{results.path.stem}-demands.csv")
@@ -332,7 +332,7 @@ def _export_demands(results: ResultTables, output: Path | None, wanted: Sequence
     table.to_csv(path)
     click.echo(f"wrote {path}")
     if left_out:
-        click.echo(left_out_in_words(left_out, left_out + len(table) - 1), err=True)
+        click.echo(describe_left_out(left_out, left_out + len(table) - 1), err=True)
 
 
 @click.command()

@@ -42,7 +42,7 @@ solving_options = together(
     ),
     click.option("--log-json", is_flag=True, help="Print progress and outcome as JSON lines only."),
 )  # fmt: skip
-"""How scenes are solved; keyword arguments of `solve_study`."""
+"""Options of solving; keyword arguments of `solve_study`."""
 
 _FURTHER_OPTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
     "optimise": (
@@ -127,7 +127,7 @@ def solve_study(
 
 
 def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
-    """Counts and times, unless `quiet`, and every scene that failed."""
+    """Print counts and times, unless `quiet`, and every scene that failed."""
     if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
         click.echo(
@@ -139,7 +139,7 @@ def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
 
 
 def _log_outcome(log: JsonLines, outcome: RunOutcome) -> None:
-    """The same as JSON lines."""
+    """Write the outcome as JSON lines."""
     for failure in outcome.failures:
         log.tell("failed", scene=failure.place, status=failure.status, advice=failure.advice)
     log.tell(

@@ -102,7 +102,7 @@ def check(study: Path, output: Path | None) -> None:
     ]
     rows = pluralize(math.prod(plan.shape), "row")
     click.echo(f"OK: {name}: {' x '.join(factors)} = {rows} of {count_histories(len(plan))}")
-    click.echo("\n".join(_lines(plan)))
+    click.echo("\n".join(_describe_plan(plan)))
     click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")
     for each in questions:
         click.echo(f"  pound {each.name:<12} {_describe_standing(each, output)}")
@@ -164,8 +164,8 @@ def _describe_duration(duration: Duration) -> str:
     return f"about {format_duration(duration.seconds)}"
 
 
-def _lines(plan: Plan) -> list[str]:
-    """What a run of a plan would solve and leave out."""
+def _describe_plan(plan: Plan) -> list[str]:
+    """Return in lines what a run of a plan would solve and leave out."""
     from pounding_cli.batch.forecast import forecast
     from pounding_cli.study.group import format_meetings
 

@@ -203,7 +203,8 @@ def infill_response(data: xr.Dataset) -> Iterator[Finding]:
     gap."""
     for base in ("touching", "gap"):
         for label, infill, other in iter_responses(data, "infill", base):
-            words, threshold = f"{label}: infill over {base}", Threshold(low=0.9)
+            words = f"{label}: infill over {base}"
+            threshold = Threshold(low=0.9)
             kept = select_stiffest(data, infill / other).mean("storey")
             yield Finding(f"{words}, {MEAN}", kept, threshold, measure=MEAN)
             largest = select_stiffest(data, infill).max("storey") / select_stiffest(data, other).max("storey")
@@ -227,7 +228,8 @@ def softer_infill(data: xr.Dataset) -> Iterator[Finding]:
     """The increase of V/V0 and μ/μ0 of the stiffer building with a softer infill."""
     for case, share in (("infill_1_10", "1/10"), ("infill_1_100", "1/100")):
         for label, softer, infill in iter_responses(data, case, "infill"):
-            words, threshold = f"increase of {label}, infill at {share} against 1/5", Threshold(0, 15, is_open=True)
+            words = f"increase of {label}, infill at {share} against 1/5"
+            threshold = Threshold(0, 15, is_open=True)
             mean = 100 * (select_stiffest(data, softer / infill).mean("storey") - 1)
             yield Finding(f"{words}, {MEAN}", mean, threshold, "%", MEAN)
             largest = 100 * (
@@ -302,7 +304,8 @@ def connection_always(data: xr.Dataset) -> Iterator[Finding]:
 @claim("To avoid pounding at any level both the top and the middle floors were connected.")
 def connection_levels(data: xr.Dataset) -> Iterator[Finding]:
     """The largest closing, in any run, of floors that could strike beside the connected ones."""
-    closing, gap = select_links(data, "max_closing", Pounding.name), select_links(data, "gap", Pounding.name)
+    closing = select_links(data, "max_closing", Pounding.name)
+    gap = select_links(data, "gap", Pounding.name)
     most = 100 * closing / gap.where(gap > 0)
     words = "largest closing of the floors that are not connected, over the gap"
     yield Finding(words, most.max(list_run_dims(most)), Threshold(high=100), "%")
@@ -318,7 +321,8 @@ def connection_both_ways(data: xr.Dataset) -> Iterator[Finding]:
     words = "time for which a connector acts, over that of the motion, least"
     yield Finding(words, share.min(list_run_dims(share)), Threshold(low=99.9), "%")
     words = "force of a connector summed over a motion, pulling negative"
-    least, most = impulse.min(list_run_dims(impulse)), impulse.max(list_run_dims(impulse))
+    least = impulse.min(list_run_dims(impulse))
+    most = impulse.max(list_run_dims(impulse))
     yield Finding(f"{words}, smallest", least, Threshold(high=0, is_open=True), "kN s")
     yield Finding(f"{words}, largest", most, Threshold(low=0, is_open=True), "kN s")
 

@@ -132,8 +132,11 @@ class ConnectorStudySpec(Model):
 
 
 class Pair(NamedTuple):
-    """Masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, shapes (2,), stiffness K [N/m] and dashpot c
-    [N s/m] of the connector."""
+    """Two oscillators and what connects them.
+
+    m, k, zeta : masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, shapes (2,)
+    joint, dashpot : stiffness K [N/m] and dashpot c [N s/m] of the connector
+    """
 
     m: np.ndarray
     k: np.ndarray
@@ -161,7 +164,7 @@ def build_pair(study: ConnectorStudySpec) -> Pair:
     return Pair(np.array([first.mass, second.mass]), np.array([k1, k2]), np.array(zeta), k, dashpot)
 
 
-def coupled_frequencies(pair: Pair) -> tuple[float, float]:
+def find_coupled_frequencies(pair: Pair) -> tuple[float, float]:
     """Return the two undamped circular frequencies of the connected systems [rad/s], lower first.
 
     They are the roots of (a - w^2) (b - w^2) = K^2 / (m1 m2) with a = (k1 + K) / m1, b = (k2 + K) / m2. The lower one
@@ -176,7 +179,7 @@ def coupled_frequencies(pair: Pair) -> tuple[float, float]:
     return math.sqrt(((k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)) / high), math.sqrt(high)
 
 
-def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
+def compute_response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     """Return the steady displacement, connected over alone, of both systems under a_g = exp(i Omega t).
 
     It is complex, of shape (2, n).
@@ -214,33 +217,33 @@ def solve_connector(study: ConnectorStudySpec) -> PointAnswer:
     ratio = np.linspace(low, high, study.frequencies.points)
     grid = np.linspace(low, high, max(ratio.size, MIN_GRID_POINTS))
 
-    def sizes(x: Any) -> np.ndarray:
-        return np.abs(response_ratios(both, np.atleast_1d(x) * alone))
+    def compute_sizes(x: Any) -> np.ndarray:
+        return np.abs(compute_response_ratios(both, np.atleast_1d(x) * alone))
 
     numbers: dict[str, float] = {}
     arrays = {"frequency": build_array("1", "Omega / omega10", ratio, "frequency")}
-    for which, each in enumerate(response_ratios(both, ratio * alone)):
-        best = int(np.argmax(sizes(grid)[which]))
+    for which, each in enumerate(compute_response_ratios(both, ratio * alone)):
+        best = int(np.argmax(compute_sizes(grid)[which]))
         number = which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-        top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
-        peak, place = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
+        top = minimize_scalar(lambda x, which=which: -compute_sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
+        peak, place = max((float(compute_sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
         numbers[f"peak{number}"] = peak
         numbers[f"at{number}"] = place
         text = f"displacement of system {number}, connected over alone"
         arrays[f"R{number}"] = build_array("1", text, np.abs(each), "frequency")
         arrays[f"R{number}_real"] = build_array("1", f"{text}, real part", each.real, "frequency")
         arrays[f"R{number}_imag"] = build_array("1", f"{text}, imaginary part", each.imag, "frequency")
-    smaller = sizes(grid).min(axis=0) - 1.0
+    smaller = compute_sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
     edges = [low] if above[0] else []
     for i in np.flatnonzero(above[1:] != above[:-1]):
         crosses = smaller[i] * smaller[i + 1] < 0
-        x = brentq(lambda x: sizes(x).min() - 1.0, grid[i], grid[i + 1], xtol=1e-14) if crosses else grid[i]
+        x = brentq(lambda x: compute_sizes(x).min() - 1.0, grid[i], grid[i + 1], xtol=1e-14) if crosses else grid[i]
         edges.append(float(x))
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
-    lower, upper = coupled_frequencies(both)
+    lower, upper = find_coupled_frequencies(both)
     numbers["frequency_low"] = float(lower / alone)
     numbers["frequency_high"] = float(upper / alone)
     numbers["p"] = float(other / alone)

@@ -17,7 +17,6 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.paper import load_point_command
 from pounding_cli.questions.frames import list_swept_columns
-from pounding_cli.results.arrays import Array
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, read_study, refuse_other_kinds, with_value
@@ -30,6 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pounding_cli.report.document import Picture, Report
+    from pounding_cli.results.arrays import Array
 
 MESH = ("element", "side", "axis")
 """Dimensions of fields on a mesh, which are drawn and not kept in the results file."""
@@ -43,7 +43,7 @@ STATUS_COLUMNS = (
 
 @dataclass(frozen=True, eq=False)
 class PointAnswer:
-    """What a model says of one point.
+    """The answer of a model at one point.
 
     numbers : in SI, by the columns of its command
     arrays : histories and fields, by name
@@ -134,6 +134,8 @@ class Sweep:
 
 def build_array(unit: str, text: str, values: Any, *dims: str) -> Array:
     """Return an array with its SI unit and its meaning."""
+    from pounding_cli.results.arrays import Array  # with h5py, which `pound check` does not need
+
     return Array(dims, np.asarray(values), {"units": unit, "long_name": text})
 
 

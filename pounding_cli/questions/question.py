@@ -1,4 +1,4 @@
-"""What every question is made of: its declaration, the question asked of one study, and the answer."""
+"""The parts of every question: its declaration, the question asked of one study, and the answer."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ WALL_QUANTITIES = (
     *("acceleration", "acceleration0", "acceleration_ratio"),
     *("displacement", "displacement_max", "displacement_min"),
 )
-"""What a wall on the soil has values of."""
+"""Quantities of which a wall on the soil has values."""
 
 
 @dataclass(frozen=True, eq=False)

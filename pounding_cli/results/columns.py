@@ -1,4 +1,4 @@
-"""What the columns of the tables of a results file mean, and the units that people read them in."""
+"""The columns of the tables of a results file: meaning, and the unit that people read them in."""
 
 from __future__ import annotations
 

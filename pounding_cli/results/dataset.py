@@ -35,23 +35,25 @@ Arrays = dict[str, np.ndarray]
 
 
 def build_arrays(plan: Plan, solved: Solved) -> ResultArrays:
-    """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
-    scene nobody asked for have no numbers, and no status."""
+    """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link.
+
+    Rows whose scene nobody asked for have no numbers, and no status.
+    """
     axes = tuple(axis.names[0] for axis in plan.axes)
-    kept = [
+    declared = [
         v
         for v in (*variables.RESPONSE_VARIABLES, *variables.SCENE_VARIABLES, *variables.LINK_VARIABLES)
-        if _has(plan, v)
+        if _has_values(plan, v)
     ]
     facts = _facts(plan, axes)
-    arrays = {v.name: getattr(plan.links, v.name) for v in kept if v in variables.LINK_VARIABLES} | _responses(
-        plan, solved, kept
+    arrays = {v.name: getattr(plan.links, v.name) for v in declared if v in variables.LINK_VARIABLES} | _responses(
+        plan, solved, declared
     )
     with np.errstate(all="ignore"):
         height = facts["height"]
         missing = [place for place, dim in enumerate((*axes, *STOREY_DIMS)) if dim not in height.dims]
         arrays["drift_ratio"] = arrays["drift"] / np.expand_dims(height.values, missing)
-        for v in kept:
+        for v in declared:
             if v.ratio:
                 value, base = (arrays[name] for name in v.ratio)
                 arrays[v.name] = value / np.where(base > 0, base, np.nan)
@@ -74,38 +76,40 @@ def build_arrays(plan: Plan, solved: Solved) -> ResultArrays:
     return ResultArrays(found | _study(plan), _coordinates(plan) | beside, _attributes(plan, solved))
 
 
-def _has(plan: Plan, v: Variable) -> bool:
-    """Whether a variable says anything in a study: some have no links, few have links that strike columns."""
+def _has_values(plan: Plan, v: Variable) -> bool:
+    """Return whether a variable has values in a study: some have no links, few have links that strike columns."""
     if v.name in variables.COLUMN_VARIABLES:
         return any(place.is_on_columns for place in plan.links.places)
     return "link" not in v.dims or bool(plan.links.places)
 
 
-def _responses(plan: Plan, solved: Solved, kept: list[Variable]) -> Arrays:
-    """What responses say themselves."""
-    scene, alone = plan.numbers[..., 0], plan.numbers[..., 1:]
+def _responses(plan: Plan, solved: Solved, declared: list[Variable]) -> Arrays:
+    """Return the variables that responses have themselves."""
+    scene = plan.numbers[..., 0]
+    alone = plan.numbers[..., 1:]
     digests = np.array([digest.tobytes().hex() for digest in plan.digests] + [""], object)
-    collapsed, found = solved.values["collapse_building"], Arrays()
-    for v in kept:
+    collapsed = solved.values["collapse_building"]
+    arrays = Arrays()
+    for v in declared:
         if v.of:
             whole = solved.values[v.of].copy()
             whole[~solved.done] = np.nan  # peaks are of whole motions
-            found[v.name] = whole[alone, 0] if v.alone else whole[scene]
+            arrays[v.name] = whole[alone, 0] if v.alone else whole[scene]
         elif v.name in ("collapsed", "collapsed0"):
             at, place = (alone, 0) if v.alone else (scene[..., None], np.arange(alone.shape[-1]))
-            found[v.name] = np.where(collapsed[at] == place, solved.values["collapse_storey"][at], 0).astype(np.int64)
+            arrays[v.name] = np.where(collapsed[at] == place, solved.values["collapse_storey"][at], 0).astype(np.int64)
         elif v.name in TEXTS:
-            found[v.name] = solved.texts[v.name][scene]
+            arrays[v.name] = solved.texts[v.name][scene]
         elif v.name == "scene":
-            found[v.name] = np.where(solved.there[scene], digests[scene], "")
+            arrays[v.name] = np.where(solved.there[scene], digests[scene], "")
         elif v.name in solved.values:
             array = solved.values[v.name][scene]
-            found[v.name] = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
-    return found
+            arrays[v.name] = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
+    return arrays
 
 
 def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:
-    """The measures of `variables.STATISTIC_VARIABLES` of a ratio over the motions, the third dimension from behind.
+    """Return the measures of `variables.STATISTIC_VARIABLES` of a ratio over the motions, its third last dimension.
 
     Standard deviations are with n - 1 (NaN of one motion); error and sensitivity of the mean are over the motions that
     were assessed, NaN where none was.
@@ -116,20 +120,23 @@ def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray
     def total(array: np.ndarray) -> np.ndarray:
         return np.nansum(array, axis=-3)
 
-    count, size = (~np.isnan(ratio)).sum(axis=-3), abs(ratio)
-    mean, wrong, moved = total(ratio) / count, size * errors, size * sensitivities
+    count = (~np.isnan(ratio)).sum(axis=-3)
+    size = abs(ratio)
+    mean = total(ratio) / count
+    error = size * errors
+    change = size * sensitivities
     return {
         "mean": mean,
         "std": np.sqrt(total((ratio - mean[..., None, :, :]) ** 2) / np.where(count > 1, count - 1, np.nan)),
         "min": np.fmin.reduce(ratio, axis=-3),
         "max": np.fmax.reduce(ratio, axis=-3),
         "count": count,
-        "mean_error": total(wrong) / (~np.isnan(wrong)).sum(axis=-3),
-        "mean_sensitivity": total(moved) / total(np.where(np.isnan(moved), np.nan, size)),
+        "mean_error": total(error) / (~np.isnan(error)).sum(axis=-3),
+        "mean_sensitivity": total(change) / total(np.where(np.isnan(change), np.nan, size)),
     }
 
 
-# What a reader should know of the numbers
+# Flags
 
 
 def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
@@ -203,12 +210,13 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
 
 
 def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
-    """Buildings and motions, over the axes that change them."""
-    study, storeys = plan.study, most_storeys(plan)
+    """Return the variables of buildings and motions, over the axes that change them."""
+    study = plan.study
+    storeys = most_storeys(plan)
     separations = study.separations()
 
     def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> dict[str, Array]:
-        """What `value` says at every combination of the values of the axes that touch a section of the study."""
+        """Return what `value` gives at all combinations of the values of the axes that change a section."""
         touched = study.axes_changing(section)
         sizes = [len(plan.axes[k].values) for k in touched]
         each, found = [value(at) for at in points(plan, section)], {}
@@ -249,7 +257,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
 
 
 def _is_constant(array: np.ndarray, axis: int) -> bool:
-    """Whether an array is the same all along an axis; nothing is the same as nothing."""
+    """Return whether an array is the same all along an axis; NaN is the same as NaN."""
     first = np.broadcast_to(array.take([0], axis), array.shape)
     return np.array_equal(first, array, equal_nan=array.dtype.kind == "f")
 
@@ -258,8 +266,9 @@ def _is_constant(array: np.ndarray, axis: int) -> bool:
 
 
 def _study(plan: Plan) -> dict[str, Array]:
-    """The study in texts."""
-    study, match = plan.study, plan.study.spectrum_match()
+    """Return the study in texts."""
+    study = plan.study
+    match = study.spectrum_match()
     resolved = json.dumps(study.to_plain_data(), default=str, sort_keys=True)
     texts = {
         "study_text": (study.text, "study as written"),
@@ -295,7 +304,7 @@ def _attributes(plan: Plan, solved: Solved) -> dict[str, Any]:
 
 @cache
 def _software() -> dict[str, Any]:
-    """What results rest on."""
+    """Return the versions of the software that results rest on."""
     found = {
         "pounding_cli": __version__,
         "solver": solver_version(),

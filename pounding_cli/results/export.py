@@ -89,7 +89,7 @@ def export(
 
 
 def _is_table(frame: pd.DataFrame, path: Path, head: bytes) -> bool:
-    """Whether a file is an older export: a table with most of the columns."""
+    """Return whether a file is an older export: a table with most of the columns."""
     if path.suffix.lower() == ".parquet":
         return head.startswith(b"PAR1")
     there = set(head.split(b"\n", 1)[0].decode(errors="replace").strip().split(","))

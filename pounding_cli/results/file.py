@@ -113,7 +113,7 @@ def read_attributes(path: Path, version: int | None = FORMAT_VERSION) -> dict[st
 
 
 def is_results(path: Path) -> bool:
-    """Whether a pound command wrote this file as its results, damaged since or not."""
+    """Return whether a pound command wrote this file as its results, damaged since or not."""
     if has_seal(path):
         return True
     try:
@@ -124,7 +124,7 @@ def is_results(path: Path) -> bool:
 
 
 def has_seal(path: Path) -> bool:
-    """Whether a seal stands at the end of a file, right or wrong."""
+    """Return whether a seal stands at the end of a file, right or wrong."""
     try:
         with path.open("rb") as stream:
             stream.seek(-_END, os.SEEK_END)
@@ -179,7 +179,7 @@ def read_table(path: Path, name: str) -> Table:
 
 
 def plain_value(value: Any) -> Any:
-    """An attribute or a coordinate as Python has it, without control characters."""
+    """Return an attribute or a coordinate as Python has it, without control characters."""
     value = value.item() if isinstance(value, np.generic) else value
     return escape_controls(value) if isinstance(value, str) else value
 
@@ -189,7 +189,7 @@ _OF_COLUMNS = ("label", "digits", "low", "high", "error")
 
 
 def unit_attributes(unit: Unit) -> dict[str, Any]:
-    """How a variable says its unit: SI, and as the study writes it."""
+    """Return the attributes of a variable that say its unit: SI, and as the study writes it."""
     found: dict[str, Any] = {"units": unit.si} if unit.si else {}
     return found | {"unit_written": unit.name, "unit_factor": unit.factor}
 
@@ -204,7 +204,7 @@ def read_unit(attrs: Mapping[Any, Any]) -> Unit:
 
 
 def _is_sealed(path: Path) -> bool:
-    """Whether the seal stands at the end, and the bytes before it are those it was made for."""
+    """Return whether the seal stands at the end, and the bytes before it are those it was made for."""
     content = np.memmap(path, mode="r")
     return content[-_END:].tobytes() == SEAL + hashlib.sha256(content[:-_END].data).digest()
 

@@ -82,7 +82,7 @@ class History:
 
     @property
     def energy(self) -> dict[str, np.ndarray]:
-        """Of every kind, shape (times,) [J]; the first is the sum of the others."""
+        """Energies by kind [J], shape (times,) each; the first is the sum of the others."""
         return {kind: self.dataset[f"energy_{kind}"].values for kind in ENERGIES}
 
     def frame(self, quantity: str = "displacement") -> pd.DataFrame:
@@ -150,7 +150,7 @@ class History:
         return list(panels[:, 0])
 
     def _curves(self, quantity: str, level: int | None) -> pd.DataFrame:
-        """What is drawn of a quantity: one floor or storey a building, one link a pair."""
+        """Return the columns of a quantity that are drawn: one floor or storey a building, one link a pair."""
         frame = self.frame(quantity)
         places: list[Any] = list(frame.columns)
         if frame.columns.names == ["link"]:

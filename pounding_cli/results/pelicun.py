@@ -21,9 +21,10 @@ UNITS = {"PFA": "mps2", "PID": "rad", "RID": "rad"}
 
 
 def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tuple[pd.DataFrame, int]:
-    """The demand table of one building in one case and analysis, and the number of scenes that are left out because a
-    storey collapsed or they failed: Pelicun takes the probability of collapse apart. A scene without residual drifts
-    (a flag of it has the reason) is left out too.
+    """Return the demand table of one building in one case and analysis, and the number of scenes that are left out.
+
+    Left out are scenes in which a storey collapsed or that failed, since Pelicun takes the probability of collapse
+    apart, and scenes without residual drifts (a flag of them has the reason).
 
     Parameters
     ----------
@@ -81,8 +82,8 @@ def _refuse_without_residual_drifts(results: ResultTables) -> None:
         raise InputError(Problem(wrong, "add `residual_drift: true` to the study and run it again"))
 
 
-def left_out_in_words(count: int, of: int) -> str:
-    """What to do about scenes that are left out."""
+def describe_left_out(count: int, of: int) -> str:
+    """Return a sentence on the scenes that are left out and what to do about them."""
     verb = "is" if count == 1 else "are"
-    told = f"{count} of {pluralize(of, 'scene')} collapsed, failed or have no residual drift and {verb} left out"
-    return f"{told} (pound show FILE flagged): give Pelicun the share that collapsed as probability of collapse"
+    sentence = f"{count} of {pluralize(of, 'scene')} collapsed, failed or have no residual drift and {verb} left out"
+    return f"{sentence} (pound show FILE flagged): give Pelicun the share that collapsed as probability of collapse"

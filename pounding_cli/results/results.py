@@ -243,8 +243,9 @@ class ResultTables:
         return self._build_frame(_SCENE, SCENE_DIMS, _SOLVED)
 
     def flagged(self) -> pd.DataFrame:
-        """Return which scenes are flagged and why: swept keys, case, analysis, record, flag, detail, severity, meaningless; no
-        row where nothing is.
+        """Return which scenes are flagged and why; no row where nothing is.
+
+        Columns: swept keys, case, analysis, record, flag, detail, severity, meaningless.
 
         flag : what is flagged; detail : where and by how much; severity : larger where a flag of its kind is worse, NaN
         where its kind does not compare; meaningless : whether the flag takes the meaning from
@@ -303,7 +304,10 @@ class ResultTables:
     # Scenes over time
 
     def histories(self) -> pd.DataFrame:
-        """Return which scenes are kept over time: swept keys, case, analysis, record, number, scene, every [s], times."""
+        """Return which scenes are kept over time.
+
+        Columns: swept keys, case, analysis, record, number, scene, every [s], times.
+        """
         import pandas as pd
 
         return pd.DataFrame(
@@ -346,7 +350,10 @@ class ResultTables:
         return self.cut({self.swept[-1][0]: 0})
 
     def cut(self, index: Mapping[str, int]) -> ResultTables:
-        """Return the same with some swept axes, by their first key, cut to one point; tables of `answers` stay whole."""
+        """Return the same with some swept axes cut to one point, by their first key.
+
+        Tables of `answers` stay whole.
+        """
         part = copy.copy(self)
         for name in ("buildings", "_scene", "data"):  # of the whole
             part.__dict__.pop(name, None)

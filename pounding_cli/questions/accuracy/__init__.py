@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """What was measured on the time histories of a study.
+    """Errors and times of methods on the time histories of a study.
 
     title : of the study
     command : that repeats it
