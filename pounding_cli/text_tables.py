@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from dataclasses import dataclass, replace
 
 PIPE_WIDTH = 250
@@ -11,8 +12,11 @@ PIPE_WIDTH = 250
 MIN_TEXT_WIDTH = 24
 """Characters to which a column of texts may be wrapped."""
 
-_SPACE = 2
+_SPACE = 3
 """Characters between two columns."""
+
+_EDGES = 2
+"""Characters before the first column and behind the last one."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +54,15 @@ class TextTable:
         if table._min_width() > width:
             return self._lay_out_blocks(width)
         text = table._lay_out_grid(width)
-        return f"{text}Left out at this width: {', '.join(left_out)}\n" if left_out else text
+        if not left_out:
+            return text
+        note = f"Left out at this width: {', '.join(left_out)}"
+        return f"{text}{textwrap.fill(note, width, break_long_words=False, break_on_hyphens=False)}\n"
 
     def _min_width(self) -> int:
         """Return how many characters the columns need, with texts wrapped to MIN_TEXT_WIDTH."""
         widths = [self._column_width(place) for place in range(len(self.heads))]
-        return sum(widths) + _SPACE * (len(widths) - 1)
+        return sum(widths) + _SPACE * (len(widths) - 1) + _EDGES
 
     def _column_width(self, place: int) -> int:
         from rich.cells import cell_len
@@ -93,8 +100,6 @@ class TextTable:
 
     def _lay_out_blocks(self, width: int) -> str:
         """Return a block of lines for every row: its texts at the left as heading, then a line a column."""
-        import textwrap
-
         first = next((place for place, right in enumerate(self.is_right) if right), min(2, len(self.heads) - 1))
         heading_count = max(1, min(first, 2))
         lines = [self.caption] if self.caption else []

@@ -206,7 +206,7 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
-    from pounding_cli.paper.claims import list_claim_sections, verdicts
+    from pounding_cli.paper.claims import list_claim_sections, list_verdicts
     from pounding_cli.questions.reports import build_report, find_no_sweep
     from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 
@@ -233,7 +233,7 @@ def report(
             saved = each.save(folder, saved_formats, not paper)
         if not quiet:
             click.echo(f"{saved[-1]}: {pluralize(len(saved), 'file')}")
-            for key, verdict in verdicts(results).items():
+            for key, verdict in list_verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
     if choices:
         for path, reason in without_sweep.items():
