@@ -21,6 +21,9 @@ PAGE_ROWS = 400
 TERMINAL_ROWS = 40
 """Rows of a table that a terminal prints."""
 
+INFINITE = "∞"
+"""Stands for an upper end that an interval does not have."""
+
 Row = Mapping[Any, Any]
 """A row of a table: column -> number [SI] or text."""
 
@@ -94,10 +97,14 @@ class Column:
             return str(value)
         text = self.format(value)
         if self.low and math.isfinite(row[self.low]):
-            return f"{text} ({self.format(row[self.low])} to {self.format(row[self.high])})"
+            return f"{text} ({self.format(row[self.low])} to {self._format_end(row[self.high])})"
         if self.error and row[self.error] > 0:
             return f"{text} ± {format_number(row[self.error] / self.unit.factor, 2)}"
         return text
+
+    def _format_end(self, value: float) -> str:
+        """Return the upper end of an interval, which may be infinite."""
+        return INFINITE if value == math.inf else self.format(value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +169,7 @@ class Table:
         return [column.head for column in self.columns]
 
     def are_right_aligned(self) -> list[bool]:
-        """Return for every column but the first whether it has numbers without a second line."""
+        """Return for every column but the first whether it has numbers without a second line or sentences."""
         return [bool(place) and self._is_numeric(column) for place, column in enumerate(self.columns)]
 
     def _is_numeric(self, column: Column) -> bool:
@@ -170,7 +177,13 @@ class Table:
             return True
         if column.write or column.below or column.name not in self.frame:
             return False
-        return self.frame[column.name].dtype.kind in "iuf"
+        values = self.frame[column.name]
+        if values.dtype.kind not in "iuf":
+            return False
+        if column.otherwise is None:
+            return True
+        without = self.frame[~(abs(values) < math.inf)].head(TERMINAL_ROWS).to_dict("records")
+        return not any(" " in column.otherwise(row) for row in without)
 
     def to_text_table(self, max_rows: int = TERMINAL_ROWS) -> TextTable:
         """Return the first rows as texts for a terminal."""

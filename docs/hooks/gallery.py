@@ -145,13 +145,18 @@ def draw_gap(solved: Solved, figure: Figure) -> None:
 
 
 def draw_fragility(solved: Solved, figure: Figure) -> None:
-    """Fitted curves of every building, alone and with pounding."""
-    ax, intensity = figure.subplots(), np.linspace(0.02, 0.4, 200)
-    for color, (_, row) in zip(COLORS, solved.table("fragility").iterrows(), strict=False):
-        for style, whom, end in (("--", "alone", "0"), ("-", "with pounding", "")):
-            median, spread = row[f"median{end}"] / STANDARD_GRAVITY, row[f"spread{end}"]
-            probability = norm.cdf(np.log(intensity / median) / spread)
-            ax.plot(intensity, probability, style, color=color, label=f"{row['building']}, {whom}")
+    """Draw the fitted curves of every building, alone and with pounding."""
+    ax = figure.subplots()
+    intensity = np.linspace(0.02, 0.4, 200)
+    curves = solved.table("fragility")
+    colors = dict(zip(curves["building"].unique(), COLORS, strict=False))
+    for row in curves.to_dict("records"):
+        style = "--" if row["state"] == "alone" else "-"
+        median = row["median"] / STANDARD_GRAVITY
+        probability = norm.cdf(np.log(intensity / median) / row["spread"])
+        ax.plot(
+            intensity, probability, style, color=colors[row["building"]], label=f"{row['building']}, {row['state']}"
+        )
     ax.set(xlabel="peak ground acceleration [g]", ylabel="probability of mu > 4")
     ax.legend()
 

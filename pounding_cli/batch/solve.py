@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -271,6 +271,7 @@ class _PlanRun:
         self.apart_responses = apart_responses
         self.progress = progress
         self._uncompiled = {kernel for kernel in COMPILE_TIME if not is_compiled(kernel)}
+        self._viewed_kinds = set[tuple[Any, ...]]()  # of scenes whose kernels are known
 
     def solve_here(self, numbers: np.ndarray) -> SolvedGroup:
         """Return a group of scenes solved in this thread."""
@@ -308,8 +309,14 @@ class _PlanRun:
 
     def _announce_kernels(self, attempts: Sequence[Attempt]) -> None:
         """Write a note on every kernel that is compiled for these scenes, the first time that one needs it."""
-        for attempt in attempts:
-            for kernel in self.task.list_kernels(attempt.scene):
+        for scene, _ in attempts:
+            laws = tuple(type(link.law) for link in scene.links)
+            buildings = tuple(map(id, scene.buildings))  # the plan holds them, so that no other gets their id
+            kind = (buildings, laws, scene.analysis, self.task.is_assessed(scene))
+            if kind in self._viewed_kinds:  # to lay out every scene would take a hundredth of the time of a short one
+                continue
+            self._viewed_kinds.add(kind)
+            for kernel in self.task.list_kernels(scene):
                 if kernel in self._uncompiled:
                     self._uncompiled.remove(kernel)
                     seconds = COMPILE_TIME[kernel]

@@ -41,12 +41,12 @@ from pounding_cli.study.quantity import ACCELERATION, Quantity
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 
 YEARS = 50.0
-"""Years of the probability that is told beside a rate."""
+"""Years of the probability that stands beside a rate."""
 
 
 @dataclass(frozen=True)
 class Hazard:
-    """How often an intensity is exceeded, as power laws k0 x^-k.
+    """The annual rate at which an intensity is exceeded, as power laws k0 x^-k.
 
     Below the first edge nothing is known, and nothing is counted; above the last point of a table its last power law
     goes on.
@@ -62,41 +62,54 @@ class Hazard:
     last: float = np.inf
 
     @classmethod
-    def power_law(cls, k0: float, k: float) -> Hazard:
-        """k0 x^-k at all intensities."""
+    def from_power_law(cls, k0: float, k: float) -> Hazard:
+        """Return the curve k0 x^-k at all intensities."""
         return cls(np.array([0.0, np.inf]), np.array([k0]), np.array([k]))
 
     @classmethod
-    def table(cls, intensity: np.ndarray, rate: np.ndarray) -> Hazard:
-        """Through points: intensities, rising, and annual rates, falling, shape (n,), at least two, all above 0."""
-        x, y = np.log(intensity), np.log(rate)
-        k = -np.diff(y) / np.diff(x)
-        return cls(np.append(intensity[:-1], np.inf), np.exp(y[:-1] + k * x[:-1]), k, float(intensity[-1]))
+    def from_points(cls, intensity: np.ndarray, rate: np.ndarray) -> Hazard:
+        """Return the curve through points, at least two.
+
+        intensity : rising, above 0, shape (n,)
+        rate : falling, above 0 [1/year], shape (n,)
+        """
+        log_intensity = np.log(intensity)
+        log_rate = np.log(rate)
+        k = -np.diff(log_rate) / np.diff(log_intensity)
+        k0 = np.exp(log_rate[:-1] + k * log_intensity[:-1])
+        return cls(np.append(intensity[:-1], np.inf), k0, k, float(intensity[-1]))
 
     def rate(self, intensity: np.ndarray) -> np.ndarray:
-        """Annual rate at which intensities are exceeded [1/year]; of those below the first that of the first."""
+        """Return the annual rate at which intensities are exceeded [1/year]; below the first edge that of the edge."""
         x = np.maximum(intensity, self.edges[0])
         piece = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, self.k.size - 1)
         with np.errstate(divide="ignore"):
             return self.k0[piece] * x ** -self.k[piece]
 
     def contributions(self, edges: np.ndarray, intercept: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Annual rates of limits by intensity [1/year], shape (..., m).
+        """Return the annual rates of limits by range of intensities [1/year], shape (..., m).
 
         edges : intensities, rising, shape (m + 1,)
         intercept, slope : c and b of the probability Phi(c + b ln x) between them, shape (..., m)
         """
-        cuts = np.unique(np.clip(np.concatenate([edges, self.edges]), max(edges[0], self.edges[0]), edges[-1]))
+        lowest = max(edges[0], self.edges[0])
+        cuts = np.unique(np.clip(np.concatenate([edges, self.edges]), lowest, edges[-1]))
         if cuts.size < 2:
             return np.zeros(intercept.shape)
         part = np.clip(np.searchsorted(edges, cuts[:-1], side="right") - 1, 0, edges.size - 2)
         piece = np.clip(np.searchsorted(self.edges, cuts[:-1], side="right") - 1, 0, self.k.size - 1)
-        rates = _piece(cuts[:-1], cuts[1:], self.k0[piece], self.k[piece], intercept[..., part], slope[..., part])
+        rates = _integrate_pieces(
+            cuts[:-1], cuts[1:], self.k0[piece], self.k[piece], intercept[..., part], slope[..., part]
+        )
         return np.stack([rates[..., part == each].sum(axis=-1) for each in range(edges.size - 1)], axis=-1)
 
-    def of_lognormal(self, median: ArrayLike, spread: ArrayLike, above: float = 0.0) -> np.ndarray:
-        """Annual rates of limits with lognormal fragility curves, from intensities above one [1/year]; with a spread of
-        0 that at which the median is exceeded, and none where the median is inf."""
+    def lognormal_rates(self, median: ArrayLike, spread: ArrayLike, above: float = 0.0) -> np.ndarray:
+        """Return the annual rates of limits with lognormal fragility curves [1/year].
+
+        With a spread of 0 it is the rate at which the median is exceeded; with a median of inf it is 0.
+
+        above : lowest intensity that counts
+        """
         median, spread = np.broadcast_arrays(np.asarray(median, float), np.asarray(spread, float))
         is_curve = (spread > 0) & (median > 0) & (median < np.inf)
         slope = 1.0 / np.where(is_curve, spread, 1.0)
@@ -107,58 +120,72 @@ class Hazard:
         return np.where(is_curve, rates, np.where(median == np.inf, 0.0, at_median))
 
 
-def _piece(
+def _integrate_pieces(
     low: np.ndarray, high: np.ndarray, k0: np.ndarray, k: np.ndarray, intercept: np.ndarray, slope: np.ndarray
 ) -> np.ndarray:
-    """The integral of the module's first lines, of many pieces at once."""
+    """Return the integral of the module's docstring over pieces from `low` to `high` [1/year]."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ends = [np.where(slope == 0, intercept, intercept + slope * np.log(x)) for x in (low, high)]
-        first, second = (np.where(np.isinf(x) | (x == 0), 0.0, ndtr(z) * k0 * x**-k)
-                         for x, z in zip((low, high), ends, strict=True))  # fmt: skip
+        low_score = _score(low, intercept, slope)
+        high_score = _score(high, intercept, slope)
+        low_rate = _rate_at_end(low, low_score, k0, k)
+        high_rate = _rate_at_end(high, high_score, k0, k)
         shift = k / slope
-        size = np.log(k0) + intercept * shift + 0.5 * shift**2
-        between = _difference(ends[0] + shift, ends[1] + shift, size)
-    return first - second + np.where(slope == 0, 0.0, between)
+        log_size = np.log(k0) + intercept * shift + 0.5 * shift**2
+        between = _scaled_difference(low_score + shift, high_score + shift, log_size)
+    return low_rate - high_rate + np.where(slope == 0, 0.0, between)
 
 
-def _difference(u1: np.ndarray, u2: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """exp(size) (Phi(u2) - Phi(u1)); in the upper tail by the complements, whose logarithms are exact."""
-    flip = np.maximum(u1, u2) > 0
-    flip &= np.minimum(u1, u2) > -np.inf
-    a, b = np.where(flip, -u2, u1), np.where(flip, -u1, u2)
-    return np.exp(size + log_ndtr(b)) - np.exp(size + log_ndtr(a))
+def _score(x: np.ndarray, intercept: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Return c + b ln x, which is c at any x where b is 0."""
+    return np.where(slope == 0, intercept, intercept + slope * np.log(x))
 
 
-def probability(rate: float, years: float = YEARS) -> float:
-    """Probability [-] that what comes at an annual rate [1/year] comes within so many years (Poisson process)."""
+def _rate_at_end(x: np.ndarray, score: np.ndarray, k0: np.ndarray, k: np.ndarray) -> np.ndarray:
+    """Return P(x) lambda(x) at one end of a piece; 0 at the intensities 0 and inf."""
+    return np.where(np.isinf(x) | (x == 0), 0.0, ndtr(score) * k0 * x**-k)
+
+
+def _scaled_difference(low: np.ndarray, high: np.ndarray, log_size: np.ndarray) -> np.ndarray:
+    """Return exp(log_size) (Phi(high) - Phi(low)).
+
+    In the upper tail it is taken from the complements, whose logarithms are exact.
+    """
+    is_upper = (np.maximum(low, high) > 0) & (np.minimum(low, high) > -np.inf)
+    first = np.where(is_upper, -high, low)
+    second = np.where(is_upper, -low, high)
+    return np.exp(log_size + log_ndtr(second)) - np.exp(log_size + log_ndtr(first))
+
+
+def poisson_probability(rate: float, years: float = YEARS) -> float:
+    """Return the probability that an event with an annual rate [1/year] occurs within so many years [-]."""
     return float(-np.expm1(-rate * years))
 
 
 _VELOCITY = Quantity("velocity", "m/s", "20 cm/s", 0.0, open_low=True)
 _FACTOR = Quantity("scale factor", "", "1.5", 0.0, open_low=True)
-INTENSITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "pgv": _VELOCITY, "factor": _FACTOR}
-"""How every intensity measure is written."""
+MEASURE_QUANTITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "pgv": _VELOCITY, "factor": _FACTOR}
+"""Quantity of every intensity measure, by which its values are read."""
+
+SWEEP_EXAMPLE = "write e.g. `sweep: {records.scale.pga: {from: 0.05 g, to: 2 g, step: 0.05 g}}`"
 
 
-SWEEP = "write e.g. `sweep: {records.scale.pga: {from: 0.05 g, to: 2 g, step: 0.05 g}}`"
-
-
-def intensity_axis(asked: StudyQuestion, axes: Sequence[Axis], least: int = 1) -> int | None:
-    """The number of the axis that varies the intensity; what is wrong with it is noted.
-
-    least : intensities that are needed
-    """
-    root, problems = asked.study.tree, asked.problems
+def find_intensity_axis(question: StudyQuestion, axes: Sequence[Axis], min_intensities: int = 1) -> int | None:
+    """Return the number of the axis that varies the intensity; add what is wrong with it to the question's problems."""
     for number, axis in enumerate(axes):
         if INTENSITY_KEYS.keys().isdisjoint(axis.names):
             continue
+        path: tuple[str, ...] = ("sweep",)
+        message = ""
         if len(axis.names) > 1:
-            what = f"{' and '.join(axis.names)} move together: the intensity is an axis of its own"
-            problems.at(root, ("sweep",), what, SWEEP, key=True)
+            message = f"{' and '.join(axis.names)} move together: the intensity is an axis of its own"
         elif any(isinstance(value, str) for (value,) in axis.values):
-            problems.at(root, ("sweep",), f"'{axis.names[0]}' takes values that are not numbers", SWEEP, key=True)
-        elif len(axis) < least:
-            problems.at(root, ("sweep", axis.names[0]), "a fragility curve takes two intensities at least", SWEEP)
+            message = f"'{axis.names[0]}' takes values that are not numbers"
+        elif len(axis) < min_intensities:
+            path = ("sweep", axis.names[0])
+            message = "a fragility curve takes two intensities at least"
+        if message:
+            is_key = len(path) == 1
+            question.problems.at(question.study.tree, path, message, SWEEP_EXAMPLE, key=is_key)
         return number
     return None
 
@@ -175,80 +202,99 @@ def measure_motion(use: MotionUse, motion: Motion, measure: Measure) -> float:
     return float(records.spectrum(motion, (measure.period,))[0])
 
 
-def hazard_of(asked: StudyQuestion, measure: Measure) -> Hazard | None:
-    """The hazard curve that the section of a question gives; None without one.
+def build_hazard(question: StudyQuestion, measure: Measure) -> Hazard | None:
+    """Return the hazard curve in the section of a question; None without one.
+
+    measure : intensity measure of the question
 
     Raises
     ------
     InputError : no hazard curve, or one of another intensity measure
     """
-    spec, quantity = asked.spec.hazard, INTENSITIES[measure.name]
+    spec = question.spec.hazard
+    quantity = MEASURE_QUANTITIES[measure.name]
     if spec is None:
         return None
     if isinstance(spec, HazardFile):
-        return Hazard.table(*_from_file(asked.study.path.parent / spec.file, spec.unit, quantity.si, measure))
+        path = question.study.path.parent / spec.file
+        return Hazard.from_points(*_read_hazard_file(path, spec.unit, quantity.si, measure))
     try:
         if isinstance(spec, PowerHazard):
-            one = intensity_factor(spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(quantity.si), quantity.si, "")
-            return Hazard.power_law(spec.k0 * one**spec.k, spec.k)
-        return Hazard.table(*_from_study(spec, quantity))
+            unit = spec.unit or {"m/s2": "g", "m/s": "m/s"}.get(quantity.si)
+            one = intensity_factor(unit, quantity.si, "")
+            return Hazard.from_power_law(spec.k0 * one**spec.k, spec.k)
+        return Hazard.from_points(*_parse_hazard_table(spec, quantity))
     except InputError as error:
         for problem in error.problems:
-            asked.add_problem(("hazard",), problem.message, problem.hint)
-        asked.problems.check()
+            question.add_problem(("hazard",), problem.message, problem.hint)
+        question.problems.check()
         raise
 
 
-def _from_study(levels: Mapping[str, float], quantity: Quantity) -> np.ndarray:
-    """Intensities [SI] and annual rates of a table in the study, shape (2, n).  Raises InputError."""
+def _parse_hazard_table(rate_by_level: Mapping[str, float], quantity: Quantity) -> np.ndarray:
+    """Return intensities [SI] and annual rates of a table in the study, shape (2, n).  Raises InputError."""
     points = []
-    for level, rate in levels.items():
+    for level, rate in rate_by_level.items():
         try:
             points.append((float(quantity.read(level)), rate))
-        except PydanticCustomError as refused:
-            told = refused.context or {}
-            raise InputError(Problem(f"{level}: {told['message']}", told["hint"])) from None
-    found = np.array(sorted(points)).T
-    if len(points) < 2 or (np.diff(found[0]) <= 0).any() or (np.diff(found[1]) >= 0).any():
+        except PydanticCustomError as error:
+            context = error.context or {}
+            raise InputError(Problem(f"{level}: {context['message']}", context["hint"])) from None
+    intensity, rates = np.array(sorted(points)).reshape(-1, 2).T
+    if len(points) < 2 or (np.diff(intensity) <= 0).any() or (np.diff(rates) >= 0).any():
         hint = "give at least two intensities, each once, with rates that fall as they rise"
         raise InputError(Problem("this is not a hazard curve", hint))
-    return found
+    return np.stack([intensity, rates])
 
 
-def _from_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple[np.ndarray, np.ndarray]:
-    """The points of a file, unless it says that they are those of another measure."""
-    intensity, rate, named = read_hazard(path, unit, si)
-    mine = f"SA({measure.period:g})" if measure.name == "sa" and measure.period else measure.name.upper()
-    if named and named != mine and not (mine == "SA" and named.startswith("SA")):
-        hint = f"write `intensity: {named.lower()}`, or take the curve of {measure}"
-        raise InputError(Problem(f"the hazard is that of {named}, the intensity is {measure}", hint, str(path)))
+def _read_hazard_file(path: Path, unit: str | None, si: str, measure: Measure) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points of a file.  Raises InputError: it says that they are those of another measure."""
+    intensity, rate, measure_in_file = read_hazard(path, unit, si)
+    wanted = measure.name.upper()
+    if measure.name == "sa" and measure.period:
+        wanted = f"SA({measure.period:g})"
+    is_any_sa = wanted == "SA" and measure_in_file.startswith("SA")
+    if measure_in_file and measure_in_file != wanted and not is_any_sa:
+        hint = f"write `intensity: {measure_in_file.lower()}`, or take the curve of {measure}"
+        message = f"the hazard is that of {measure_in_file}, the intensity is {measure}"
+        raise InputError(Problem(message, hint, str(path)))
     return intensity, rate
 
 
 # The gap for an annual rate of contact
 
-LEAST, MOST = 1e-6, 1e3
+MIN_GAP = 1e-6
+MAX_GAP = 1e3
 """Gaps between which one is sought [m]; a closing below the first counts as it."""
 
+_HALVINGS = 60
 
-def gaps_of(hazard: Hazard, rate: float, x: np.ndarray, logs: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """The gaps [m] with an annual rate of contact, of every draw, shape (draws,); NaN where there is none.
 
-    x : ln intensities, rising, shape (levels,); logs : ln closings, shape (levels, motions)
-    times : how often a draw takes every motion, shape (draws, motions)
+def find_gaps(
+    hazard: Hazard, rate: float, log_intensities: np.ndarray, log_closings: np.ndarray, draws: np.ndarray
+) -> np.ndarray:
+    """Return the gaps with an annual rate of contact, of every draw of motions [m], shape (draws,); NaN without one.
+
+    rate : of contact [1/year]
+    log_intensities : rising, shape (levels,)
+    log_closings : of the closings [m], shape (levels, motions)
+    draws : how often each takes every motion, shape (draws, motions)
     """
-    count = times.sum(axis=1, keepdims=True)
-    mean = times @ logs.T / count
-    spread = np.sqrt(np.maximum(times @ (logs**2).T / count - mean**2, 0.0) * count / (count - 1))
-    spread = np.maximum(spread, 1e-6)
-    edges = np.exp(np.concatenate([[-np.inf], x[:-1], [np.inf]]))  # the last line goes on
-    low, high = np.full(len(times), np.log(LEAST)), np.full(len(times), np.log(MOST))
-    for _ in range(60):
+    count = draws.sum(axis=1, keepdims=True)
+    mean = draws @ log_closings.T / count
+    variance = np.maximum(draws @ (log_closings**2).T / count - mean**2, 0.0)
+    spread = np.maximum(np.sqrt(variance * count / (count - 1)), 1e-6)
+    edges = np.exp(np.concatenate([[-np.inf], log_intensities[:-1], [np.inf]]))  # the last line goes on
+    low = np.full(len(draws), np.log(MIN_GAP))
+    high = np.full(len(draws), np.log(MAX_GAP))
+    for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         score = (mean - middle[:, None]) / spread
-        slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(x)], axis=1)
+        slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(log_intensities)], axis=1)
         slope[:, -1] = np.maximum(slope[:, -1], 0.0)
-        often = hazard.contributions(edges, score - slope * x, slope).sum(axis=1) > rate
-        low, high = np.where(often, middle, low), np.where(often, high, middle)
-    is_inside = (low > np.log(2 * LEAST)) & (high < np.log(0.5 * MOST))
+        intercept = score - slope * log_intensities
+        is_too_often = hazard.contributions(edges, intercept, slope).sum(axis=1) > rate
+        low = np.where(is_too_often, middle, low)
+        high = np.where(is_too_often, high, middle)
+    is_inside = (low > np.log(2 * MIN_GAP)) & (high < np.log(0.5 * MAX_GAP))
     return np.where(is_inside, np.exp(0.5 * (low + high)), np.nan)

@@ -18,17 +18,17 @@ EXPRESSION_COLUMNS = (
 )
 
 
-def share_quantity(name: str, example: str) -> Quantity:
+def build_share_quantity(name: str, example: str) -> Quantity:
     """Return a share above 0 % and below 100 %, written with its %; it is read as a number from 0 to 1."""
     return Quantity(name, "", example, 0.0, 1.0, open_low=True, open_high=True, percent=True)
 
 
-CONFIDENCE = share_quantity("confidence", "90 %")
+CONFIDENCE = build_share_quantity("confidence", "90 %")
 
 
 def percents(name: str, example: str) -> Any:
     """Return the type of one share or a list of them."""
-    return one_or_many(Annotated[float, share_quantity(name, example)], most=20, as_list=True)
+    return one_or_many(Annotated[float, build_share_quantity(name, example)], most=20, as_list=True)
 
 
 RATE = Quantity("annual rate", "", "1/475", 0.0, 1e3, open_low=True)

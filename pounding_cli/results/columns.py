@@ -34,6 +34,16 @@ _FURTHER = {
 }
 """Columns that are no variables of the file: SI unit and meaning."""
 
+_OPTIONAL_ENDINGS = {
+    "summary": ("_error", "_sensitivity", "_std", "_min"),
+    "scene": (
+        *("advice", "flag_severity", "effects", "dropped"),
+        *("_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
+    ),
+    "records": ("digest",),
+}
+"""Table -> endings of the names of columns that are left out first where there is no room; CSV has them all."""
+
 _DISPLAY_UNITS = {
     "N": Unit("kN", 1e3),
     "m": Unit("mm", 1e-3),
@@ -79,7 +89,8 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None, table: str = "
         text = "swept; as in the study file, SI"
         label = name
     unit = find_display_unit(name, Unit("" if si == "1" else si, 1.0, si), units)
-    return Column(name, text, unit, label, digits=0 if kind == "i" else 4)
+    is_optional = name.endswith(_OPTIONAL_ENDINGS.get(table, ()))
+    return Column(name, text, unit, label, digits=0 if kind == "i" else 4, optional=is_optional)
 
 
 def find_display_unit(name: str, unit: Unit, units: Mapping[str, Unit] | None = None) -> Unit:

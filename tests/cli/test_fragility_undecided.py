@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import lognorm
 
 from pounding_cli import open_results
-from pounding_cli.questions.fragility.limits import next_levels
+from pounding_cli.questions.fragility.hunt import next_levels
 from pounding_cli.questions.reports import build_report as report
 
 # A has a soft lower storey that collapses, and an upper one far too strong to yield much. B stays far from its limits.
@@ -46,15 +46,19 @@ B_MU, B_ACCELERATION = "mu > 12 in B", "acceleration > 60 g in B"
 OTHERS = (B_MU, B_ACCELERATION, UPPER)
 
 
-def curves(path) -> pd.DataFrame:
-    return open_results(path).table("fragility").set_index("limit")
+def curves(path, state: str = "with pounding") -> pd.DataFrame:
+    """Return the rows of one state by limit."""
+    frame = open_results(path).table("fragility")
+    return frame[frame["state"] == state].set_index("limit")
 
 
 def test_a_building_does_not_inherit_the_collapse_of_its_neighbour_nor_a_storey_that_of_another(pound, folder):
     """Fails if a limit of B, or of the other storey of A, counts as passed where A collapses, or as held."""
     code, out, _ = pound("fragility", "two.yaml", "-o", "a.h5")
     assert code == 0
-    table, results = curves("a.h5"), open_results("a.h5")
+    table = curves("a.h5")
+    alone = curves("a.h5", "alone")
+    results = open_results("a.h5")
     assert 1 < table.loc[COLLAPSE, "median"] < 20  # 0.1 to 2 g: every motion brings A down
     for limit in OTHERS:
         curve = table.loc[limit]
@@ -64,18 +68,19 @@ def test_a_building_does_not_inherit_the_collapse_of_its_neighbour_nor_a_storey_
         assert curve["undecided"] > 0
         assert curve["failed"] == 0
     for limit in (B_MU, B_ACCELERATION):
-        assert table.loc[limit, "outcome0"] == "never passed"
-        assert table.loc[limit, "undecided_motions0"] == table.loc[limit, "undecided0"] == 0
-    motions = results.table("fragility_motions").set_index(["limit", "record"])
+        assert alone.loc[limit, "outcome"] == "never passed"
+        assert alone.loc[limit, "undecided_motions"] == alone.loc[limit, "undecided"] == 0
+    motions = results.table("fragility_motions").set_index(["state", "limit", "record"]).loc["with pounding"]
     for record in ("elcentro", "taft", "olympia", "parkfield"):
         falls = motions.loc[COLLAPSE, record]
         for limit in OTHERS:
             mine = motions.loc[limit, record]
             assert (mine["held"], mine["passed"]) == (falls["held"], np.inf)  # known to hold until A comes down
     assert "undecided in 4 of 4 motions" in out
-    assert "a collapse ended the scenes before the limit was passed" in " ".join(out.split())
-    (row,) = [line for line in out.splitlines() if line.startswith(f" {B_ACCELERATION}")]
-    assert row.split()[-3] == "–"  # no ratio before the spreads
+    assert "a collapse ended the time histories before the limit was passed" in " ".join(out.split())
+    row = next(line for line in out.splitlines() if line.startswith(f" {B_ACCELERATION}") and "pounding" in line)
+    assert row.split()[-1] == "–"  # the spread, behind a ratio that is empty
+    assert row.split()[-2].replace(".", "").isdigit()  # the bound of the median
     assert pound("report", "a.h5", "--no-figures", "-q")[0] == 0
     assert (folder / "a" / "tables" / "flagged.csv").stat().st_size > 1000  # every collapse
     page = " ".join((folder / "a" / "report.html").read_text(encoding="utf-8").split())
@@ -92,9 +97,11 @@ def test_a_limit_is_sought_above_a_collapse(pound, folder):
         pound("fragility", "two.yaml", "-o", f"{method}.h5", "-q")
         found[method] = open_results(f"{method}.h5")
     stripes, ida = (found[method].table("fragility_motions") for method in ("stripes", "ida"))
-    passes = stripes[stripes["demand"] > 1].groupby("record")["intensity"].min()
+    passes = (
+        stripes[(stripes["demand"] > 1) & (stripes["state"] == "with pounding")].groupby("record")["intensity"].min()
+    )
     assert len(passes) >= 2
-    above = ida.set_index("record")["passed"]
+    above = ida[ida["state"] == "with pounding"].set_index("record")["passed"]
     assert (above[passes.index] >= passes).all()
     assert np.isfinite(above[passes.index]).all()
 
@@ -113,13 +120,14 @@ def test_levels_below_a_pass_are_looked_at():
 def test_the_storey_that_collapsed_passes_every_limit_of_its_drift(pound):
     """Fails if the collapse of a storey leaves its own ductility undecided, or that of the building."""
     pound("fragility", "two.yaml", "-o", "a.h5", "-q")
-    table = curves("a.h5")
-    falls = table.loc[COLLAPSE]
-    for limit in ("mu > 30 in A", "mu > 30 in A storey 1"):
-        for end in ("", "0"):  # ductility at the collapse is below 30
-            assert table.loc[limit, f"median{end}"] == falls[f"median{end}"]
-            assert table.loc[limit, f"undecided{end}"] == 0
-    assert table.loc["mu > 4 in A", "high"] < falls["median"]
+    for state in ("with pounding", "alone"):  # ductility at the collapse is below 30
+        table = curves("a.h5", state)
+        falls = table.loc[COLLAPSE]
+        for limit in ("mu > 30 in A", "mu > 30 in A storey 1"):
+            assert table.loc[limit, "median"] == falls["median"]
+            assert table.loc[limit, "undecided"] == 0
+        if state == "with pounding":
+            assert table.loc["mu > 4 in A", "high"] < falls["median"]
 
 
 @pytest.mark.parametrize("method", ["stripes", "cloud"])
@@ -132,6 +140,7 @@ def test_other_methods_leave_the_same_undecided(pound, folder, method):
     fell = (results.scene()["status"] == "collapsed").sum()
     assert fell >= 8
     motions = results.table("fragility_motions")
+    motions = motions[motions["state"] == "with pounding"]
     for limit in OTHERS:
         assert table.loc[limit, "undecided"] == fell
         assert motions[motions["limit"] == limit]["demand"].isna().sum() == fell
@@ -151,7 +160,7 @@ def test_limits_that_are_never_passed_leave_the_figure_as_it_is(pound, folder, m
     pound("fragility", "two.yaml", "-o", "a.h5", "-q")
     assert pound("report", "a.h5", "--format", "png", "-q")[0] == 0
     results = open_results("a.h5")
-    (picture,) = report(results).answer.pictures
+    (picture,) = report(results).figures()
     figure = picture.draw()
     with mpl.rc_context({"savefig.dpi": 100}):
         figure.draw_without_rendering()
@@ -165,13 +174,12 @@ def test_limits_that_are_never_passed_leave_the_figure_as_it_is(pound, folder, m
         box = text.get_window_extent()
         assert 0 <= box.x0 < box.x1 <= width
         assert 0 <= box.y0 < box.y1 <= height
-    table = curves("a.h5")
+    medians = results.table("fragility").groupby("limit")["median"].max()
     for limit, ax in panels.items():
         assert ax.get_window_extent().height > 0.5 * height / 7
         assert ax.get_window_extent().width > 0.25 * width
-        fitted = table.loc[limit, ["median", "median0"]].dropna()
-        if len(fitted):
-            assert ax.get_xlim()[1] < 5 * fitted.max() / 9.80665
+        if np.isfinite(medians[limit]):
+            assert ax.get_xlim()[1] < 5 * medians[limit] / 9.80665
         for text in ax.texts:
             assert text.get_window_extent().x0 > ax.get_window_extent().x0
 
@@ -182,24 +190,21 @@ def test_the_points_of_curves(pound, folder):
     (folder / "two.yaml").write_text(text)
     pound("fragility", "two.yaml", "-o", "a.h5", "-q")
     results = open_results("a.h5")
-    keys = ["cases.touching.gap", "analysis", "limit", "building", "case"]
-    table, points = results.table("fragility"), results.table("fragility_curves").groupby(keys)
+    keys = ["cases.touching.gap", "analysis", "limit", "building", "case", "state"]
+    table = results.table("fragility")
+    points = results.table("fragility_curves").groupby(keys)
     checked = 0
     for row in table.to_dict("records"):
         place = tuple(row[key] for key in keys)
-        if np.isnan(row["median"]) and np.isnan(row["median0"]):
+        if np.isnan(row["median"]):
             assert place not in points.groups
             continue
-        here = points.get_group(place)
-        x = here["intensity"].to_numpy()
+        of_curve = points.get_group(place)
+        x = of_curve["intensity"].to_numpy()
         assert len(x) == len(np.unique(x)) >= 100
-        for end in ("", "0"):
-            if np.isnan(row[f"median{end}"]):
-                assert here[f"probability{end}"].isna().all()
-                continue
-            likely = lognorm.cdf(x, row[f"spread{end}"], scale=row[f"median{end}"])
-            assert here[f"probability{end}"].to_numpy() == pytest.approx(likely, abs=1e-9)
-            assert here[[f"probability_low{end}", f"probability_high{end}"]].isna().all(axis=None)  # of four motions
-            assert here[f"probability{end}"].max() > 0.9
-            checked += 1
+        likely = lognorm.cdf(x, row["spread"], scale=row["median"])
+        assert of_curve["probability"].to_numpy() == pytest.approx(likely, abs=1e-9)
+        assert of_curve[["probability_low", "probability_high"]].isna().all(axis=None)  # of four motions
+        assert of_curve["probability"].max() > 0.9
+        checked += 1
     assert checked == 2 * 2 * 4

@@ -37,16 +37,22 @@ def fragility(hazard: Any, folder: Path) -> pound.Results:
 def test_the_rate_of_a_limit(tmp_path: Path) -> None:
     """The closed form with the median and the spread of the curve; alone and with pounding, and their ratio."""
     results = fragility(POWER, tmp_path)
-    curves, rates = results.answer("fragility").frame, results.answer("fragility_rates").frame
-    for end in ("", "0"):
-        theta, beta = curves[f"median{end}"] / G, curves[f"spread{end}"]
-        wanted = 1e-4 * theta**-2.5 * np.exp(0.5 * (2.5 * beta) ** 2)
-        np.testing.assert_allclose(rates[f"rate{end}"], wanted, rtol=1e-9)
-        np.testing.assert_allclose(rates[f"probability{end}"], 1 - np.exp(-50 * wanted), rtol=1e-9)
-        assert (rates[f"rate_low{end}"] <= wanted).all()
-        assert (rates[f"rate_high{end}"] >= wanted).all()
-    np.testing.assert_allclose(rates["rate_ratio"], rates["rate"] / rates["rate0"], rtol=1e-12)
-    parts = results.answer("fragility_contributions").frame.groupby("building", sort=False)["rate"].sum()
+    curves = results.answer("fragility").frame
+    rates = results.answer("fragility_rates").frame
+    place = ["limit", "building", "state"]
+    assert rates[place].equals(curves[place])
+    theta = curves["median"] / G
+    wanted = 1e-4 * theta**-2.5 * np.exp(0.5 * (2.5 * curves["spread"]) ** 2)
+    np.testing.assert_allclose(rates["rate"], wanted, rtol=1e-9)
+    np.testing.assert_allclose(rates["probability"], 1 - np.exp(-50 * wanted), rtol=1e-9)
+    assert (rates["rate_low"] <= wanted).all()
+    assert (rates["rate_high"] >= wanted).all()
+    alone = rates[rates["state"] == "alone"]
+    pounding = rates[rates["state"] == "with pounding"]
+    ratio = pounding["rate"].to_numpy() / alone["rate"].to_numpy()
+    np.testing.assert_allclose(pounding["rate_ratio"], ratio, rtol=1e-12)
+    assert alone["rate_ratio"].isna().all()
+    parts = results.answer("fragility_contributions").frame.groupby(["building", "state"], sort=False)["rate"].sum()
     assert parts.to_numpy() == pytest.approx(rates["rate"].to_numpy(), rel=0.05)
     assert (parts.to_numpy() < rates["rate"].to_numpy()).all()
 
@@ -82,8 +88,8 @@ def test_the_gap_for_a_rate(tmp_path: Path) -> None:
 
 def test_a_table_of_gaps_follows_its_rate() -> None:
     """More contacts are allowed by a narrower gap: the rate of every other gap by the same pieces."""
-    table = Hazard.table(np.array([0.05, 0.3, 1.0]), np.array([0.02, 1 / 475, 1e-4]))
-    rates = table.of_lognormal(np.array([0.1, 0.2, 0.4]), 0.3)
+    table = Hazard.from_points(np.array([0.05, 0.3, 1.0]), np.array([0.02, 1 / 475, 1e-4]))
+    rates = table.lognormal_rates(np.array([0.1, 0.2, 0.4]), 0.3)
     assert (np.diff(rates) < 0).all()
 
 

@@ -167,7 +167,7 @@ def test_maps_of_ratios_have_one_scale_with_1_in_its_middle(made):
 
 def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
     """They take long: fails if they are made for a terminal too."""
-    monkeypatch.setattr("pounding_cli.questions.run.report.sweep_pictures", None)
+    monkeypatch.setattr("pounding_cli.questions.run.report.list_sweep_pictures", None)
     report(pounding_cli.open_results(made / "swept.h5")).print()
 
 

@@ -43,7 +43,7 @@ SUMMARISED = {"fig6", "bracket", "collapse"}
 LEFT_OUT = {"fragility_curves", "optimise_points", "sensitivity_samples"}
 """Long tables from which the others follow."""
 
-WORK = ["seconds", "steps", "events", "orders", "method", "accuracy", "time_step", "points", "scenes", "scenes0"]
+WORK = ["seconds", "steps", "events", "orders", "method", "accuracy", "time_step", "points", "scenes", "histories"]
 PROSE = ["estimated", "effects", "dropped", "advice", "flags", "flag_severity", "detail", "severity", "digest"]
 """Columns about the work done instead of its result, and texts that may be worded otherwise."""
 NOISE = ("error", "sensitivity", "residual")

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.special import ndtr
 
 import pounding_cli as pound
-from pounding_cli.questions.hazard import Hazard, probability
+from pounding_cli.questions.hazard import Hazard, poisson_probability
 from tests.adapter import read_hazard
 
 G = 9.80665
@@ -20,10 +20,10 @@ X, Y = np.array([0.05, 0.1, 0.2, 0.4, 0.8]), np.array([2e-2, 7e-3, 2e-3, 3e-4, 2
 
 def test_a_power_law_has_a_closed_form() -> None:
     """lambda = k0 theta^-k exp(k^2 beta^2 / 2) (Cornell et al. 2002)."""
-    rate = float(Hazard.power_law(1e-4, 2.5).of_lognormal(0.4, 0.5))
+    rate = float(Hazard.from_power_law(1e-4, 2.5).lognormal_rates(0.4, 0.5))
     assert rate == pytest.approx(1e-4 * 0.4**-2.5 * math.exp(2.5**2 * 0.5**2 / 2), rel=1e-12)
     assert rate == pytest.approx(2.15845e-3, rel=2e-6)
-    assert probability(rate) == pytest.approx(0.10230, abs=5e-6)
+    assert poisson_probability(rate) == pytest.approx(0.10230, abs=5e-6)
 
 
 @pytest.mark.parametrize(
@@ -40,17 +40,17 @@ def test_a_table_is_integrated_exactly(median: float, spread: float) -> None:
             ),
             start, end, epsabs=0, epsrel=1e-12, limit=500,
         )[0]  # fmt: skip
-    assert Hazard.table(X, Y).of_lognormal(median, spread) == pytest.approx(whole, rel=1e-10)
+    assert Hazard.from_points(X, Y).lognormal_rates(median, spread) == pytest.approx(whole, rel=1e-10)
 
 
 def test_contributions_add_up_and_a_curve_without_spread_is_a_step() -> None:
-    table, edges = Hazard.table(X, Y), np.array([0.05, 0.07, 0.3, 1.0, np.inf])
+    table, edges = Hazard.from_points(X, Y), np.array([0.05, 0.07, 0.3, 1.0, np.inf])
     c, b = -math.log(0.3) / 0.4, 1 / 0.4
     parts = table.contributions(edges, np.full(4, c), np.full(4, b))
-    assert parts.sum() == pytest.approx(table.of_lognormal(0.3, 0.4), rel=1e-12)
+    assert parts.sum() == pytest.approx(table.lognormal_rates(0.3, 0.4), rel=1e-12)
     assert (parts > 0).all()
-    assert table.of_lognormal(0.2, 0.0) == pytest.approx(2e-3, rel=1e-12)
-    assert table.of_lognormal(0.2, 1e-6) == pytest.approx(2e-3, rel=1e-5)
+    assert table.lognormal_rates(0.2, 0.0) == pytest.approx(2e-3, rel=1e-12)
+    assert table.lognormal_rates(0.2, 1e-6) == pytest.approx(2e-3, rel=1e-5)
     constant = table.contributions(edges, np.full(4, 0.3), np.zeros(4))
     assert constant.sum() == pytest.approx(ndtr(0.3) * 2e-2, rel=1e-12)
     np.testing.assert_allclose(table.rate(X), Y, rtol=1e-12)

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.questions.fragility.spec import FragilitySpec
+from pounding_cli.questions.fragility.tables import TABLES
 from pounding_cli.questions.question import Question, StudyQuestion
 from pounding_cli.study.schema import Section
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _ask(study: Study) -> StudyQuestion:
-    from pounding_cli.questions.fragility.limits import Fragility
+    from pounding_cli.questions.fragility.fragility import Fragility
 
     return Fragility(study)
 
@@ -56,6 +57,7 @@ QUESTION = Question(
     name="fragility",
     ask=_ask,
     section=Section("fragility", FragilitySpec, "settings of `pound fragility`"),
+    tables=TABLES,
     sentences=_sentences,
     shown_tables=_shown_tables,
     notes=_notes,

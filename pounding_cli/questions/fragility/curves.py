@@ -27,20 +27,25 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import log_ndtr, ndtr
 
-from pounding_cli.questions.bootstrap import with_interval
+from pounding_cli.questions.bootstrap import build_estimate
 from pounding_cli.questions.fragility.spec import FragilitySpec
 
-MOST_SPREAD = 10.0
-"""A curve with a larger logarithmic spread is told from no trend by chance alone [-]; buildings have 0.2 to 1."""
+MAX_SPREAD = 10.0
+"""Logarithmic spread above which a curve differs from no trend by chance alone [-]; buildings have 0.2 to 1."""
 
-FEWEST = 3
+MIN_CLOUD_MOTIONS = 3
 """Motions that a line through a cloud and the scatter around it take."""
 
-_MOST_STEPS = 100
+UNDECIDED = float("-inf")
+"""Demand over limit of a time history that a collapse ended before the limit was passed: the whole motion might have
+passed it or not."""
+
+_MAX_STEPS = 100
+_MAX_HALVINGS = 40
 
 
 class Outcome(StrEnum):
-    """What came of a fit; only `FITTED` has a median and a spread."""
+    """The outcome of a fit; only `FITTED` has a median and a spread."""
 
     FITTED = "fitted"
     NEVER = "never passed"
@@ -68,7 +73,7 @@ class Fits(NamedTuple):
     share: np.ndarray
 
     def probability(self, intensity: np.ndarray) -> np.ndarray:
-        """The probability that the limit is passed [-], shape (fits, intensities); without a trend, the share."""
+        """Return the probability that the limit is passed [-], shape (fits, intensities); the share without a trend."""
         with np.errstate(divide="ignore", invalid="ignore"):
             score = (np.log(intensity) - np.log(self.median)[:, None]) / self.spread[:, None]
         likely = ndtr(np.where(np.isnan(score), 0.0, score))
@@ -79,43 +84,46 @@ class Fits(NamedTuple):
 
 
 def fit_brackets(low: np.ndarray, high: np.ndarray, weights: np.ndarray) -> Fits:
-    """Curves of maximum likelihood of the same brackets with different weights.
+    """Return the curves of maximum likelihood of the same brackets with different weights.
 
     low : intensities at which motions hold, 0 where none is known, shape (n,)
     high : at which they pass, inf where they are not known to, shape (n,); one of both is known
     weights : shape (fits, n)
     """
     # observations alike are one of more weight: of stripes there are few different ones
-    (low, high), which = np.unique(np.stack([low, high]), axis=1, return_inverse=True)
-    weights = weights @ np.eye(low.size)[which.ravel()]
-    there = weights > 0
-    last_held = np.where(there, low, 0.0).max(axis=1, initial=0.0)
-    first_passed = np.where(there, high, np.inf).min(axis=1, initial=np.inf)
-    overlaps, share = last_held > first_passed, _share(weights, high < np.inf)
+    (low, high), group = np.unique(np.stack([low, high]), axis=1, return_inverse=True)
+    weights = weights @ np.eye(low.size)[group.ravel()]
+    is_there = weights > 0
+    last_held = np.where(is_there, low, 0.0).max(axis=1, initial=0.0)
+    first_passed = np.where(is_there, high, np.inf).min(axis=1, initial=np.inf)
+    overlaps = last_held > first_passed
+    share = _share(weights, high < np.inf)
     ends = [first_passed == np.inf, last_held == 0]
     with np.errstate(invalid="ignore"):
         median = np.select(ends, [np.inf, 0.0], np.sqrt(last_held * first_passed))
     outcome = np.select([*ends, ~overlaps], [Outcome.NEVER, Outcome.ALWAYS, Outcome.SEPARATED], Outcome.FITTED)
-    spread, rises = np.zeros(len(weights)), overlaps & _rises(low, high, weights, share)
-    if rises.any():
-        median[rises], spread[rises] = _maximum(low, high, weights[rises])
-    return _flattened(Fits(outcome, median, spread, share), overlaps & ~(rises & (spread <= MOST_SPREAD)))
+    spread = np.zeros(len(weights))
+    has_trend = overlaps & _has_maximum(low, high, weights, share)
+    if has_trend.any():
+        median[has_trend], spread[has_trend] = _maximize(low, high, weights[has_trend])
+    is_flat = overlaps & ~(has_trend & (spread <= MAX_SPREAD))
+    return _flatten(Fits(outcome, median, spread, share), is_flat)
 
 
 def _share(weights: np.ndarray, passed: np.ndarray) -> np.ndarray:
-    """Part of the observations that pass, of every row of weights."""
+    """Return the part of the observations that pass, of every row of weights."""
     return (weights * passed).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300)
 
 
-def _flattened(fits: Fits, flat: np.ndarray) -> Fits:
-    """The fits, some of them without a trend."""
-    outcome = np.where(flat, Outcome.FLAT, fits.outcome)
-    median = np.where(flat, np.where(fits.share < 0.5, np.inf, 0.0), fits.median)
-    return Fits(outcome, median, np.where(flat, np.inf, fits.spread), fits.share)
+def _flatten(fits: Fits, is_flat: np.ndarray) -> Fits:
+    """Return the fits, some of them without a trend."""
+    outcome = np.where(is_flat, Outcome.FLAT, fits.outcome)
+    median = np.where(is_flat, np.where(fits.share < 0.5, np.inf, 0.0), fits.median)
+    return Fits(outcome, median, np.where(is_flat, np.inf, fits.spread), fits.share)
 
 
-def _rises(low: np.ndarray, high: np.ndarray, weights: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """Whether the likelihood has its maximum at b > 0: whether it grows with b from its maximum along b = 0.
+def _has_maximum(low: np.ndarray, high: np.ndarray, weights: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return whether the likelihood has its maximum at b > 0: whether it grows with b from its maximum along b = 0.
 
     Along b = 0 an interval closed at both ends has no likelihood at all, so any of those is enough.
     """
@@ -126,99 +134,124 @@ def _rises(low: np.ndarray, high: np.ndarray, weights: np.ndarray, share: np.nda
     return (weights[:, closed] > 0).any(axis=1) | (slope > 1e-12 * (weights * np.abs(x)).sum(axis=1))
 
 
-def _maximum(low: np.ndarray, high: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Median and spread of the maximum of the likelihood, which is known to exist, of every row of weights."""
+def _maximize(low: np.ndarray, high: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return median and spread of the maximum of the likelihood, of every row of weights; there must be one."""
     with np.errstate(divide="ignore"):
-        low, high = np.log(low), np.log(high)
-    ends = np.unique(np.concatenate([low, high]))
+        log_low = np.log(low)
+        log_high = np.log(high)
+    ends = np.unique(np.concatenate([log_low, log_high]))
     ends = ends[np.isfinite(ends)]
-    centre, width = ends.mean(), max(float(np.ptp(ends)), 1e-3)
-    low, high = (low - centre) / width, (high - centre) / width
-    at = np.tile([0.0, 4.0], (len(weights), 1))  # a and b
-    for _ in range(_MOST_STEPS):
-        value, gradient, hessian = _likelihood(at, low, high, weights)
+    centre = ends.mean()
+    width = max(float(np.ptp(ends)), 1e-3)
+    log_low = (log_low - centre) / width
+    log_high = (log_high - centre) / width
+    place = np.tile([0.0, 4.0], (len(weights), 1))  # a and b
+    for _ in range(_MAX_STEPS):
+        value, gradient, hessian = _likelihood(place, log_low, log_high, weights)
         step = -np.linalg.solve(hessian, gradient[..., None])[..., 0]
-        size, trial = np.ones(len(at)), at + step
-        for _ in range(40):  # halve until b stays positive and the likelihood does not fall
-            beyond = trial[:, 1] <= 0.05 * at[:, 1]
-            risen = _likelihood(np.where(beyond[:, None], at, trial), low, high, weights)[0]
-            is_worse = beyond | (risen < value - 1e-13 * np.abs(value))
+        size = np.ones(len(place))
+        trial = place + step
+        for _ in range(_MAX_HALVINGS):  # until b stays positive and the likelihood does not fall
+            is_beyond = trial[:, 1] <= 0.05 * place[:, 1]
+            trial_value = _likelihood(np.where(is_beyond[:, None], place, trial), log_low, log_high, weights)[0]
+            is_worse = is_beyond | (trial_value < value - 1e-13 * np.abs(value))
             if not is_worse.any():
                 break
             size = np.where(is_worse, 0.5 * size, size)
-            trial = at + size[:, None] * step
-        at = np.where(is_worse[:, None], at, trial)
+            trial = place + size[:, None] * step
+        place = np.where(is_worse[:, None], place, trial)
         if ((gradient * step).sum(axis=1) <= 1e-20 * weights.sum(axis=1)).all():
             break
-    with np.errstate(over="ignore"):  # what is as flat as that is not kept
-        return np.exp(centre - width * at[:, 0] / at[:, 1]), width / at[:, 1]
+    with np.errstate(over="ignore"):  # a curve as flat as that counts as one without a trend
+        return np.exp(centre - width * place[:, 0] / place[:, 1]), width / place[:, 1]
 
 
 def _likelihood(
-    at: np.ndarray, low: np.ndarray, high: np.ndarray, weights: np.ndarray
+    place: np.ndarray, low: np.ndarray, high: np.ndarray, weights: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Logarithm of the likelihood at (a, b), shape (fits,), its gradient, (fits, 2), and its second derivatives,
+    """Return the logarithm of the likelihood, shape (fits,), its gradient, (fits, 2), and its second derivatives,
     (fits, 2, 2).
 
+    place : a and b, shape (fits, 2)
     low, high : ln of the ends
     """
-    lower, upper = (at[:, :1] + at[:, 1:] * ends for ends in (low, high))
+    lower = place[:, :1] + place[:, 1:] * low
+    upper = place[:, :1] + place[:, 1:] * high
     # in the upper tail the difference of two probabilities near 1 is that of their complements
     flip = lower > 0
-    log_top, log_bottom = log_ndtr(np.where(flip, -lower, upper)), log_ndtr(np.where(flip, -upper, lower))
+    log_top = log_ndtr(np.where(flip, -lower, upper))
+    log_bottom = log_ndtr(np.where(flip, -upper, lower))
     inside = log_top + np.log(-np.expm1(log_bottom - log_top))
     # of both ends: the density there over the probability between them, and the score and ln x where they are finite
-    r, s = (np.exp(-0.5 * score**2 - 0.5 * np.log(2.0 * np.pi) - inside) for score in (upper, lower))
-    u, v, x, y = (np.where(np.isinf(each), 0.0, each) for each in (upper, lower, low, high))
-    d_a, d_b = r - s, r * y - s * x
-    d_aa, d_ab, d_bb = v * s - u * r - d_a**2, v * s * x - u * r * y - d_a * d_b, v * s * x**2 - u * r * y**2 - d_b**2
+    r = _density_ratio(upper, inside)
+    s = _density_ratio(lower, inside)
+    u = _zero_if_infinite(upper)
+    v = _zero_if_infinite(lower)
+    x = _zero_if_infinite(low)
+    y = _zero_if_infinite(high)
+    d_a = r - s
+    d_b = r * y - s * x
+    d_aa = v * s - u * r - d_a**2
+    d_ab = v * s * x - u * r * y - d_a * d_b
+    d_bb = v * s * x**2 - u * r * y**2 - d_b**2
     value, a, b, aa, ab, bb = ((weights * each).sum(axis=1) for each in (inside, d_a, d_b, d_aa, d_ab, d_bb))
     return value, np.stack([a, b], axis=-1), np.stack([aa, ab, ab, bb], axis=-1).reshape(-1, 2, 2)
+
+
+def _density_ratio(score: np.ndarray, log_probability: np.ndarray) -> np.ndarray:
+    """Return the density of the normal distribution at a score over a probability."""
+    return np.exp(-0.5 * score**2 - 0.5 * np.log(2.0 * np.pi) - log_probability)
+
+
+def _zero_if_infinite(values: np.ndarray) -> np.ndarray:
+    return np.where(np.isinf(values), 0.0, values)
 
 
 # Clouds
 
 
 def fit_lines(intensity: np.ndarray, demand: np.ndarray, weights: np.ndarray) -> Fits:
-    """Curves of P(demand > 1 | intensity) from lines of least squares, ln demand = intercept + slope ln intensity:
-    median exp(-intercept / slope), spread scatter / slope; of too few points without a trend.
+    """Return the curves of P(demand > 1 | intensity) from lines of least squares.
+
+    With ln demand = intercept + slope ln intensity the median is exp(-intercept / slope), the spread scatter / slope.
+    Too few points have no trend.
 
     intensity, demand : both above 0, shape (n,)
     weights : shape (fits, n)
     """
-    x, y = np.log(intensity), np.log(demand)
-    total, there = weights.sum(axis=1), weights > 0
-    highest = np.where(there, x, -np.inf).max(axis=1, initial=-np.inf)
-    lowest = np.where(there, x, np.inf).min(axis=1, initial=np.inf)
-    told = (there.sum(axis=1) >= FEWEST) & (highest - lowest > 1e-12)
-    some = np.where(told, total, 1.0)
-    mean_x, mean_y = (weights @ x) / some, (weights @ y) / some
-    dx, dy = x - mean_x[:, None], y - mean_y[:, None]
-    slope = (weights * dx * dy).sum(axis=1) / np.where(told, (weights * dx * dx).sum(axis=1), 1.0)
-    left = (weights * (dy - slope[:, None] * dx) ** 2).sum(axis=1)
-    rises = told & (slope > 1e-9)
+    x = np.log(intensity)
+    y = np.log(demand)
+    total = weights.sum(axis=1)
+    is_there = weights > 0
+    highest = np.where(is_there, x, -np.inf).max(axis=1, initial=-np.inf)
+    lowest = np.where(is_there, x, np.inf).min(axis=1, initial=np.inf)
+    has_line = (is_there.sum(axis=1) >= MIN_CLOUD_MOTIONS) & (highest - lowest > 1e-12)
+    count = np.where(has_line, total, 1.0)
+    mean_x = (weights @ x) / count
+    mean_y = (weights @ y) / count
+    dx = x - mean_x[:, None]
+    dy = y - mean_y[:, None]
+    slope = (weights * dx * dy).sum(axis=1) / np.where(has_line, (weights * dx * dx).sum(axis=1), 1.0)
+    residual = (weights * (dy - slope[:, None] * dx) ** 2).sum(axis=1)
+    rises = has_line & (slope > 1e-9)
     rise = np.where(rises, slope, 1.0)
-    spread = np.sqrt(left / np.where(told, total - 2, 1.0)) / rise
+    spread = np.sqrt(residual / np.where(has_line, total - 2, 1.0)) / rise
     with np.errstate(over="ignore"):
         median = np.exp((slope * mean_x - mean_y) / rise)
     outcome = np.where(spread <= 1e-12, Outcome.SEPARATED, Outcome.FITTED)
-    return _flattened(Fits(outcome, median, spread, _share(weights, y > 0)), ~rises | (spread > MOST_SPREAD))
+    return _flatten(Fits(outcome, median, spread, _share(weights, y > 0)), ~rises | (spread > MAX_SPREAD))
 
 
-# What the motions say; intensities `x` and demands over limit have the shape (motions, levels)
-
-UNDECIDED = float("-inf")
-"""Demand over limit of a scene that a collapse ended before the limit was passed: the whole motion might have passed
-it or not."""
+# Demands of the motions; intensities `x` and demands over limit have the shape (motions, levels)
 
 
 class Brackets(NamedTuple):
-    """What every motion says, each of shape (motions,).
+    """The bracket of the capacity of every motion, each of shape (motions,).
 
     held : highest intensity below the first pass at which it holds; 0: none
     passed : that of the first pass; inf: none
     is_open : whether a collapse leaves open if it passes above all at which it holds
-    undecided : its scenes that a collapse ended before the limit was passed
+    undecided : number of its time histories that a collapse ended before the limit was passed
     """
 
     held: np.ndarray
@@ -227,66 +260,126 @@ class Brackets(NamedTuple):
     undecided: np.ndarray
 
 
-def brackets(x: np.ndarray, demand: np.ndarray) -> Brackets:
-    """What motions say by their demands: above 1 where the limit is passed, UNDECIDED or NaN."""
+def find_brackets(x: np.ndarray, demand: np.ndarray) -> Brackets:
+    """Return the brackets of motions by their demands: above 1 where the limit is passed, UNDECIDED or NaN."""
     passed = np.where(demand > 1, x, np.inf).min(axis=1)
-    holds, lost = (demand <= 1) & (demand != UNDECIDED), demand == UNDECIDED
+    is_undecided = demand == UNDECIDED
+    holds = (demand <= 1) & ~is_undecided
     held = np.where(holds & (x < passed[:, None]), x, 0.0).max(axis=1)
-    is_open = (np.where(lost, x, 0.0).max(axis=1) > held) & (passed == np.inf)
-    return Brackets(held, passed, is_open, lost.sum(axis=1))
+    is_open = (np.where(is_undecided, x, 0.0).max(axis=1) > held) & (passed == np.inf)
+    return Brackets(held, passed, is_open, is_undecided.sum(axis=1))
 
 
-def curve_of(
-    x: np.ndarray, demand: np.ndarray, there: np.ndarray, times: np.ndarray, spec: FragilitySpec
-) -> tuple[dict[str, Any], Fits]:
-    """The columns of one curve, and its fits: of the curve first, then of its draws.
+class Curve(NamedTuple):
+    """One curve.
 
-    there : whether a scene was asked for; times : `draws_of` the motions
+    columns : of its row in the table of curves
+    fits : of the curve first, then of its draws
+    motions : behind the curve
     """
-    method, said, motions = spec.method, brackets(x, demand), len(x)
-    is_open, lost, drawn = said.is_open, demand == UNDECIDED, motions
-    if method == "cloud":  # intensities and demands
-        one, other, is_told = x, demand, np.isfinite(demand) & (demand > 0)
-    else:  # both ends of brackets, of `ida` one a motion and of `stripes` one for every scene
-        one, other = np.where((demand <= 1) & ~lost, x, 0.0), np.where(demand > 1, x, np.inf)
-        if method == "ida":
-            one, other = said.held, said.passed
-        is_told = (one > 0) | (other < np.inf)
-    one, other, motion = one[is_told], other[is_told], np.nonzero(is_told)[0]
-    if method == "cloud":
-        fits, told = fit_lines(one, other, times[:, motion]), np.unique(motion).size
-        is_few = told < FEWEST or 2 * told <= motions or float(np.ptp(np.log(one))) <= 1e-12
-        is_open = lost.any(axis=1) & ~np.isin(np.arange(motions), motion)
-        lost = ~np.isnan(demand) & ~is_told
-        if 2 * told > motions > 2 * is_open.sum():
-            drawn = told
-    else:
-        fits, ends = fit_brackets(one, other, times[:, motion]), np.unique(np.concatenate([one, other]))
-        is_few = motions < 2 or not one.size
-        is_few = is_few or (fits.outcome[0] == Outcome.SEPARATED and ((ends > 0) & (ends < np.inf)).sum() < 2)
-    outcome = Outcome.FEW if is_few else Outcome(fits.outcome[0])
-    low, high = 0.0, np.inf
-    if 2 * is_open.sum() >= motions:  # between these half of them pass, whatever the undecided ones would do
+
+    columns: dict[str, Any]
+    fits: Fits
+    motions: int
+
+    @property
+    def is_fitted(self) -> bool:
+        """Whether it has a median and a spread."""
+        return self.columns["outcome"] == Outcome.FITTED
+
+
+def fit_curve(x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec) -> Curve:
+    """Return the curve of motions by their demands.
+
+    is_asked : whether a time history was asked for, shape (motions, levels)
+    draws : `draw_motions`, shape (1 + draws, motions)
+    """
+    if spec.method == "cloud":
+        return _fit_cloud(x, demand, is_asked, draws, spec)
+    motions = len(x)
+    brackets = find_brackets(x, demand)
+    is_undecided = demand == UNDECIDED
+    if spec.method == "ida":  # one bracket a motion
+        low = brackets.held
+        high = brackets.passed
+    else:  # one a time history
+        low = np.where((demand <= 1) & ~is_undecided, x, 0.0)
+        high = np.where(demand > 1, x, np.inf)
+    is_known = (low > 0) | (high < np.inf)
+    low = low[is_known]
+    high = high[is_known]
+    fits = fit_brackets(low, high, draws[:, np.nonzero(is_known)[0]])
+    outcome = Outcome(fits.outcome[0])
+    ends = np.unique(np.concatenate([low, high]))
+    is_one_end = ((ends > 0) & (ends < np.inf)).sum() < 2
+    if motions < 2 or not low.size or (outcome is Outcome.SEPARATED and is_one_end):
+        outcome = Outcome.FEW
+    bounds = (0.0, np.inf)
+    if 2 * brackets.is_open.sum() >= motions:
         outcome = Outcome.UNDECIDED
-        if method != "cloud":
-            low, high = np.sort(said.held)[(motions - 1) // 2], np.sort(said.passed)[motions // 2]
-    elif outcome is Outcome.FITTED or (method == "cloud" and outcome is Outcome.SEPARATED):
-        low = high = fits.median[0]
-    elif outcome is not Outcome.FLAT and method != "cloud":  # where some hold and some pass, it may lie on either side
-        low = one[one < other.min(initial=np.inf)].max(initial=0.0)
-        high = other[other > one.max(initial=0.0)].min(initial=np.inf)
-    row: dict[str, Any] = {
-        "outcome": str(outcome),
-        "low": low,
-        "high": high,
-        "motions": drawn,
-        "scenes": there.sum(),
-        "failed": (there & np.isnan(demand)).sum(),
-        "undecided": lost.sum(),
-        "undecided_motions": is_open.sum(),
+        bounds = _bound_median(brackets)
+    elif outcome is Outcome.FITTED:
+        bounds = (fits.median[0], fits.median[0])
+    elif outcome is not Outcome.FLAT:  # where some hold and some pass, the median may lie on either side
+        bounds = (
+            low[low < high.min(initial=np.inf)].max(initial=0.0),
+            high[high > low.max(initial=0.0)].min(initial=np.inf),
+        )
+    counts = _count_histories(demand, is_asked, is_undecided, brackets.is_open)
+    return _build_curve(outcome, bounds, motions, counts, fits, spec.confidence)
+
+
+def _fit_cloud(
+    x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec
+) -> Curve:
+    """Return the curve of a line through a cloud; arguments as those of `fit_curve`."""
+    motions = len(x)
+    is_known = np.isfinite(demand) & (demand > 0)
+    motion = np.nonzero(is_known)[0]
+    intensity = x[is_known]
+    fits = fit_lines(intensity, demand[is_known], draws[:, motion])
+    known_motions = np.unique(motion).size
+    is_open = (demand == UNDECIDED).any(axis=1) & ~np.isin(np.arange(motions), motion)
+    outcome = Outcome(fits.outcome[0])
+    if known_motions < MIN_CLOUD_MOTIONS or 2 * known_motions <= motions or float(np.ptp(np.log(intensity))) <= 1e-12:
+        outcome = Outcome.FEW
+    is_decided = 2 * is_open.sum() < motions
+    bounds = (0.0, np.inf)
+    if not is_decided:
+        outcome = Outcome.UNDECIDED
+    elif outcome in (Outcome.FITTED, Outcome.SEPARATED):
+        bounds = (fits.median[0], fits.median[0])
+    behind = known_motions if 2 * known_motions > motions and is_decided else motions
+    counts = _count_histories(demand, is_asked, ~np.isnan(demand) & ~is_known, is_open)
+    return _build_curve(outcome, bounds, behind, counts, fits, spec.confidence)
+
+
+def _bound_median(brackets: Brackets) -> tuple[float, float]:
+    """Return the intensities between which half of the motions pass, whatever the undecided ones would do."""
+    motions = len(brackets.held)
+    return np.sort(brackets.held)[(motions - 1) // 2], np.sort(brackets.passed)[motions // 2]
+
+
+def _count_histories(
+    demand: np.ndarray, is_asked: np.ndarray, is_undecided: np.ndarray, is_open: np.ndarray
+) -> dict[str, int]:
+    """Return the columns that count time histories and undecided motions."""
+    return {
+        "histories": int(is_asked.sum()),
+        "failed": int((is_asked & np.isnan(demand)).sum()),
+        "undecided": int(is_undecided.sum()),
+        "undecided_motions": int(is_open.sum()),
     }
+
+
+def _build_curve(
+    outcome: Outcome, bounds: tuple[float, float], motions: int, counts: dict[str, int], fits: Fits, confidence: float
+) -> Curve:
+    """Return a curve with the columns of its row."""
+    columns: dict[str, Any] = {"outcome": str(outcome), "low": bounds[0], "high": bounds[1], "motions": motions}
+    columns |= counts
     if outcome is Outcome.FITTED:
-        for name in ("median", "spread"):
-            row |= with_interval(name, getattr(fits, name), spec.confidence, drawn)
-        row["unfitted"] = (fits.outcome[1:] != Outcome.FITTED).sum()
-    return row, fits
+        columns |= build_estimate("median", fits.median, confidence, motions)
+        columns |= build_estimate("spread", fits.spread, confidence, motions)
+        columns["unfitted"] = int((fits.outcome[1:] != Outcome.FITTED).sum())
+    return Curve(columns, fits, motions)

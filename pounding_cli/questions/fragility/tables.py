@@ -1,61 +1,124 @@
-"""The columns of the tables of `pound fragility`."""
+"""The tables of `pound fragility` and their columns."""
 
 from __future__ import annotations
 
 from pounding_cli.numbers import Unit
+from pounding_cli.questions.frames import NUMBER, PLACE_COLUMNS, STATE, list_estimate_columns
 from pounding_cli.tables import Column
 
-NUMBER = Unit("", 1.0, "1")
+CURVES = "fragility"
+MOTIONS = "fragility_motions"
+POINTS = "fragility_curves"
+RATES = "fragility_rates"
+CONTRIBUTIONS = "fragility_contributions"
+"""Names of the tables; the last two where the study gives a hazard curve."""
 
-FRAGILITY_COLUMNS = (
-    Column("limit", "what is passed"),
-    Column("building", "building that passes it, or the pair in contact"),
-    Column("outcome", "outcome of the fit"),
-    Column("median", "intensity at which half of the motions pass the limit"),  # in the unit that the study decides
-    Column("spread", "logarithmic standard deviation of that intensity", unit=NUMBER),
-    Column("low", "the median is not below"),  # in the unit that the study decides
-    Column("high", "the median is not above; inf where no end is known"),  # in the unit that the study decides
-    Column("motions", "motions of the curve", unit=NUMBER),
-    Column("scenes", "scenes asked for", unit=NUMBER),
-    Column(
-        "failed",
-        "scenes that failed; they widen brackets and are counted neither as holding nor as passing",
-        unit=NUMBER,
-    ),
-    Column(
+PER_YEAR = Unit("1/year", 1.0, "1/year")
+PERCENT = Unit("%", 0.01, "1")
+
+
+def _count(name: str, text: str) -> Column:
+    """Return a column of counts."""
+    return Column(name, text, NUMBER, digits=0)
+
+
+CURVE_COLUMNS = (
+    Column("outcome", "outcome of the fit; only `fitted` has a median and a spread"),
+    *list_estimate_columns(Column("median", "median capacity: intensity at which 50 % of the motions pass the limit")),
+    *list_estimate_columns(Column("spread", "standard deviation of the logarithm of the capacity", NUMBER)),
+    Column("low", "lower bound of the median, whatever undecided motions would do"),
+    Column("high", "upper bound of the median; inf where there is none"),
+    _count("motions", "motions of the curve"),
+    _count("histories", "time histories that the curve rests on"),
+    _count("failed", "time histories that failed; they widen brackets and count neither as holding nor as passing"),
+    _count(
         "undecided",
-        "scenes that a collapse ended before the limit was passed or, of a cloud, whose demand is not known or has no logarithm; counted neither as holding nor as passing",
-        unit=NUMBER,
+        "time histories that a collapse ended before the limit was passed; of a cloud also those whose demand is not "
+        "known or has no logarithm; they count neither as holding nor as passing",
     ),
-    Column(
+    _count(
         "undecided_motions",
-        "motions not known to pass, nor to hold at the highest intensities, since a collapse ended their scenes; from half of the motions on there is no curve",
-        unit=NUMBER,
+        "motions not known to pass, nor to hold at the highest intensities, since a collapse ended their time "
+        "histories; from half of the motions on there is no curve",
     ),
-    Column("unfitted", "draws of the bootstrap without a fit; they count with what a fit would tend to", unit=NUMBER),
-    Column("ratio", "median with pounding over median alone", unit=NUMBER),
-    Column("intensity", "intensity of the motion, or of the point of the curve"),  # in the unit that the study decides
-    Column(
-        "held", "highest intensity below `passed` at which the motion holds; 0 where there is none"
-    ),  # in the unit that the study decides
-    Column(
-        "passed", "lowest intensity at which the motion passes the limit; inf where there is none"
-    ),  # in the unit that the study decides
+    _count("unfitted", "draws of the bootstrap without a fit; they count with what a fit would tend to"),
+    *list_estimate_columns(Column("ratio", "median with pounding over median alone; empty alone", NUMBER)),
+)
+
+MOTION_COLUMNS = (
+    Column("intensity", "intensity of the motion"),
+    Column("held", "highest intensity below `passed` at which the motion holds; 0 where there is none"),
+    Column("passed", "lowest intensity at which the motion passes the limit; inf where there is none"),
     Column(
         "demand",
-        "demand over limit; inf where a collapse ended the scene after the limit was passed; empty where one did before, and where the scene failed",
-        unit=NUMBER,
+        "demand over limit; inf where a collapse ended the time history after the limit was passed; empty where one "
+        "did before, and where the time history failed",
+        NUMBER,
     ),
-    Column("probability", "probability that the limit is passed, at the intensity or within 50 years", unit=NUMBER),
-    Column(
-        "rate",
-        "mean annual rate at which the limit is passed; beside a range, at these intensities",
-        unit=Unit("1/year", 1.0, "1/year"),
+    _count(
+        "undecided",
+        "time histories of the motion that a collapse ended before the limit was passed; they count neither as holding "
+        "nor as passing",
     ),
-    Column(
-        "beyond", "part of the rate that comes from intensities above the last one of the hazard curve", unit=NUMBER
-    ),
-    Column("rate_ratio", "rate with pounding over rate alone", unit=NUMBER),
-    Column("from", "lower end of a range of intensities"),  # in the unit that the study decides
-    Column("to", "its upper end"),  # in the unit that the study decides
 )
+
+POINT_COLUMNS = (
+    Column("intensity", "intensity of the point of the curve"),
+    *list_estimate_columns(Column("probability", "probability that the limit is passed at the intensity", NUMBER)),
+)
+
+RATE_COLUMNS = (
+    *list_estimate_columns(Column("rate", "mean annual rate at which the limit is passed", PER_YEAR)),
+    Column("probability", "probability that the limit is passed within 50 years", NUMBER),
+    Column("beyond", "part of the rate that comes from beyond the last intensity of the hazard curve", NUMBER),
+    *list_estimate_columns(Column("rate_ratio", "rate with pounding over rate alone; empty alone", NUMBER)),
+)
+
+CONTRIBUTION_COLUMNS = (
+    Column("from", "lower end of a range of intensities"),
+    Column("to", "upper end of a range of intensities"),
+    Column("rate", "part of the mean annual rate that comes from the range", PER_YEAR),
+)
+
+_KNOWN = {column.name: column for column in PLACE_COLUMNS}
+
+PLACES = (
+    _KNOWN["case"],
+    _KNOWN["analysis"],
+    Column("limit", "limit that is passed"),
+    Column("building", "building that passes the limit, or the pair in contact"),
+    _KNOWN[STATE],
+)
+"""Columns that say in every table, behind the swept keys, where a row stands."""
+
+TABLES = {
+    CURVES: (*PLACES, *CURVE_COLUMNS),
+    MOTIONS: (*PLACES, _KNOWN["record"], *MOTION_COLUMNS),
+    POINTS: (*PLACES, *POINT_COLUMNS),
+    RATES: (*PLACES, *RATE_COLUMNS),
+    CONTRIBUTIONS: (*PLACES, *CONTRIBUTION_COLUMNS),
+}
+"""Columns of every table, behind the swept keys."""
+
+IN_UNIT_OF_INTENSITY = (
+    "median",
+    "median_low",
+    "median_high",
+    "low",
+    "high",
+    "intensity",
+    "held",
+    "passed",
+    "from",
+    "to",
+)
+"""Columns whose unit the study decides."""
+
+_NOT_OF_METHOD = {"ida": ("intensity", "demand"), "stripes": ("held", "passed"), "cloud": ("held", "passed")}
+"""Columns of MOTIONS that a method does not have: `ida` has brackets of capacities, the others have demands."""
+
+
+def list_columns(name: str, method: str) -> list[str]:
+    """Return the names of the columns of a table, for a method."""
+    left_out = _NOT_OF_METHOD[method] if name == MOTIONS else ()
+    return [column.name for column in TABLES[name] if column.name not in left_out]

@@ -1,0 +1,104 @@
+"""Demands over limits of the time histories of a curve."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pounding_cli.questions.fragility.curves import UNDECIDED
+from pounding_cli.questions.fragility.targets import takes_blow
+from pounding_cli.questions.frames import ALONE
+from pounding_cli.study import Plan
+from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
+from pounding_cli.study.swept import Point
+
+if TYPE_CHECKING:
+    from pounding_cli.results.solved import Solved
+
+_PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
+"""Quantity of a limit -> the values of time histories that it is compared with."""
+
+
+class CurvePlace(NamedTuple):
+    """The place of a curve with pounding and of that of the building alone.
+
+    number : of the point of the sweep, the intensity set aside
+    point : its index on every axis, 0 on the intensity's
+    case, analysis : numbers
+    histories : by state (POUNDING, and ALONE where the building alone can pass the limit) the time histories of all
+        motions and intensities by number, shape (motions, levels); intensities rise
+    """
+
+    number: int
+    point: Point
+    case: int
+    analysis: int
+    target: Target
+    histories: dict[str, np.ndarray]
+
+
+def find_demands(plan: Plan, solved: Solved, place: CurvePlace, state: str) -> np.ndarray:
+    """Return demand over limit [-], shape (motions, levels).
+
+    It is above 1 where the limit is passed, inf where a collapse ended the time history after that, UNDECIDED where one
+    did before, NaN where the time history failed or was not asked for.
+
+    Passed are limits that were passed before a time history ended, the collapse itself, and limits on the drift or the
+    ductility of the storey that collapsed: its drift has no bound.
+    """
+    limit = place.target.limit
+    histories = place.histories[state]
+    building = 0 if state == ALONE else place.target.building  # the only one of its scene
+    demand = _compare_peaks(plan, solved, place, histories, building)
+    fallen_storey = np.nan_to_num(solved.values["collapse_storey"][histories]).astype(int)
+    is_fallen = fallen_storey > 0
+    is_building = is_fallen & (solved.values["collapse_building"][histories] == building)
+    is_target = is_building
+    if limit.level and limit.quantity != COLLAPSE:
+        is_target = is_building & (fallen_storey == limit.level)
+    if limit.quantity not in ("mu", "drift", COLLAPSE):
+        is_target = np.zeros_like(is_building)
+    is_passed = (demand > 1) | is_target
+    demand = np.where(is_fallen, np.where(is_passed, np.inf, UNDECIDED), demand)
+    return np.where(solved.ended[histories], demand, np.nan)
+
+
+def _compare_peaks(
+    plan: Plan, solved: Solved, place: CurvePlace, histories: np.ndarray, building_place: int
+) -> np.ndarray:
+    """Return demand over limit by the largest values of time histories, whatever ended them; 0 of collapse.
+
+    building_place : of the target's building in these time histories
+    """
+    limit = place.target.limit
+    building = plan.study.building(place.point, place.target.building)
+    if limit.quantity in _PEAKS:
+        values = solved.values[_PEAKS[limit.quantity]]
+        peaks = values[histories, building_place, : building.storeys]
+        parts = peaks / (limit.value * building.height if limit.of_height else limit.value)
+        return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
+    if limit.quantity == COLLAPSE:
+        return np.zeros(histories.shape)
+    parts = _compare_links(plan, solved, place, histories)
+    return np.fmax.reduce(parts, axis=-1) if parts.shape[-1] else np.zeros(histories.shape)
+
+
+def _compare_links(plan: Plan, solved: Solved, place: CurvePlace, histories: np.ndarray) -> np.ndarray:
+    """Return demand over limit of every link that the limit concerns, shape (motions, levels, links)."""
+    limit = place.target.limit
+    links = plan.links
+    where = (*place.point, place.case)
+    is_there = links.kind[where] != ""
+    if limit.quantity == CONTACT:
+        is_of_pair = [each.left == place.target.building for each in links.places]
+        chosen = np.flatnonzero(is_there & is_of_pair)
+        gap = links.gap[where][chosen]
+        closing = solved.values["link.max_closing"][histories][..., chosen]
+        with np.errstate(divide="ignore", invalid="ignore"):  # floors in touch
+            return np.where(closing == 0, 0.0, closing / gap)
+    assert limit.quantity == SHEAR_DEMAND
+    yield_shear = plan.study.building(place.point, place.target.building).yield_shear
+    strikes = [takes_blow(place.target, each, yield_shear) for each in links.places]
+    chosen = np.flatnonzero(is_there & strikes)
+    return solved.values["columns.demand"][histories][..., chosen] / limit.value

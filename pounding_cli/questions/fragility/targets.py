@@ -1,0 +1,109 @@
+"""Which buildings or pairs of buildings a limit concerns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from pounding_cli.model.links import LinkPlace, link_places
+from pounding_cli.questions.question import StudyQuestion
+from pounding_cli.study import Study
+from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Limit, Target
+from pounding_cli.study.file import nearest
+from pounding_cli.study.group import unique_names
+from pounding_cli.study.swept import Point
+
+_HINTS = {
+    COLLAPSE: "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`",
+    SHEAR_DEMAND: "write `columns:` in a building that yields; `pound check` lists where slabs strike columns",
+}
+"""Hint of a limit that no storey can pass."""
+
+
+def find_targets(question: StudyQuestion, limits: Sequence[Limit]) -> list[Target]:
+    """Return the buildings, or pairs, that limits concern; add what is wrong with these to the question's problems."""
+    targets: list[Target] = []
+    for number, limit in enumerate(limits):
+        for target in _find_targets_of_limit(question, limit, number):
+            if target in targets:
+                message = f"the limit '{limit}' occurs twice"
+                question.add_problem(("limits", number), message, "remove one of the two")
+            targets.append(target)
+    return targets
+
+
+def _find_targets_of_limit(question: StudyQuestion, limit: Limit, number: int) -> list[Target]:
+    """Return the buildings, or pairs, that a limit concerns.
+
+    A wall stands in a row only where a limit on its movement names it.
+
+    number : of the limit in the section
+    """
+    study = question.study
+    path = ("limits", number)
+    group = study.spec.group
+    names = unique_names(group)
+    if limit.quantity == CONTACT:
+        return [Target(limit, left) for left in range(len(names) - 1)]
+    if limit.building:
+        places = [place for place, name in enumerate(names) if limit.building in (name, group[place])]
+    else:
+        places = [place for place in range(len(names)) if not question.is_wall(place)]
+    if not places:
+        message = f"'{limit}': no building '{limit.building}' in the group"
+        question.add_problem(path, message, nearest(limit.building, dict.fromkeys((*names, *group))))
+        return []
+    if any(question.lacks(place, limit.quantity) for place in places):
+        buildings = [name for place, name in enumerate(names) if not question.is_wall(place)]
+        message = f"'{limit}': {limit.building} is a wall, which has no {limit.quantity}"
+        question.add_problem(path, message, f"name one of the buildings: {', '.join(buildings)}")
+        return []
+    storeys = {place: study.building(study.first_point, place).storeys for place in places}
+    targets = [Target(limit, place) for place in places if storeys[place] >= limit.level]
+    if not targets:
+        highest = max(storeys.values())
+        question.add_problem(path, f"'{limit}': the highest is {highest}", f"write a number from 1 to {highest}")
+        return []
+    if limit.quantity in _CAN_PASS:
+        targets = _keep_able(study, targets, _CAN_PASS[limit.quantity])
+        if not targets:
+            question.add_problem(path, f"'{limit}': no storey there can pass it", _HINTS[limit.quantity])
+    return targets
+
+
+def _keep_able(
+    study: Study, targets: Sequence[Target], can_pass: Callable[[Study, Target, Point], bool]
+) -> list[Target]:
+    """Return the targets that can pass their limit at some point of the sweep."""
+    points = list(np.ndindex(*(len(axis.values) for axis in study.axes)))
+    return [target for target in targets if any(can_pass(study, target, point) for point in points)]
+
+
+def _can_collapse(study: Study, target: Target, point: Point) -> bool:
+    return bool(np.isfinite(study.building(point, target.building).collapse_drift).any())
+
+
+def _can_be_struck(study: Study, target: Target, point: Point) -> bool:
+    """Return whether a slab strikes columns of the building in any case."""
+    yield_shear = study.building(point, target.building).yield_shear
+    links = (place for case in study.spec.cases for place in link_places(study.links(point, case) or ()))
+    return any(takes_blow(target, place, yield_shear) for place in links)
+
+
+_CAN_PASS = {COLLAPSE: _can_collapse, SHEAR_DEMAND: _can_be_struck}
+"""Limits that not every building can pass."""
+
+
+def takes_blow(target: Target, place: LinkPlace, yield_shear: np.ndarray) -> bool:
+    """Return whether a link strikes columns of the target's building, of its only storey if the limit names one.
+
+    Columns of storeys that cannot yield do not count: nothing says what they can carry.
+
+    yield_shear : of the building's storeys [N], shape (storeys,)
+    """
+    if not place.is_on_columns:
+        return False
+    building, storey = place.struck_storey
+    is_meant = building == target.building and target.limit.level in (0, storey)
+    return bool(is_meant and yield_shear[storey - 1] < np.inf)
