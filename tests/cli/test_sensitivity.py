@@ -154,6 +154,7 @@ def test_effects_of_morris_are_told_with_their_unit(folder):
     drawn = change(results, "sensitivity", lambda frame: frame.assign(**values, sigma=[0.0004, 0.0003]))
     (ax,) = build_report(drawn).figures()[0].draw().axes
     assert ax.get_xlabel() == "change of the output over the range of the key [mm]"
+    assert ax.get_title(loc="left").replace("\n", " ") == "largest closing (case near, inelastic, mean of 2 motions)"
     assert list(whiskers(ax, "mean effect").values()) == [pytest.approx([0.5, 1, 1.2]), pytest.approx([1.5, 2, 2.5])]
     (marks,) = [line for line in ax.lines if line.get_label() == "deviation"]
     assert marks.get_xdata() == pytest.approx([0.3, 0.4])

@@ -46,16 +46,18 @@ def draw_indices(results: ResultTables, outputs: Sequence[pd.DataFrame]) -> Figu
     """
     key_count = len(outputs[0])
     is_sobol = "total" in outputs[0]
-    figure = new_figure(9.0 if is_sobol else 6.0, (0.33 * key_count + 1.0) * len(outputs) + 0.8)
+    title_width = 100 if is_sobol else 56
+    titles = [textwrap.fill(describe_place(results, rows.iloc[0].to_dict()), title_width) for rows in outputs]
+    height = (0.33 * key_count + 1.0) * len(outputs) + 0.15 * sum(title.count("\n") for title in titles) + 0.8
+    figure = new_figure(9.0 if is_sobol else 6.0, height)
     axes = figure.subplots(len(outputs), 2 if is_sobol else 1, squeeze=False, sharey="row")
     y = np.arange(key_count)
-    for line, most_first in zip(axes, outputs, strict=True):
+    for line, most_first, title in zip(axes, outputs, titles, strict=True):
         rows = most_first[::-1]
         first = most_first.iloc[0].to_dict()
         unit = find_output_unit(results, first["output"], first["unit"])
-        labels = [f"{textwrap.fill(key_words(key), 32)}\n{key}" for key in rows["key"]]
-        line[0].set_yticks(y, labels, fontsize=7)
-        line[0].set_title(textwrap.fill(describe_place(results, first), 100), loc="left")
+        line[0].set_yticks(y, map(_label_key, rows["key"]), fontsize=7)
+        line[0].set_title(title, loc="left")
         if is_sobol:
             _draw_tornado(line[0], rows, y, unit)
             _draw_dots(line[1], rows, y + 0.13, "total", _TOTAL, "total index")
@@ -74,6 +76,12 @@ def draw_indices(results: ResultTables, outputs: Sequence[pd.DataFrame]) -> Figu
     shared_legend(figure, axes[0], "outside lower center", columns=4)
     finish(figure, results.title)
     return figure
+
+
+def _label_key(key: str) -> str:
+    """Return a key in words, and below them as the study writes it."""
+    words = key_words(key)
+    return key if words == key else f"{textwrap.fill(words, 32)}\n{key}"
 
 
 def _draw_tornado(ax: Axes, rows: pd.DataFrame, y: np.ndarray, unit: Unit) -> None:
