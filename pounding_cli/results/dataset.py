@@ -35,8 +35,10 @@ Arrays = dict[str, np.ndarray]
 
 
 def build_arrays(plan: Plan, solved: Solved) -> ResultArrays:
-    """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link; rows whose
-    scene nobody asked for have no numbers, and no status."""
+    """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link.
+
+    Rows whose scene nobody asked for have no numbers, and no status.
+    """
     axes = tuple(axis.names[0] for axis in plan.axes)
     kept = [
         v
