@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import textwrap
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 PIPE_WIDTH = 250
@@ -176,6 +175,6 @@ def _measure(text: str) -> int:
     return cell_len(text)
 
 
-def _wrap(text: str, width: int) -> Sequence[str]:
+def _wrap(text: str, width: int) -> list[str]:
     """Return the lines of a text; a word longer than a line is broken, as nothing may be cut."""
     return textwrap.wrap(text, max(width, 1), break_on_hyphens=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import shutil
 import sys
@@ -64,7 +65,9 @@ def _check_tables(results: ResultTables, names: Sequence[str]) -> None:
         if name in results.tables:
             continue
         command = next((question.name for question in load_questions() if name in question.tables), "")
-        hint = f"write it with: pound {command} STUDY" if command else f"it has: {', '.join(results.tables)}"
+        similar = difflib.get_close_matches(name, results.tables, 1)
+        meant = f"did you mean '{similar[0]}'? " if similar else ""
+        hint = f"write it with: pound {command} STUDY" if command else f"{meant}it has: {', '.join(results.tables)}"
         raise InputError(Problem(f"has no table {name}", hint, str(results.path)))
 
 
@@ -178,7 +181,7 @@ def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame) -> Ta
     """
     from pounding_cli.tables import Table
 
-    columns = [results.column(name, str(each)) for each in frame.columns]
+    columns = [replace(results.column(name, str(each)), label=str(each)) for each in frame.columns]  # for --where
     places = {*results.axes, *COORDINATE_VARIABLES, "place"}
     first = next((number for number, column in enumerate(columns) if column.name not in places), len(columns))
     kept = columns[: first + 1]

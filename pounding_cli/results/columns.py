@@ -34,6 +34,9 @@ _FURTHER = {
 }
 """Columns that are no variables of the file: SI unit and meaning."""
 
+_COUNTS = ("impacts", "place", "records_used", "records_flagged", "records_meaningless", "records_collapsed")
+"""Columns of whole numbers that files have as doubles, since some of their rows have none."""
+
 _DISPLAY_UNITS = {
     "N": Unit("kN", 1e3),
     "m": Unit("mm", 1e-3),
@@ -79,7 +82,7 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None, table: str = "
         text = "swept; as in the study file, SI"
         label = name
     unit = find_display_unit(name, Unit("" if si == "1" else si, 1.0, si), units)
-    return Column(name, text, unit, label, digits=0 if kind == "i" else 4)
+    return Column(name, text, unit, label, digits=0 if kind == "i" or name in _COUNTS else 4)
 
 
 def find_display_unit(name: str, unit: Unit, units: Mapping[str, Unit] | None = None) -> Unit:

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
-from pounding_cli.questions.run.words import largest
+from pounding_cli.questions.run.tables import build_peaks_table
 from pounding_cli.results import netcdf, tables
 from pounding_cli.results.compare import compare
 
@@ -84,7 +84,7 @@ OPERATIONS = {
     "process": lambda results: pickle.loads(pickle.dumps(results.data)).to_dataframe(),
     "first sample": lambda results: results.at({}).storey(),
     "compare": lambda results: compare(results, results).changes,
-    "largest": lambda results: largest(results, results.scene()).frame,
+    "largest": lambda results: build_peaks_table(results).frame,
     **{name: (lambda results, name=name: results.table(name)) for name in tables.TABLES},
 }
 

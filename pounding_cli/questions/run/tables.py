@@ -158,7 +158,7 @@ def _find_places(results: ResultTables, peak: Peak) -> pd.DataFrame:
     keys = [peak.rows[key][values.index] for key in ("case", "analysis")]
     rows = peak.rows.loc[values.groupby(keys, sort=False).idxmax()]
     points = [_format_point(results, row) for row in rows.to_dict("records")]
-    places = {
+    places: dict[str, Any] = {
         f"{name}_building": rows["building"],
         f"{name}_level": rows[peak.level],
         f"{name}_record": rows["record"],

@@ -19,7 +19,7 @@ from pounding_cli.questions.run.tables import (
 )
 from pounding_cli.report.background import ADVICE, CONTACT_STIFFNESS_UNKNOWN, advice, trust
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
-from pounding_cli.results.flags import failed_scenes, flag_groups_of
+from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
 from pounding_cli.results.plausible import MAX_DUCTILITY
 from pounding_cli.solver.response import OUTCOMES
 
@@ -100,11 +100,13 @@ def list_sentences(results: ResultTables) -> list[str]:
     if not np.isin(statuses, OUTCOMES).any():
         return ["All time histories failed: there is no result to show."]
     sentences = [*_describe_failures(results), *_describe_collapses(shown)]
-    if approach := _describe_open_gaps(shown):
+    approach = _describe_open_gaps(shown)
+    if approach:
         sentences.append(approach)
     else:
         for building in [shown.main, *(each for each in shown.built if each != shown.main)]:
             sentences += _describe_building(shown, building)
+    sentences += _describe_meaningless(shown)
     if shown.label and sentences:
         sentences[0] = f"At {shown.label}: {sentences[0]}"
     sentences = [_capitalise_case(sentence) for sentence in sentences]
@@ -148,7 +150,7 @@ def find_changes(shown: Evidence, building: str, response: Response) -> list[Cha
         place = {"case": case, "analysis": response.analysis, "building": building}
         ratios = shown.values(response.ratio, **place)
         means = shown.values(f"{response.ratio}_mean", **place)
-        if not np.isfinite(means).any():
+        if not np.isfinite(means).any() or _count_meaningless(shown, case, response.analysis) == len(ratios):
             continue
         motion, storey = np.unravel_index(int(np.nanargmax(ratios)), ratios.shape)
         changes.append(
@@ -271,6 +273,25 @@ def _format_percent(part: float) -> str:
 def _format_rise(ratio: float) -> str:
     """Return a rise in percent, "18 %"; one beyond a doubling as "2.4-fold"."""
     return _format_percent(ratio - 1) if ratio <= 2 else f"{float(f'{ratio:.2g}'):g}-fold"
+
+
+def _count_meaningless(shown: Evidence, case: str, analysis: str) -> int:
+    """Return under how many motions the numbers of a case mean nothing."""
+    flags = shown.values("flags", case=case, analysis=analysis)
+    return sum(map(is_void, flags.tolist()))
+
+
+def _describe_meaningless(shown: Evidence) -> list[str]:
+    """Return a sentence for every case and analysis whose numbers mean nothing under some motions."""
+    sentences = []
+    for group in shown.flag_groups:
+        if group.meaningless:
+            under = "its motion" if group.of == 1 else f"{group.count} of {group.of} motions"
+            sentences.append(
+                f"{MARK} Case {group.case}, {group.analysis}: the numbers mean nothing under {under}, as the "
+                f"{group.flag}."
+            )
+    return sentences
 
 
 # Gaps, collapses, failures, sweeps
