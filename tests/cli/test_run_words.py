@@ -106,11 +106,17 @@ SWAPPED = {"low": UP["high"], "high": UP["low"]}
         ),
         (
             {"low": [[0.6, 1.0], [1.2, 1.0]]},
-            ["lowers the elastic storey shears of low by up to 10 % (mean of 2 motions; but largest rise 20 %, storey 1, strong)"],
+            [
+                "lowers the elastic storey shears of low by up to 10 % (mean of 2 motions; but largest rise 20 %, "
+                "storey 1, strong)"
+            ],
         ),
         (
             {"low": [[1.0, 3.0], [1.0, 2.2]]},
-            ["raises the elastic storey shears of low up to 2.6-fold (storey 2, mean of 2 motions; largest 3-fold, weak)."],
+            [
+                "raises the elastic storey shears of low up to 2.6-fold (storey 2, mean of 2 motions; largest 3-fold, "
+                "weak)."
+            ],
         ),
         (
             {"low": [[1.0, 1.001], [1.0, 1.002]]},

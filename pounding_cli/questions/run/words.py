@@ -84,13 +84,14 @@ class Change:
         return not self.is_rise and self.lowest < 1 - MIN_CHANGE
 
     @property
+    def size(self) -> str:
+        """The largest change in words: "18 %", "2.4-fold"."""
+        return _format_rise(self.highest) if self.is_rise else _format_percent(1 - self.lowest)
+
+    @property
     def amount(self) -> str:
-        """The largest change in words: "by up to 18 %", "up to 2.4-fold"."""
-        if self.is_rise:
-            return (
-                f"up to {_format_rise(self.highest)}" if self.highest > 2 else f"by up to {_format_rise(self.highest)}"
-            )
-        return f"by up to {_format_percent(1 - self.lowest)}"
+        """The largest change behind a verb: "by up to 18 %", "up to 2.4-fold"."""
+        return f"up to {self.size}" if self.size.endswith("fold") else f"by up to {self.size}"
 
 
 def list_sentences(results: ResultTables) -> list[str]:
@@ -211,10 +212,8 @@ def _describe_group(verb: str, group: Sequence[Change], subject: str, motions: i
     clause = f"case {first.case} {verb} {subject} {first.amount} ({_describe_details(first, motions)})"
     if len(others) < MAX_CASES:
         return ", ".join([clause, *(f"{change.case} {change.amount}" for change in others)])
-    amounts = (
-        f"{others[-1].amount.removeprefix('by ')} ({others[-1].case}) to {others[0].amount.removeprefix('by up to ')}"
-    )
-    return f"{clause}, {len(others)} others by {amounts.removeprefix('up to ')}"
+    most, least = others[0], others[-1]
+    return f"{clause}, {len(others)} others by {least.size} ({least.case}) to {most.size} ({most.case})"
 
 
 def _describe_details(change: Change, motions: int) -> str:
