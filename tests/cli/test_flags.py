@@ -192,7 +192,12 @@ def edited_solver(edit):
 
 @pytest.mark.parametrize(
     ("flag", "status", "names"),
-    [("soft alone", "stalled", ()), ("V0 = 0", "done", ("shear",)), ("mu0 = 0", "done", ("ductility",))],
+    [
+        ("soft alone", "stalled", ()),
+        ("V0 = 0", "done", ("shear",)),
+        ("mu0 = 0", "done", ("ductility",)),
+        ("acceleration0 = 0", "done", ("acceleration",)),
+    ],
 )
 def test_flags_of_buildings_alone_that_give_no_ratio(pound, folder, flag, status, names):
     """The solver of `soft` by itself fails, or gives a building that does not move."""
