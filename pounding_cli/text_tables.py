@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 PIPE_WIDTH = 250
@@ -107,20 +107,30 @@ class TextTable:
         )
 
     def _lay_out_grid(self, width: int) -> str:
-        from rich import box
-        from rich.console import Console
-        from rich.table import Table
-
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-        for head, is_right, column_width in zip(self.heads, self.is_right, self._choose_widths(width), strict=True):
-            table.add_column(head, justify="right" if is_right else "left", width=column_width)
+        """Return the caption, the headings above a rule, and the rows, with texts wrapped to their columns."""
+        widths = self._choose_widths(width)
+        lines = _wrap(self.caption, width) if self.caption else []
+        lines += ["", *self._lay_out_row(self.heads, widths)]
+        lines.append(" " + "─" * (sum(widths) + _SPACE * (len(widths) - 1)))
         for row in self.rows:
-            table.add_row(*row)
-        drawn = io.StringIO()
-        Console(file=drawn, width=width, markup=False, emoji=False, highlight=False).print(table)  # [cm] is a unit
-        lines = [line.rstrip() for line in drawn.getvalue().splitlines()]
-        caption = _wrap(self.caption, width) if self.caption else []
-        return "\n".join([*caption, *lines]).rstrip() + "\n"
+            lines += self._lay_out_row(row, widths)
+        return "\n".join(lines) + "\n"
+
+    def _lay_out_row(self, cells: Sequence[str], widths: Sequence[int]) -> list[str]:
+        """Return the lines of one row."""
+        columns = []
+        for place, (cell, width) in enumerate(zip(cells, widths, strict=True)):
+            lines = cell.split("\n")
+            if max(map(_measure, lines)) > width:
+                lines = [part for line in lines for part in _wrap(line, width)]
+            is_right = self.is_right[place]
+            blanks = [" " * (width - _measure(line)) for line in lines]
+            columns.append(
+                [blank + line if is_right else line + blank for line, blank in zip(lines, blanks, strict=True)]
+            )
+        height = max(map(len, columns))
+        filled = [lines + [" " * width] * (height - len(lines)) for lines, width in zip(columns, widths, strict=True)]
+        return [(" " + (" " * _SPACE).join(parts)).rstrip() for parts in zip(*filled, strict=True)]
 
     def _choose_widths(self, width: int) -> list[int]:
         """Return the width of every column: that of its cells, or less for the widest texts where there is no room."""

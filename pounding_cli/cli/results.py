@@ -190,7 +190,7 @@ def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame) -> Ta
 
 def _note_on_contact(results: ResultTables, frame: pd.DataFrame) -> str:
     """Return a note where a table has accelerations or forces of floors that strike; "" where it has none."""
-    from pounding_cli.report.background import CONTACT_STIFFNESS_UNKNOWN
+    from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
 
     names = [str(name) for name in frame.columns]
     has_numbers = any(name.startswith(("acceleration", "peak_force")) for name in names)

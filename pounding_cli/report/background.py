@@ -19,7 +19,6 @@ from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
-from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.tables import Table, table_of_texts
 
 if TYPE_CHECKING:
@@ -32,12 +31,6 @@ _TITLES = {
 """The tables of scenes that a report has, and what they are called."""
 
 STIFFNESS = "impact.stiffness"
-
-CONTACT_STIFFNESS_UNKNOWN = (
-    "Floor accelerations and link forces of floors that strike depend on the contact stiffness, which is unknown: they "
-    "grow with about its square root."
-)
-"""Note on accelerations and forces of floors that strike."""
 
 ADVICE = (
     "Floor accelerations and link forces of floors that strike grow with the square root of the impact stiffness, "
@@ -155,6 +148,8 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
 
     A written intensity need not be one of those that are swept: every way to scale is in proportion to its value.
     """
+    from pounding_cli.study.records_spec import INTENSITY_KEYS  # here: a terminal prints results without a study
+
     frame, point = results.records(), dict[str, Any]()
     columns = ["record", "source", "scale", "window", "pga", "arias", "digest"]
     for keys in results.swept:

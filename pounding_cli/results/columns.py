@@ -15,6 +15,12 @@ TABLES = (
 )
 """The tables that every results file has."""
 
+CONTACT_STIFFNESS_UNKNOWN = (
+    "Floor accelerations and link forces of floors that strike depend on the contact stiffness, which is unknown: they "
+    "grow with about its square root."
+)
+"""Note on accelerations and forces of floors that strike."""
+
 _FURTHER = {
     "place": ("1", "place of the building from the left, from 1"),
     "records_used": ("1", "number of records with a V_ratio"),

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws import link_symbol
@@ -20,7 +19,6 @@ from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import WRITTEN_LAWS
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.numbers import Unit, count_histories, format_number, pluralize
-from pounding_cli.records.scaling import SpectrumMatch
 from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.results.columns import TABLES, column_of
 from pounding_cli.results.file import list_histories, open_arrays, plain_value, read_table, read_unit
@@ -45,6 +43,8 @@ from pounding_cli.variables import (
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from pounding_cli.records.scaling import SpectrumMatch
 
 _OVER = {
     dims: [v.name for v in RESPONSE_VARIABLES if v.dims == dims and v.name not in COLUMN_VARIABLES]
@@ -156,6 +156,10 @@ class ResultTables:
         """The spectra of the motions as used against the target they were scaled to; None where there is none."""
         if "study_spectrum" not in self.arrays:
             return None
+        from pydantic import TypeAdapter  # here: few studies scale to a spectrum
+
+        from pounding_cli.records.scaling import SpectrumMatch
+
         return TypeAdapter(SpectrumMatch).validate_json(str(self.arrays["study_spectrum"].values.item()))
 
     @cached_property

@@ -17,8 +17,9 @@ from pounding_cli.questions.run.tables import (
     build_means_table,
     build_peaks_table,
 )
-from pounding_cli.report.background import ADVICE, CONTACT_STIFFNESS_UNKNOWN, advice, trust
+from pounding_cli.report.background import ADVICE, advice, trust
 from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
+from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
 from pounding_cli.results.plausible import MAX_DUCTILITY
 from pounding_cli.solver.response import OUTCOMES
