@@ -119,7 +119,7 @@ def run_study(
             reporter.say(f"{count_histories(solver.solved)} solved now and kept in {cache.path}")
             raise
         plan = answer.plan
-        histories = iter_kept_histories(plan, answer.arrays, reporter.say)
+        histories = iter_kept_histories(plan, answer.arrays, reporter.say, cache)
         attributes = {
             "content": content,
             "study_file": _place_of(study, output),
