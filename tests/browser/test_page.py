@@ -68,7 +68,7 @@ def test_the_explorer_draws_the_numbers_of_the_tables(visit, reports):
 
 def test_the_first_table_gives_the_largest_values(visit, reports):
     page, (results, _) = visit("kept"), reports("kept")
-    table = cells(page, "[aria-label='Largest of all time histories, and where']")
+    table = cells(page, "[aria-label^='Peak responses and where they occur']")
     rows = [row for row in table if row[1] == "elastic"]
     assert [row[0].split()[0] for row in rows] == CASES
     elastic = results.storey().query("analysis == 'elastic'")
