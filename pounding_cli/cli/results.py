@@ -167,8 +167,8 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
     if (note := _note_on_contact(results, frame)) and len(frame):
         click.echo("\n".join(textwrap.wrap(note, width or PARAGRAPH_WIDTH)))
     if csv_alone:
-        columns = pluralize(len(csv_alone), "more column")
-        click.echo(f"{columns} with --format csv: {', '.join(csv_alone)}", err=True)
+        more = pluralize(len(csv_alone), "more column")
+        click.echo(f"{more} with --format csv: {', '.join(csv_alone)}", err=True)
 
 
 def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame, hidden: Sequence[str]) -> Table:
@@ -180,9 +180,8 @@ def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame, hidde
     """
     from pounding_cli.tables import Table
 
-    columns = [
-        replace(results.column(name, str(each)), label=str(each)) for each in frame.columns if each not in hidden
-    ]
+    names = [str(each) for each in frame.columns if each not in hidden]
+    columns = [replace(results.column(name, each), label=each) for each in names]  # the names that --where takes
     places = {*results.axes, *COORDINATE_VARIABLES, "place"}
     first = next((number for number, column in enumerate(columns) if column.name not in places), len(columns))
     kept = columns[: first + 1]

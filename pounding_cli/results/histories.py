@@ -227,10 +227,10 @@ def to_arrays(history: Mapping[str, Any], over: Mapping[str, np.ndarray] | None 
 class HistoryStore(Protocol):
     """A place that keeps histories as rows, by the digest of their scene; `batch.cache.Cache` is one."""
 
-    def get(self, key: str, digests: Sequence[bytes]) -> Iterator[dict[bytes, Row]]:
+    def iter_rows(self, key: str, digests: Sequence[bytes]) -> Iterator[dict[bytes, Row]]:
         """Yield the rows that are there, some at a time."""
 
-    def put(self, key: str, rows: Mapping[bytes, Row]) -> None:
+    def store(self, key: str, rows: Mapping[bytes, Row]) -> None:
         """Keep rows by digest."""
 
 
@@ -287,7 +287,7 @@ def iter_kept_histories(
     """
     digests = [STORED_HISTORY + plan.digests[row.scene].tobytes() for row in plan.kept]
     key = history_key(plan)
-    known = {digest: row for rows in store.get(key, digests) for digest, row in rows.items()}
+    known = {digest: row for rows in store.iter_rows(key, digests) for digest, row in rows.items()}
     over = {name: arrays.coordinates[name].values for name in COORDINATES[1:] if name in arrays.coordinates}
     for row in plan.kept:
         place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
@@ -306,7 +306,7 @@ def iter_kept_histories(
         if digest not in known:
             encoded = encode_history(whole)
             if len(encoded[1]) <= MAX_STORED_HISTORY:
-                store.put(key, {digest: encoded})
+                store.store(key, {digest: encoded})
         history = to_arrays(whole, over)
         data = {
             name: Array(each.dims, each.values.astype(np.float32), each.attrs) for name, each in history.data.items()
