@@ -25,7 +25,7 @@ EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUA
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is stated."""
 
 OVERRULING_REASONS = ("the analysis is elastic", "without a dashpot no link can pull")
-"""Reasons to leave out an effect that the study asks for: it is never counted among those that the study does not use."""
+"""Reasons to leave out an effect that the study asks for; it is not counted among those that the study does not use."""
 
 NEVER_CLOSES = "the gap never closes"
 """The reason of links that never act, which the width that stays open follows."""
