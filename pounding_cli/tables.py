@@ -45,6 +45,7 @@ class Column:
     write : the whole cell of a row, in place of the number
     below : second line of a cell, such as where a maximum occurs
     optional : whether a terminal that is too narrow leaves the column out
+    is_right : whether cells that `write` makes are numbers, which are aligned to the right
     """
 
     name: str
@@ -59,6 +60,7 @@ class Column:
     write: FormatRow | None = None
     below: FormatRow | None = None
     optional: bool = False
+    is_right: bool = False
 
     @property
     def head(self) -> str:
@@ -171,6 +173,8 @@ class Table:
         return [bool(place) and self._is_numeric(column) for place, column in enumerate(self.columns)]
 
     def _is_numeric(self, column: Column) -> bool:
+        if column.is_right:
+            return True
         if column.write or column.below or column.name not in self.frame:
             return False
         values = self.frame[column.name]

@@ -48,7 +48,7 @@ STUDY = {
 if __name__ == "__main__":
     place = pathlib.Path(pounding_cli.__file__)
     assert place.is_relative_to(sys.prefix), f"{place} is not what was installed"
-    solve.WORTH_WORKERS = 0.0  # small as it is
+    solve.MIN_PARALLEL_SECONDS = 0.0  # small as it is
     found = {}
     for name in ("serial", "fork", "spawn"):
         if name != "serial":

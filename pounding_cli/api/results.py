@@ -33,7 +33,7 @@ class Results(ResultTables):
 
         from pounding_cli.report.evidence import nominal
         from pounding_cli.report.figures import response
-        from pounding_cli.report.sweep import SweepChoice, sweep_pictures
+        from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 
         evidence = nominal(self)
         name = building or evidence.main
@@ -42,7 +42,7 @@ class Results(ResultTables):
                 Problem(f"no building '{name}' in these results", f"there are {', '.join(evidence.group)}")
             )
         has_sweep = any(len(values) > 1 for values in self.axes.values())
-        swept = sweep_pictures(self, evidence, SweepChoice(places={"building": name})) if has_sweep else []
+        swept = list_sweep_pictures(self, evidence, SweepChoice(places={"building": name})) if has_sweep else []
         figure = swept[0].draw() if swept else response(evidence, name)
         plt.figure(FigureClass=lambda *_, **__: figure)  # type: ignore[arg-type]  # pyplot shows it from here on
         return [ax for ax in figure.axes if ax.get_title(loc="left")]

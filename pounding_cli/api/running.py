@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from pounding_cli.api.standing import compute_content_key, find_current
-from pounding_cli.batch.cache import Cache, cache_of
-from pounding_cli.batch.pool import pool
+from pounding_cli.batch.cache import Cache, cache_path
+from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.batch.solve import Solver
 from pounding_cli.errors import InputError, Problem
@@ -92,41 +92,43 @@ def run_study(
 
     Raises
     ------
-    InputError : the study or the output is refused; another run is at work on it; no such engine; the disk is full
+    InputError : the study or the output is refused; another run uses it; no such engine; the disk is full
     KeyboardInterrupt : stopped
     """
     begin = time.perf_counter()
     reporter = progress or Progress()
     study = question.study
-    workers_of = pool(engine, workers, scheduler)
+    workers_of = open_pool(engine, workers, scheduler)
     with contextlib.ExitStack() as stack:
         stack.callback(workers_of.close)
         content = compute_content_key(question)
         _check_output(output, study, question.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
             return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
-        cache = stack.enter_context(contextlib.closing(Cache(cache_of(output))))
+        cache = stack.enter_context(contextlib.closing(Cache(cache_path(output))))
         if cache.was_damaged:
-            reporter.say(f"{cache.path} was damaged: what it held is solved again")
-        if cache.forget_other(f"solver {solver_version()} "):
-            reporter.say(f"{cache.path} was made with another solver: all time histories are solved again")
+            reporter.write_note(f"{cache.path} was damaged: its time histories are solved again")
+        if cache.delete_other_versions(f"solver {solver_version()} "):
+            reporter.write_note(
+                f"{cache.path} was made by another version of the solver: all time histories are solved again"
+            )
         solver = stack.enter_context(contextlib.closing(Solver(cache, workers_of, reporter)))
         if question.extent != "has":
-            reporter.expected = question.expected_count
+            reporter.expected_count = question.expected_count
         try:
             answer = question.answer(solver)
         except KeyboardInterrupt:
-            reporter.say(f"{count_histories(solver.solved)} solved now and kept in {cache.path}")
+            reporter.write_note(f"{count_histories(solver.solved_count)} solved now and kept in {cache.path}")
             raise
         plan = answer.plan
-        histories = iter_kept_histories(plan, answer.arrays, reporter.say)
+        histories = iter_kept_histories(plan, answer.arrays, reporter.write_note, cache)
         attributes = {
             "workflow": question.name,
             "content": content,
             "study_file": _place_of(study, output),
             "answers": json.dumps([table.name for table in answer.tables]),
-            "scenes_solved_last": solver.solved,
-            "scenes_reused_last": solver.reused,
+            "scenes_solved_last": solver.solved_count,
+            "scenes_reused_last": solver.reused_count,
             "wall_seconds_last": time.perf_counter() - begin,
             "engine": solver.engine,
             "workers": solver.workers,
@@ -134,9 +136,9 @@ def run_study(
         arrays = answer.arrays.with_attrs(attributes)
         write_results(output, arrays, answer.tables, histories)
         if replace:
-            cache.keep_only(solution_key(plan), [digest.tobytes() for digest in plan.digests])
+            cache.delete_others(solution_key(plan), [digest.tobytes() for digest in plan.digests])
     return RunOutcome(
-        output, content, solver.solved - len(solver.failed), len(solver.failed), solver.reused,
+        output, content, solver.solved_count - len(solver.failures), len(solver.failures), solver.reused_count,
         tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
         ResultTables(output, arrays, answer.tables),
     )  # fmt: skip
@@ -147,7 +149,7 @@ def summarize(outcome: RunOutcome) -> Summary:
 
     Reading the file takes longer than all else that a run of a study does whose results are current.
     """
-    path = cache_of(outcome.path)
+    path = cache_path(outcome.path)
     key = f"{outcome.content} {program_digest()}"
     if not (outcome.done or outcome.failed):  # nothing was solved since
         with contextlib.suppress(InputError), contextlib.closing(Cache(path, read_only=True)) as cache:
@@ -160,7 +162,7 @@ def summarize(outcome: RunOutcome) -> Summary:
     summary = build_report(results).summary
     if path.exists():
         with contextlib.suppress(InputError), contextlib.closing(Cache(path)) as cache:
-            cache.keep_summary(key, summary.to_json())
+            cache.store_summary(key, summary.to_json())
     return summary
 
 
@@ -221,8 +223,8 @@ def _place_of(study: Study, results: Path) -> str:
 def _failures(plan: Plan, solver: Solver) -> Iterator[Failure]:
     """Every failed scene once, named by the first place in the study where it stands."""
     rows, columns = plan.first
-    for number, digest in enumerate(plan.digests) if solver.failed else ():
-        if (reason := solver.failed.get(digest.tobytes())) is not None:
+    for number, digest in enumerate(plan.digests) if solver.failures else ():
+        if (reason := solver.failures.get(digest.tobytes())) is not None:
             row = plan.row(int(rows[number]))
             swept = [f"{name} = {value}" for name, value in plan.display_values(row.point).items()]
             subject = f"{plan.buildings[columns[number] - 1]} alone" if columns[number] else row.case

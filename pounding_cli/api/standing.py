@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.batch.cache import Cache, cache_of
-from pounding_cli.batch.forecast import Duration, expected_duration, measure_rates
+from pounding_cli.batch.cache import Cache, cache_path
+from pounding_cli.batch.forecast import RunDuration, estimate_duration, measure_rates
 from pounding_cli.errors import InputError
 from pounding_cli.numbers import join_limited
 from pounding_cli.results.changes import changed_keys, read_resolved
@@ -67,7 +67,7 @@ class Standing:
     total: int
     solved: int
     reasons: tuple[str, ...]
-    duration: Duration
+    duration: RunDuration
 
     @property
     def missing(self) -> int:
@@ -78,18 +78,18 @@ class Standing:
 def find_standing(question: StudyQuestion, output: Path) -> Standing:
     """Return how far a question is solved whose results are at `output`; nothing is solved, compiled or written.
 
-    Raises InputError: another run is at work on these results.
+    Raises InputError: another run is using these results.
     """
     plan = question.plan
     count = find_current(output, compute_content_key(question))
     if count is not None:
-        return Standing(True, count, count, (), Duration(0.0, ()))
+        return Standing(True, count, count, (), RunDuration(0.0, ()))
     every = np.arange(len(plan))
     solved = Solved(plan)
-    path = cache_of(output)
+    path = cache_path(output)
     with contextlib.closing(Cache(path, read_only=True)) as cache:
         digests = {digest.tobytes(): number for number, digest in enumerate(plan.digests)}
-        for rows in cache.get(solution_key(plan), list(digests)):
+        for rows in cache.iter_rows(solution_key(plan), list(digests)):
             solved.put({digests[digest]: row for digest, row in rows.items()})
         ended = solved.ended[:-1]
         others = cache.count_by_key([plan.digests[number].tobytes() for number in every[~solved.there[:-1]]])
@@ -98,7 +98,7 @@ def find_standing(question: StudyQuestion, output: Path) -> Standing:
     total = max(question.expected_count, len(plan) if question.extent == "has" else 0)
     missing = every[~ended]
     left = max(total - int(ended.sum()), 0)
-    duration = expected_duration(plan, missing if missing.size else every, left, rates)
+    duration = estimate_duration(plan, missing if missing.size else every, left, rates)
     return Standing(False, total, int(ended.sum()), reasons, duration)
 
 
@@ -121,7 +121,7 @@ def _iter_reasons(
     rest -= min(sum(others.values()), rest)
     if not rest:
         return
-    path = cache_of(output)
+    path = cache_path(output)
     before = read_resolved(output)
     if was_damaged:
         yield f"{rest} not known: {path} is damaged"

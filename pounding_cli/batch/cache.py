@@ -1,10 +1,11 @@
-"""Solved scenes in an SQLite file beside the results: one row a scene, safe against kills, one run at a time."""
+"""Keep solved scenes in an SQLite file beside the results: one row a scene, safe against kills, one run at a time."""
 
 from __future__ import annotations
 
 import contextlib
 import sqlite3
 import zlib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,30 +18,31 @@ CREATE TABLE IF NOT EXISTS scene (digest BLOB, key TEXT, kind BLOB, numbers BLOB
     PRIMARY KEY (digest, key));
 CREATE TABLE IF NOT EXISTS summary (key TEXT PRIMARY KEY, text TEXT);
 """
-_BUSY = sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED
-_DAMAGE = sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_ERROR
+_BUSY_CODES = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+_DAMAGE_CODES = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CONSTRAINT, sqlite3.SQLITE_ERROR)
 
-_AT_ONCE = 500
-"""Scenes that are asked for in one statement."""
+_MAX_DIGESTS = 500
+"""Largest number of scenes in one statement."""
 
 
-def cache_of(output: Path) -> Path:
-    """The cache beside a results file."""
+def cache_path(output: Path) -> Path:
+    """Return the path of the cache beside a results file."""
     return output.with_name(f"{output.name}.cache")
 
 
 class Cache:
-    """Responses by scene digest and by the key of how they were solved (`solution_key`); a row that is damaged is as if
-    it were not there.
+    """Responses by scene digest and by the key of how they were solved (`solution_key`).
+
+    A damaged row counts as missing.
 
     Parameters
     ----------
-    path : the file; one that is damaged is made anew, and `was_damaged`
-    read_only : nothing is written; a file that is missing or damaged holds nothing then
+    path : the file; a damaged one is made anew, and `was_damaged` is true
+    read_only : write nothing; a file that is missing or damaged holds nothing then
 
     Raises
     ------
-    InputError : another run is at work on it; it cannot be written
+    InputError : another run uses it; it cannot be written
     """
 
     def __init__(self, path: Path, read_only: bool = False) -> None:
@@ -49,11 +51,11 @@ class Cache:
         if read_only:
             self._open_to_read()
             return
-        with self._told():
+        with self._explain_errors():
             try:
                 self._open()
             except sqlite3.DatabaseError as error:
-                if _code(error) not in _DAMAGE:
+                if _error_code(error) not in _DAMAGE_CODES:
                     raise
                 self._db.close()
                 for part in path.parent.glob(f"{path.name}*"):
@@ -65,114 +67,152 @@ class Cache:
         self._db = sqlite3.connect(self.path, timeout=0.2)
         self._db.executescript("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;")
         self._db.executescript(f"BEGIN IMMEDIATE; {_TABLE} COMMIT;")
-        (found,) = self._db.execute("PRAGMA integrity_check(1)").fetchone()
-        if found != "ok":
-            raise sqlite3.DatabaseError(found)
+        (verdict,) = self._db.execute("PRAGMA integrity_check(1)").fetchone()
+        if verdict != "ok":
+            raise sqlite3.DatabaseError(verdict)
 
     def _open_to_read(self) -> None:
         """Open the file without writing to it, or a database in memory where it is missing or damaged."""
         if self.path.is_file():
             is_closed = not self.path.with_name(f"{self.path.name}-wal").exists()
-            how = "mode=ro&immutable=1" if is_closed else "mode=ro"  # the other files of one in use are needed
-            with self._told():
-                self._db = sqlite3.connect(f"{self.path.absolute().as_uri()}?{how}", uri=True, timeout=0.2)
+            mode = "mode=ro&immutable=1" if is_closed else "mode=ro"  # the other files of one in use are needed
+            with self._explain_errors():
+                self._db = sqlite3.connect(f"{self.path.absolute().as_uri()}?{mode}", uri=True, timeout=0.2)
                 try:
                     self._db.execute("SELECT digest, key, kind, numbers, sum FROM scene LIMIT 1").fetchone()
                     return
                 except sqlite3.DatabaseError as error:
                     self._db.close()
-                    if _code(error) in _BUSY:
+                    if _error_code(error) in _BUSY_CODES:
                         raise
                     self.was_damaged = True
         self._db = sqlite3.connect(":memory:")
         self._db.executescript(_TABLE)
 
     @contextlib.contextmanager
-    def _told(self) -> Iterator[None]:
-        """Errors of SQLite in words."""
+    def _explain_errors(self) -> Iterator[None]:
+        """Turn errors of SQLite into InputError, with what to do about them."""
         try:
             yield
         except sqlite3.Error as error:
-            if _code(error) in _BUSY:
-                problem = Problem("another run is at work on these results", "wait for it, or end it", str(self.path))
+            if _error_code(error) in _BUSY_CODES:
+                problem = Problem(
+                    "another run is using these results", "wait until it ends, or stop it", str(self.path)
+                )
             else:
-                hint = "free some space or choose another place; what was solved is kept, and the same command goes on"
+                hint = "free some space or choose another place; solved scenes are kept, and the same command resumes"
                 problem = Problem(f"cannot be written: {error}", hint, str(self.path))
             raise InputError(problem) from None
 
-    def put(self, key: str, rows: Mapping[bytes, Row]) -> None:
-        """Keep responses by digest, all or none.  Raises InputError."""
-        texts = ((digest, zlib.compress(kind.encode(), 1), numbers) for digest, (kind, numbers) in rows.items())
-        with self._told(), self._db:
-            self._db.executemany(
-                "INSERT OR REPLACE INTO scene VALUES (?, ?, ?, ?, ?)",
-                ((digest, key, kind, numbers, _sum(digest, kind, numbers)) for digest, kind, numbers in texts),
-            )
+    def store(self, key: str, rows: Mapping[bytes, Row]) -> None:
+        """Keep responses by digest, all or none.
 
-    def get(self, key: str, digests: Sequence[bytes]) -> Iterator[dict[bytes, Row]]:
-        """Those of the responses that are there by digest, some at a time.  Raises InputError."""
-        for begin in range(0, len(digests), _AT_ONCE):
-            some = digests[begin : begin + _AT_ONCE]
-            places = ",".join("?" * len(some))
-            question = f"SELECT digest, kind, numbers, sum FROM scene WHERE key = ? AND digest IN ({places})"
-            with self._told():
-                found = self._db.execute(question, (key, *some)).fetchall()
-            yield {row[0]: (zlib.decompress(row[1]).decode(), row[2]) for *row, total in found if _sum(*row) == total}
+        Raises
+        ------
+        InputError : they cannot be written
+        """
+        records = []
+        for digest, (kind, numbers) in rows.items():
+            packed_kind = zlib.compress(kind.encode(), 1)
+            records.append((digest, key, packed_kind, numbers, _checksum(digest, packed_kind, numbers)))
+        with self._explain_errors(), self._db:
+            self._db.executemany("INSERT OR REPLACE INTO scene VALUES (?, ?, ?, ?, ?)", records)
+
+    def iter_rows(self, key: str, digests: Sequence[bytes]) -> Iterator[dict[bytes, Row]]:
+        """Yield the responses that are there by digest, some at a time.
+
+        Raises
+        ------
+        InputError : another run uses the file
+        """
+        for part in _iter_parts(digests):
+            query = f"SELECT digest, kind, numbers, sum FROM scene WHERE key = ? AND digest IN ({_placeholders(part)})"
+            with self._explain_errors():
+                records = self._db.execute(query, (key, *part)).fetchall()
+            rows = dict[bytes, Row]()
+            for digest, packed_kind, numbers, checksum in records:
+                if _checksum(digest, packed_kind, numbers) == checksum:
+                    rows[digest] = (zlib.decompress(packed_kind).decode(), numbers)
+            yield rows
 
     def count_by_key(self, digests: Sequence[bytes]) -> dict[str, int]:
-        """Return how many of some scenes are kept, by the key of how they were solved.  Raises InputError."""
-        counts = dict[str, int]()
-        for begin in range(0, len(digests), _AT_ONCE):
-            some = digests[begin : begin + _AT_ONCE]
-            places = ",".join("?" * len(some))
-            question = f"SELECT key, COUNT(*) FROM scene WHERE digest IN ({places}) GROUP BY key"
-            with self._told():
-                found = self._db.execute(question, some).fetchall()
-            for key, count in found:
-                counts[key] = counts.get(key, 0) + count
-        return counts
+        """Return how many of some scenes are kept, by the key of how they were solved.
 
-    def keep_only(self, key: str, digests: Sequence[bytes]) -> None:
-        """Forget all other scenes, and those of other keys.  Raises InputError."""
-        with self._told(), self._db:
+        Raises
+        ------
+        InputError : another run uses the file
+        """
+        counts = Counter[str]()
+        for part in _iter_parts(digests):
+            query = f"SELECT key, COUNT(*) FROM scene WHERE digest IN ({_placeholders(part)}) GROUP BY key"
+            with self._explain_errors():
+                records = self._db.execute(query, part).fetchall()
+            counts.update(dict(records))
+        return dict(counts)
+
+    def delete_others(self, key: str, digests: Sequence[bytes]) -> None:
+        """Delete all other scenes, and those of other keys.
+
+        Raises
+        ------
+        InputError : the file cannot be written
+        """
+        with self._explain_errors(), self._db:
             self._db.execute("DELETE FROM scene WHERE key != ?", (key,))
-            there = {digest for (digest,) in self._db.execute("SELECT digest FROM scene")}
-            others = ((digest,) for digest in there.difference(digests))
+            stored = {digest for (digest,) in self._db.execute("SELECT digest FROM scene")}
+            others = [(digest,) for digest in stored.difference(digests)]
             self._db.executemany("DELETE FROM scene WHERE digest = ?", others)
 
-    def forget_other(self, version: str) -> bool:
-        """Forget the scenes of keys that do not begin with a version of the solver; whether there were any.
+    def delete_other_versions(self, version: str) -> bool:
+        """Delete the scenes of keys that do not begin with a version of the solver; return whether there were any.
 
-        Raises InputError.
+        Raises
+        ------
+        InputError : the file cannot be written
         """
-        with self._told(), self._db:
-            other = "DELETE FROM scene WHERE substr(key, 1, ?) != ?"
-            return self._db.execute(other, (len(version), version)).rowcount > 0
+        with self._explain_errors(), self._db:
+            statement = "DELETE FROM scene WHERE substr(key, 1, ?) != ?"
+            return self._db.execute(statement, (len(version), version)).rowcount > 0
 
     def find_summary(self, key: str) -> str | None:
         """Return the summary of results that was kept under a key; None where there is none."""
         try:
-            found = self._db.execute("SELECT text FROM summary WHERE key = ?", (key,)).fetchone()
+            record = self._db.execute("SELECT text FROM summary WHERE key = ?", (key,)).fetchone()
         except sqlite3.DatabaseError:  # of an older program, or damaged
             return None
-        return None if found is None else str(found[0])
+        return None if record is None else str(record[0])
 
-    def keep_summary(self, key: str, text: str) -> None:
-        """Keep a summary of results in place of the one before.  Raises InputError."""
-        with self._told(), self._db:
+    def store_summary(self, key: str, text: str) -> None:
+        """Keep a summary of results in place of the one before.
+
+        Raises
+        ------
+        InputError : it cannot be written
+        """
+        with self._explain_errors(), self._db:
             self._db.execute("DELETE FROM summary")
             self._db.execute("INSERT INTO summary VALUES (?, ?)", (key, text))
 
     def close(self) -> None:
-        """Write what is left and let others at it."""
+        """Write the rest and let other runs use the file."""
         self._db.close()
 
 
-def _code(error: sqlite3.Error) -> int:
-    """What SQLite calls an error; damage where it does not say."""
+def _iter_parts(digests: Sequence[bytes]) -> Iterator[Sequence[bytes]]:
+    """Yield the digests in parts that fit into one statement."""
+    for begin in range(0, len(digests), _MAX_DIGESTS):
+        yield digests[begin : begin + _MAX_DIGESTS]
+
+
+def _placeholders(digests: Sequence[bytes]) -> str:
+    return ",".join("?" * len(digests))
+
+
+def _error_code(error: sqlite3.Error) -> int:
+    """Return SQLite's code of an error; that of damage where the error has none."""
     return getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
 
 
-def _sum(*parts: Any) -> int:
-    """CRC-32 of the parts of a row, which damage may have turned into anything."""
+def _checksum(*parts: Any) -> int:
+    """Return the CRC-32 of the parts of a row, which damage may have turned into anything."""
     return zlib.crc32(b"".join(part for part in parts if isinstance(part, bytes)))

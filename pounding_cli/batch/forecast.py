@@ -1,4 +1,4 @@
-"""What a plan will do before it does it: which scenes run, which effects they call for, and what that costs."""
+"""Forecast what a plan will do before it runs: which scenes, which effects they call for, and how long that takes."""
 
 from __future__ import annotations
 
@@ -17,25 +17,26 @@ if TYPE_CHECKING:
     from pounding_cli.model.scene import Scene
     from pounding_cli.study.plan import Plan
 
-MOST_SCENES = 2000
-"""Time histories whose effects are looked at; of more, as many spread evenly, each for as many as it stands for."""
+MAX_VIEWED_SCENES = 2000
+"""Largest number of time histories whose effects are looked at; each of them stands for as many as there are more."""
 
-BESIDE = 0.2e-3
+HISTORY_OVERHEAD = 0.2e-3
 """Time that a time history takes outside its kernel [s]."""
 
-TIME_BESIDE_SCENES = 1.0
+RUN_OVERHEAD = 1.0
 """Time of a run besides its scenes [s]: imports, compiled kernels loaded, a file with its summary."""
 
-RUNS = {"none": 1.0, "sample": 1.2, "all": 2.4}
-"""Runs of a scene by `estimate`: one whose error and sensitivity are asked for is run again, more finely."""
+SOLUTIONS_BY_ESTIMATE = {"none": 1.0, "sample": 1.2, "all": 2.4}
+"""Solutions of a scene by `estimate`: one whose error and sensitivity are estimated is solved again, more finely."""
 
 
 @dataclass
 class Forecast:
-    """What will run.
+    """Scenes that will run, and the effects that they call for.
 
     scenes : "of a building alone" or "of the group" -> number of scenes
-    kept : effect -> scenes of the group with it; dropped : effect with its reason -> scenes of the group without it
+    kept : effect -> scenes of the group with it
+    dropped : effect with its reason -> scenes of the group without it
     """
 
     scenes: dict[str, int]
@@ -43,23 +44,23 @@ class Forecast:
     dropped: Counter[DroppedEffect] = field(default_factory=Counter)
 
 
-def forecast(plan: Plan) -> Forecast:
-    """Look at scenes of a plan by number; none is solved."""
+def build_forecast(plan: Plan) -> Forecast:
+    """Return what a run of a plan will do; nothing is solved."""
     _, columns = plan.first
     group = np.flatnonzero(columns == 0)
-    step = max(1, len(group) // MOST_SCENES)
-    found = Forecast({"of a building alone": int((columns > 0).sum()), "of the group": len(group)})
+    step = max(1, len(group) // MAX_VIEWED_SCENES)
+    forecast = Forecast({"of a building alone": int((columns > 0).sum()), "of the group": len(group)})
     for scene in plan.scenes(group[::step]):
         effects = effects_of(scene)
-        found.kept.update(dict.fromkeys(effects.kept, step))
-        found.dropped.update(dict.fromkeys(effects.dropped, step))
-    return found
+        forecast.kept.update(dict.fromkeys(effects.kept, step))
+        forecast.dropped.update(dict.fromkeys(effects.dropped, step))
+    return forecast
 
 
 # How long it takes
 
 
-def kinds_and_work(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
+def classify_histories(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     """Return the kind of every time history of a plan and its work, as its rate takes them, both of shape (scenes,).
 
     Work is the number of floors times the duration [s], or times the number of steps of a method that takes a time
@@ -72,44 +73,48 @@ def kinds_and_work(plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     kinds = list[str]()
     work = list[float]()
     for scene in plan.scenes(first):
-        kinds.append(_kind_of(plan, scene))
+        kinds.append(_format_kind(plan, scene))
         floors = sum(building.storeys for building in scene.buildings)
         work.append(floors * (scene.motion.duration + scene.tail) / (plan.time_step or 1.0))
     group = group.ravel()
     return np.array(kinds, object)[group], np.array(work)[group]
 
 
-def _kind_of(plan: Plan, scene: Scene) -> str:
+def _format_kind(plan: Plan, scene: Scene) -> str:
     """Return what time histories of about one rate share: kernel, method, and whether buildings stand alone."""
-    kernel = _kernel_of(plan, scene)
+    kernel = select_kernel(plan.method, plan.time_step, scene)
     return f"{kernel}, {plan.method}, {'linked' if scene.links else 'alone'}"
 
 
-def _kernel_of(plan: Plan, scene: Scene) -> str:
-    takes_step = plan.time_step is not None
-    has_smooth = not takes_step and (plan.method == "dop853" or layout_of(scene).has_smooth)
+def select_kernel(method: str, time_step: float | None, scene: Scene) -> str:
+    """Return the name of the kernel that solves a scene by a method."""
+    takes_step = time_step is not None
+    has_smooth = not takes_step and (method == "dop853" or layout_of(scene).has_smooth)
     return kernel_for(takes_step, has_smooth)
 
 
 def measure_rates(plan: Plan, numbers: np.ndarray, seconds: np.ndarray) -> dict[str, float]:
     """Return the time for a unit of work by kind, of time histories that were solved.
 
+    Parameters
+    ----------
     numbers : of the time histories
     seconds : time in the solver of all of the plan [s], NaN where it is not known
     """
-    every_kind, every_work = kinds_and_work(plan)
+    all_kinds, all_work = classify_histories(plan)
     numbers = numbers[np.isfinite(seconds[numbers])]
-    kinds = every_kind[numbers]
+    kinds = all_kinds[numbers]
     rates = {}
     for kind in dict.fromkeys(kinds):
-        mine = numbers[kinds == kind]
-        if (spent := float(seconds[mine].sum())) > 0:
-            rates[kind] = spent / float(every_work[mine].sum())
+        of_kind = numbers[kinds == kind]
+        total = float(seconds[of_kind].sum())
+        if total > 0:
+            rates[kind] = total / float(all_work[of_kind].sum())
     return rates
 
 
 @dataclass(frozen=True)
-class Duration:
+class RunDuration:
     """The expected time of a run on one core.
 
     seconds : with imports and files [s]; None where no run has measured it on this computer
@@ -120,7 +125,7 @@ class Duration:
     uncompiled: tuple[str, ...]
 
 
-def expected_duration(plan: Plan, missing: np.ndarray, count: int, measured: Mapping[str, float]) -> Duration:
+def estimate_duration(plan: Plan, missing: np.ndarray, count: int, measured: Mapping[str, float]) -> RunDuration:
     """Return the expected time of solving some time histories; nothing is solved or compiled for it.
 
     Parameters
@@ -130,12 +135,13 @@ def expected_duration(plan: Plan, missing: np.ndarray, count: int, measured: Map
     measured : rates of this study, by kind; others are taken from earlier runs on this computer
     """
     if not count or not missing.size:
-        return Duration(TIME_BESIDE_SCENES, ())
-    kinds, work = kinds_and_work(plan)
+        return RunDuration(RUN_OVERHEAD, ())
+    kinds, work = classify_histories(plan)
     rates = {**read_rates(), **measured}
     needed = {kind.partition(",")[0] for kind in kinds[missing]}
     uncompiled = tuple(sorted(kernel for kernel in needed if not is_compiled(kernel)))
     if uncompiled or not set(kinds[missing]) <= rates.keys():
-        return Duration(None, uncompiled)
-    each = [RUNS[plan.estimate] * rates[kinds[number]] * work[number] + BESIDE for number in missing]
-    return Duration(TIME_BESIDE_SCENES + count * float(np.mean(each)), ())
+        return RunDuration(None, uncompiled)
+    solutions = SOLUTIONS_BY_ESTIMATE[plan.estimate]
+    seconds = [solutions * rates[kinds[number]] * work[number] + HISTORY_OVERHEAD for number in missing]
+    return RunDuration(RUN_OVERHEAD + count * float(np.mean(seconds)), ())

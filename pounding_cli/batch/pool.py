@@ -1,4 +1,4 @@
-"""Where scenes are solved: threads or processes of this machine, or the workers of a Dask cluster."""
+"""Open pools of workers: threads or processes of this machine, or the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -11,37 +11,46 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.results.solved import solver_version
 
+if TYPE_CHECKING:
+    from distributed import Client
+
 ENGINES = ("threads", "processes", "dask", "serial")
 
-PATIENCE = 60.0
+DASK_TIMEOUT = 60.0
 """Time that a Dask scheduler has to answer, and that it may have no workers [s]."""
+
+
+def do_nothing() -> None:
+    """Do nothing: of a pool that is always there, and has nothing to end."""
 
 
 @dataclass(frozen=True)
 class Pool:
-    """Workers.
+    """Workers that solve scenes side by side.
 
     name : one of ENGINES
-    workers : how many
+    workers : number of them
     open : makes the executor; called again where it broke
-    check : asked every second while scenes are under way; raises InputError where nobody will solve them
+    shares_memory : workers are threads of this process
+    check : called every second while scenes are under way; raises InputError where nobody will solve them
     close : ends what belongs to the pool besides its executors
     """
 
     name: str
     workers: int
     open: Callable[[], Executor]
-    check: Callable[[], None] = lambda: None
-    close: Callable[[], None] = lambda: None
+    shares_memory: bool = False
+    check: Callable[[], None] = do_nothing
+    close: Callable[[], None] = do_nothing
 
 
-def pool(name: str, workers: int | None = None, scheduler: str | None = None) -> Pool:
-    """A pool by its name.
+def open_pool(name: str, workers: int | None = None, scheduler: str | None = None) -> Pool:
+    """Return a pool by its name.
 
     Parameters
     ----------
@@ -54,27 +63,48 @@ def pool(name: str, workers: int | None = None, scheduler: str | None = None) ->
     InputError : no such engine; Dask is not installed; the scheduler does not answer, or its workers are other programs
     """
     if name not in ENGINES:
-        raise InputError(Problem(f"there is no engine '{name}'", f"write one of {', '.join(ENGINES)}"))
+        raise InputError(Problem(f"'{name}' is not an engine", f"write one of {', '.join(ENGINES)}"))
     if scheduler is not None and name != "dask":
-        raise InputError(Problem(f"the engine '{name}' has no scheduler", "add --engine dask"))
+        raise InputError(
+            Problem(f"the engine '{name}' takes no scheduler", "add --engine dask, or leave the scheduler out")
+        )
     if name == "dask":
-        return _dask(workers, scheduler)
-    count = 1 if name == "serial" else workers or _cores()
+        return _open_dask_pool(workers, scheduler)
+    count = 1 if name == "serial" else workers or _count_cores()
     if name == "processes":
-        how = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
-        if os.name == "posix":
-            how.set_forkserver_preload(["pounding_cli.batch.attempt"])
-        return Pool(name, count, lambda: ProcessPoolExecutor(count, how, _begin))
-    return Pool(name, count, lambda: ThreadPoolExecutor(count))
+        return Pool(name, count, lambda: _open_processes(count))
+    return Pool(name, count, lambda: ThreadPoolExecutor(count), shares_memory=True)
 
 
-def _cores() -> int:
-    """Cores this process may use."""
+def _count_cores() -> int:
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def end(executor: Executor, running: Iterable[Future]) -> None:
-    """End an executor now; of threads the scenes that they are at end first."""
+def _open_processes(count: int) -> Executor:
+    """Return an executor of worker processes that have the solver imported."""
+    context = multiprocessing.get_context("forkserver" if os.name == "posix" else "spawn")
+    if os.name == "posix":
+        context.set_forkserver_preload(["pounding_cli.batch.attempt"])
+    return ProcessPoolExecutor(count, context, _prepare_worker)
+
+
+def _prepare_worker() -> None:
+    """Leave Ctrl-C to the parent of a worker process, and end the worker when its parent is gone."""
+    parent = multiprocessing.parent_process()
+
+    def end_with_parent() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    threading.Thread(target=end_with_parent, daemon=True).start()
+
+
+def stop_executor(executor: Executor, running: Iterable[Future]) -> None:
+    """End an executor now; threads finish the scenes that they solve first."""
     for future in running:
         future.cancel()
     workers = list((getattr(executor, "_processes", None) or {}).values())
@@ -83,64 +113,80 @@ def end(executor: Executor, running: Iterable[Future]) -> None:
         process.kill()
 
 
-def _begin() -> None:
-    """The beginning of a worker process: Ctrl-C is for its parent, and when that is gone it ends."""
-    parent = multiprocessing.parent_process()
+def _open_dask_pool(workers: int | None, scheduler: str | None) -> Pool:
+    """Return the pool of a Dask cluster; parameters and errors as of `open_pool`."""
+    client = _connect_to_dask(workers, scheduler)
+    if scheduler:
+        try:
+            _check_dask_workers(client, scheduler)
+        except InputError:
+            _close_client(client)
+            raise
+    watch = _ClusterWatch(client)
+    threads = max(1, sum(client.nthreads().values()))
+    return Pool(
+        "dask",
+        min(threads, workers or threads),
+        lambda: client.get_executor(pure=False, retries=0),
+        check=watch.check,
+        close=lambda: _close_client(client),
+    )
 
-    def watch() -> None:
-        if parent is not None:
-            parent.join()
-            os._exit(1)
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    threading.Thread(target=watch, daemon=True).start()
-
-
-def _dask(workers: int | None, scheduler: str | None) -> Pool:
+def _connect_to_dask(workers: int | None, scheduler: str | None) -> Client:
+    """Return a client of the scheduler at an address, or of a cluster on this machine."""
     try:
         from distributed import Client
     except ImportError:
         hint = "install it: pip install 'pounding-cli[dask]'"
         raise InputError(Problem("the engine 'dask' needs the package distributed", hint)) from None
-    own = {"n_workers": workers or _cores(), "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
-    about: dict[str, Any] = {"address": scheduler, "timeout": PATIENCE} if scheduler else own
+    settings: dict[str, Any]
+    if scheduler:
+        settings = {"address": scheduler, "timeout": DASK_TIMEOUT}
+    else:
+        settings = {"n_workers": workers or _count_cores(), "threads_per_worker": 1}
+        settings |= {"dashboard_address": None, "silence_logs": 50}
     try:
-        client = Client(set_as_default=False, **about)
+        return Client(set_as_default=False, **settings)
     except (OSError, ValueError, RuntimeError) as error:
-        said = (str(error) or type(error).__name__).splitlines()[0]
+        reason = (str(error) or type(error).__name__).splitlines()[0]
         hint = "start one with `dask scheduler`, and give its address, e.g. tcp://node:8786"
-        raise InputError(Problem(f"no Dask scheduler answers at {scheduler} ({said})", hint)) from None
+        raise InputError(Problem(f"no Dask scheduler answers at {scheduler} ({reason})", hint)) from None
 
-    def close() -> None:
-        with contextlib.suppress(Exception):  # what it solved is kept
-            client.close(timeout=5)
 
-    if scheduler and not client.nthreads():
-        close()
+def _check_dask_workers(client: Client, scheduler: str) -> None:
+    """Refuse a cluster without workers, and one whose workers have another version of this program."""
+    if not client.nthreads():
         problem = Problem(f"the Dask scheduler at {scheduler} has no workers", f"start some: dask worker {scheduler}")
         raise InputError(problem)
     try:
-        versions = set(client.run(solver_version).values()) if scheduler else set()
+        versions = set(client.run(solver_version).values())
     except Exception as error:  # whatever a worker without this program may say
         versions = {f"none: {error}"}
-    if other := sorted(versions - {solver_version()}):
-        close()
-        what = f"a worker at {scheduler} has another version of pounding_cli ({other[0]})"
-        raise InputError(Problem(what, f"install {solver_version()} on every worker"))
-    seen = time.monotonic()
+    others = sorted(versions - {solver_version()})
+    if others:
+        message = f"a worker at {scheduler} has another version of pounding_cli ({others[0]})"
+        raise InputError(Problem(message, f"install {solver_version()} on every worker"))
 
-    def check() -> None:
-        """Whether the cluster has workers; raises InputError where there were none for a while."""
-        nonlocal seen
+
+def _close_client(client: Client) -> None:
+    """Close the connection to a cluster; what it solved is kept, whatever happens."""
+    with contextlib.suppress(Exception):
+        client.close(timeout=5)
+
+
+class _ClusterWatch:
+    """Watches that a cluster has workers."""
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._last_time_with_workers = time.monotonic()
+
+    def check(self) -> None:
+        """Raise InputError where there were no workers for a while."""
         with contextlib.suppress(Exception):  # whatever a connection that is lost may say
-            if client.status == "running" and client.nthreads():
-                seen = time.monotonic()
-        if time.monotonic() - seen > PATIENCE:
-            hint = "start some; what was solved is kept, and the same command goes on"
-            raise InputError(Problem("the Dask cluster has no worker any more", hint))
-
-    threads = max(1, sum(client.nthreads().values()))
-    return Pool(
-        "dask", min(threads, workers or threads), lambda: client.get_executor(pure=False, retries=0), check, close
-    )
+            if self._client.status == "running" and self._client.nthreads():
+                self._last_time_with_workers = time.monotonic()
+        if time.monotonic() - self._last_time_with_workers > DASK_TIMEOUT:
+            hint = "start some; solved time histories are kept, and the same command resumes"
+            raise InputError(Problem(f"the Dask cluster has had no workers for {DASK_TIMEOUT:g} s", hint))

@@ -1,52 +1,55 @@
-"""Solving the scenes of plans: what the cache lacks goes to workers in groups, and what comes back is kept at once."""
+"""Solve the scenes of plans: workers get in groups what the cache lacks, and what comes back is kept at once."""
 
 from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pounding_cli.batch.cache import Cache
-from pounding_cli.batch.forecast import BESIDE, measure_rates
-from pounding_cli.batch.pool import Pool, end
+from pounding_cli.batch.forecast import HISTORY_OVERHEAD, measure_rates
+from pounding_cli.batch.pool import Pool, stop_executor
 from pounding_cli.batch.progress import Progress
 from pounding_cli.results.solved import Row, Solved, encode, solution_key
-from pounding_cli.solver.kernels import store_rates
+from pounding_cli.solver.kernels import COMPILE_TIME, is_compiled, store_rates
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
-    from pounding_cli.batch.attempt import Task
+    from pounding_cli.batch.apart import ApartResponses
+    from pounding_cli.batch.attempt import Attempt, GroupResult, Task
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.study.plan import Plan
 
 GROUP_SECONDS = 0.2
 """Work [s] that a worker gets at a time, about: what is lost by a kill, and what Ctrl-C waits for."""
 
-MOST_SCENES = 512
-"""Scenes that a worker gets at a time."""
+MAX_GROUP_SIZE = 512
+"""Largest number of scenes that a worker gets at a time."""
 
-TIMED = 16
+TIMED_SCENES = 16
 """Scenes that are solved here first, to see how long one takes."""
 
-MEASURED = 60
+RATED_HISTORIES = 60
 """Time histories of a run by which its rates are measured."""
 
-WORTH_WORKERS = 1.0
+MIN_PARALLEL_SECONDS = 1.0
 """Work [s] from which starting workers pays."""
 
-LOST = (
-    "lost: the process that solved it ended, twice",
-    "it may take too much memory: solve it alone, with `--engine serial`",
-)
+LOST_STATUS = "lost: the worker that solved it ended twice"
+LOST_ADVICE = "it may need too much memory: solve it alone, with `--engine serial`"
 
-Answer = tuple[np.ndarray, list[Row]]
-"""Numbers of scenes, and their rows."""
+
+class SolvedGroup(NamedTuple):
+    """Scenes of a plan by number, shape (scenes,), and their responses as rows."""
+
+    numbers: np.ndarray
+    rows: list[Row]
 
 
 class Solver:
@@ -56,40 +59,47 @@ class Solver:
     ----------
     cache : where responses are kept as they come
     pool : where scenes are solved; few are solved here
-    progress : told what happens
+    progress : takes in what happens
 
     Attributes
     ----------
-    solved, reused : scenes that were solved now, and those that were found
-    failed : status and advice of those that were solved now without a result, by digest
+    solved_count, reused_count : scenes that were solved now, and those that were found solved
+    failures : status and advice of those that were solved now without a result, by digest
     seconds : time inside the solver now, all workers together [s]
     engine, workers : how scenes were solved; "none" where none was
     """
 
     def __init__(self, cache: Cache, pool: Pool, progress: Progress) -> None:
-        self.cache, self.pool, self.progress = cache, pool, progress
-        self.solved, self.reused, self.seconds = 0, 0, 0.0
-        self.failed: dict[bytes, tuple[str, str]] = {}
-        self.engine, self.workers = "none", 1
-        self._seen: set[bytes] = set()  # solved now, or found
-        self._each_takes = BESIDE  # [s]
-        self._is_measured = False  # whether the rates of this run are kept
+        self.cache = cache
+        self.pool = pool
+        self.progress = progress
+        self.solved_count = 0
+        self.reused_count = 0
+        self.failures: dict[bytes, tuple[str, str]] = {}
+        self.seconds = 0.0
+        self.engine = "none"
+        self.workers = 1
+        self._counted_digests: set[bytes] = set()  # of scenes that were solved now, or found
+        self._seconds_per_scene = HISTORY_OVERHEAD
+        self._has_stored_rates = False
         self._executor: Executor | None = None  # of the pool, from when it is first needed
+        self._task: Task | None = None  # whose neighbours with nothing between them are known
+        self._apart_responses: ApartResponses
 
     def close(self) -> None:
         """End the workers."""
         if self._executor is not None:
-            end(self._executor, ())
+            stop_executor(self._executor, ())
             self._executor = None
 
-    def responses(self, plan: Plan, numbers: np.ndarray | None = None, rough: bool = False) -> Solved:
-        """The responses of a plan's scenes, solved where the cache has none.
+    def solve_plan(self, plan: Plan, numbers: np.ndarray | None = None, rough: bool = False) -> Solved:
+        """Return the responses of a plan's scenes, solved where the cache has none.
 
         Parameters
         ----------
         numbers : the scenes that are wanted; all unless given
-        rough : whether the numbers only lead to those that are told: with `estimate: all` the error of buildings alone
-            is estimated then, which other scenes share, and no other
+        rough : whether the responses only lead to those that are reported: with `estimate: all` the error of buildings
+            alone is estimated then, which other scenes share, and no other
 
         Raises
         ------
@@ -98,104 +108,122 @@ class Solver:
         """
         wanted = np.arange(len(plan)) if numbers is None else np.unique(numbers[numbers >= 0])
         solved = Solved(plan)
-        self._find(plan, wanted, solved)
+        self._load_rows(plan, wanted, solved)
         if rough and plan.estimate == "all":
             plan = replace(plan, estimate="alone")
-            self._find(plan, wanted[~solved.there[wanted]], solved)
+            self._load_rows(plan, wanted[~solved.there[wanted]], solved)
         digests = [plan.digests[number].tobytes() for number in wanted.tolist()]
-        new = np.array([digest not in self._seen for digest in digests], bool)
-        self._seen.update(digests)
-        missing = ~solved.there[wanted] | (new & ~solved.ended[wanted])  # what failed in a run before is solved too
-        self.reused += int((new & ~missing).sum())
-        if missing.any():
-            self._solve(plan, wanted[missing], solved)
+        is_new = np.array([digest not in self._counted_digests for digest in digests], bool)
+        self._counted_digests.update(digests)
+        has_failed_before = is_new & ~solved.ended[wanted]  # in an earlier run; it is solved again
+        is_missing = ~solved.there[wanted] | has_failed_before
+        self.reused_count += int((is_new & ~is_missing).sum())
+        if is_missing.any():
+            self._solve_missing(plan, wanted[is_missing], solved)
         return solved
 
-    def contents(self, plan: Plan, numbers: np.ndarray | None = None) -> ResultArrays:
-        """All that a results file says of a plan: see `responses` and `results.dataset`."""
+    def solve_arrays(self, plan: Plan, numbers: np.ndarray | None = None) -> ResultArrays:
+        """Return all that a results file says of a plan: see `solve_plan` and `results.dataset`."""
         from pounding_cli.results.dataset import build_arrays
 
-        return build_arrays(plan, self.responses(plan, numbers))
+        return build_arrays(plan, self.solve_plan(plan, numbers))
 
-    def _find(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
+    def _load_rows(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
         """Take some scenes from the cache."""
-        digests = {plan.digests[number].tobytes(): number for number in numbers.tolist()}
-        for rows in self.cache.get(solution_key(plan), list(digests)):
-            solved.put({digests[digest]: row for digest, row in rows.items()})
+        number_by_digest = {plan.digests[number].tobytes(): number for number in numbers.tolist()}
+        for rows in self.cache.iter_rows(solution_key(plan), list(number_by_digest)):
+            solved.put({number_by_digest[digest]: row for digest, row in rows.items()})
 
-    def _solve(self, plan: Plan, missing: np.ndarray, solved: Solved) -> None:
+    def _solve_missing(self, plan: Plan, missing: np.ndarray, solved: Solved) -> None:
         """Solve scenes, and put them into the cache and among those that are solved."""
-        from pounding_cli.batch.attempt import Task  # here: whoever has all scenes needs no numba
-        from pounding_cli.solver import solve
-
-        solve.say = self.progress.say
-        task = Task(plan.accuracy, plan.method, plan.estimate, plan.time_step, plan.harder)
-        self.progress.start(len(missing), self.reused)
+        self.progress.add_histories(len(missing), self.reused_count)
         try:
-            for numbers, rows in self._each(plan, task, missing):
+            for numbers, rows in self._iter_groups(plan, self._build_task(plan), missing):
                 digests = [plan.digests[number].tobytes() for number in numbers]
-                self.cache.put(solution_key(plan), dict(zip(digests, rows, strict=True)))
+                self.cache.store(solution_key(plan), dict(zip(digests, rows, strict=True)))
                 solved.put(dict(zip(numbers.tolist(), rows, strict=True)))
-                said = zip(solved.texts["status"][numbers], solved.texts["advice"][numbers], strict=True)
-                failed = {digest: each for digest, each in zip(digests, said, strict=True) if each[0] not in OUTCOMES}
-                self.failed |= failed
-                self.solved += len(rows)
-                self.seconds += float(solved.values["seconds"][numbers].sum())
-                self.progress.step(len(rows) - len(failed), len(failed))
+                self._count_group(digests, numbers, solved)
         finally:
-            self.progress.stop()
-        self._measure(plan, missing, solved)
+            self.progress.stop_display()
+        if not self._has_stored_rates:
+            self._store_rates(plan, missing, solved)
 
-    def _measure(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
+    def _build_task(self, plan: Plan) -> Task:
+        """Return the settings of a plan; what is known of neighbours with nothing between them stays while they do."""
+        from pounding_cli.batch.apart import ApartResponses  # here: whoever has all scenes needs no numba
+        from pounding_cli.batch.attempt import Task
+
+        task = Task(plan.accuracy, plan.method, plan.estimate, plan.time_step, plan.harder)
+        if task != self._task:
+            self._task = task
+            self._apart_responses = ApartResponses()
+        return task
+
+    def _count_group(self, digests: Sequence[bytes], numbers: np.ndarray, solved: Solved) -> None:
+        """Take in a group of scenes that came back."""
+        failed_count = 0
+        statuses = solved.texts["status"][numbers]
+        advices = solved.texts["advice"][numbers]
+        for digest, status, advice in zip(digests, statuses, advices, strict=True):
+            if status not in OUTCOMES:
+                self.failures[digest] = (status, advice)
+                failed_count += 1
+        self.solved_count += len(digests)
+        self.seconds += float(solved.values["seconds"][numbers].sum())
+        self.progress.count_solved(len(digests) - failed_count, failed_count)
+
+    def _store_rates(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
         """Keep the rates of the first time histories of a run, for `pound check`."""
-        if not self._is_measured:
-            some = numbers[:: max(1, len(numbers) // MEASURED)]
-            store_rates(measure_rates(plan, some, solved.values["seconds"]))
-            self._is_measured = True
+        some = numbers[:: max(1, len(numbers) // RATED_HISTORIES)]
+        store_rates(measure_rates(plan, some, solved.values["seconds"]))
+        self._has_stored_rates = True
 
-    def _each(self, plan: Plan, task: Task, order: np.ndarray) -> Iterator[Answer]:
-        """Groups of scenes and their rows as they come."""
-
-        def here(numbers: np.ndarray) -> Answer:
-            return numbers, task.rows(list(plan.scenes(numbers)))
-
-        self.engine = "serial" if self.engine == "none" else self.engine
-        if self.solved:
-            self._each_takes = max(self._each_takes, BESIDE + self.seconds / self.solved)
+    def _iter_groups(self, plan: Plan, task: Task, numbers: np.ndarray) -> Iterator[SolvedGroup]:
+        """Yield groups of scenes and their rows as they are solved."""
+        run = _PlanRun(plan, task, self._apart_responses, self.progress)
+        if self.engine == "none":
+            self.engine = "serial"
+        if self.solved_count:
+            seconds = HISTORY_OVERHEAD + self.seconds / self.solved_count
+            self._seconds_per_scene = max(self._seconds_per_scene, seconds)
         else:
-            first = order[:: max(4, len(order) // TIMED)]
-            yield here(first[:1])  # compiles, or loads what was compiled
+            first = numbers[:: max(4, len(numbers) // TIMED_SCENES)]
+            yield run.solve_here(first[:1])  # compiles kernels, or loads them
             begin = time.perf_counter()
-            yield from map(here, _parts(first[1:], 1))
+            yield from map(run.solve_here, _split_groups(first[1:], 1))
             if len(first) > 1:
-                self._each_takes = (time.perf_counter() - begin) / (len(first) - 1)
-            order = np.setdiff1d(order, first)
-        workers, size = self.pool.workers, int(np.clip(GROUP_SECONDS / self._each_takes, 1, MOST_SCENES))
-        by_one = self.pool.name == "serial" or (workers == 1 and self.pool.name == "threads")
-        if by_one or self._each_takes * len(order) < WORTH_WORKERS:
-            yield from map(here, _parts(order, size))
-        elif len(order):
-            self.engine, self.workers = self.pool.name, workers
-            yield from self._by_workers(_parts(order, size, 4 * workers), task, plan)
+                self._seconds_per_scene = (time.perf_counter() - begin) / (len(first) - 1)
+            numbers = np.setdiff1d(numbers, first)
+        size = int(np.clip(GROUP_SECONDS / self._seconds_per_scene, 1, MAX_GROUP_SIZE))
+        workers = self.pool.workers
+        is_serial = self.pool.name == "serial" or (workers == 1 and self.pool.name == "threads")
+        if is_serial or self._seconds_per_scene * len(numbers) < MIN_PARALLEL_SECONDS:
+            yield from map(run.solve_here, _split_groups(numbers, size))
+        elif len(numbers):
+            self.engine = self.pool.name
+            self.workers = workers
+            yield from self._iter_from_workers(_split_groups(numbers, size, 4 * workers), run)
 
-    def _by_workers(self, parts: list[np.ndarray], task: Task, plan: Plan) -> Iterator[Answer]:
-        """Parts of the scenes and their rows as they end.
+    def _iter_from_workers(self, groups: list[np.ndarray], run: _PlanRun) -> Iterator[SolvedGroup]:
+        """Yield groups of scenes and their rows as workers return them.
 
         Where a worker ends, its pool is opened again, and the scenes that were under way go alone: one that ends its
         worker then too is lost.
         """
-        todo, alone = deque(parts), set[int]()  # scenes that go alone
+        waiting = deque(groups)
+        going_alone = set[int]()
         executor = self._executor = self._executor or self.pool.open()
-        running = dict[Future, np.ndarray]()
+        running: dict[Future[GroupResult], np.ndarray] = {}
         try:
-            while todo or running:
-                lost, is_broken = list[np.ndarray](), False
-                next_to = (*running.values(), *islice(todo, 1))
-                most = 1 if any(part[0] in alone for part in next_to) else 2 * self.pool.workers
+            while waiting or running:
+                lost = list[np.ndarray]()
+                is_broken = False
+                next_groups = (*running.values(), *islice(waiting, 1))
+                max_running = 1 if any(group[0] in going_alone for group in next_groups) else 2 * self.pool.workers
                 try:
-                    while todo and len(running) < most:
-                        running[executor.submit(task.rows, list(plan.scenes(todo[0])))] = todo[0]
-                        todo.popleft()
+                    while waiting and len(running) < max_running:
+                        running[run.submit(executor, waiting[0], self.pool.shares_memory)] = waiting[0]
+                        waiting.popleft()
                 except BrokenExecutor:
                     is_broken = True
                 ended = set() if is_broken else wait(running, 1.0, FIRST_COMPLETED)[0]
@@ -204,34 +232,105 @@ class Solver:
                 for future in ended:
                     numbers = running.pop(future)
                     try:
-                        rows = future.result()
+                        result = future.result()
                     except Exception as error:  # a worker ended; each kind of pool has its own word for it
                         lost.append(numbers)
                         is_broken |= isinstance(error, BrokenExecutor)
                     else:
-                        yield numbers, rows
+                        yield run.take_result(numbers, result)
                 if is_broken:
-                    end(executor, running)
+                    stop_executor(executor, running)
                     lost += running.values()
                     running.clear()
                     executor = self._executor = self.pool.open()
                 for numbers in lost:
-                    if numbers[0] in alone:
-                        yield numbers, [encode(task.without(scene, *LOST)) for scene in plan.scenes(numbers)]
+                    if numbers[0] in going_alone:
+                        yield run.build_lost_group(numbers)
                     else:
-                        alone.update(numbers.tolist())
-                        todo.extendleft(_parts(numbers, 1))
+                        going_alone.update(numbers.tolist())
+                        waiting.extendleft(_split_groups(numbers, 1))
         finally:
             if running:  # stopped on the way
-                end(executor, running)
+                stop_executor(executor, running)
                 self._executor = None
 
 
-def _parts(numbers: np.ndarray, size: int, share: int = 1) -> list[np.ndarray]:
-    """Parts of `size` numbers; towards the end of what is left one in `share`, so that workers end together."""
-    parts = []
+class _PlanRun:
+    """Groups of a plan's scenes, as they are given to whoever solves them.
+
+    Parameters
+    ----------
+    task : settings
+    apart_responses : what is known of neighbours with nothing between them by these settings; new ones are added
+    progress : takes in which kernels are compiled
+    """
+
+    def __init__(self, plan: Plan, task: Task, apart_responses: ApartResponses, progress: Progress) -> None:
+        self.plan = plan
+        self.task = task
+        self.apart_responses = apart_responses
+        self.progress = progress
+        self._uncompiled = {kernel for kernel in COMPILE_TIME if not is_compiled(kernel)}
+        self._viewed_kinds = set[tuple[Any, ...]]()  # of scenes whose kernels are known
+
+    def solve_here(self, numbers: np.ndarray) -> SolvedGroup:
+        """Return a group of scenes solved in this thread."""
+        return SolvedGroup(numbers, self.task.run(self._list_attempts(numbers), self.apart_responses).rows)
+
+    def submit(self, executor: Executor, numbers: np.ndarray, shares_memory: bool) -> Future[GroupResult]:
+        """Return the future result of a group of scenes that a worker solves.
+
+        shares_memory : the worker is a thread of this process
+        """
+        attempts = self._list_attempts(numbers)
+        known = self.apart_responses
+        if not shares_memory:
+            known = known.select(attempt.apart.scene for attempt in attempts if attempt.apart is not None)
+        return executor.submit(self.task.run, attempts, known)
+
+    def take_result(self, numbers: np.ndarray, result: GroupResult) -> SolvedGroup:
+        """Return a group of scenes that a worker solved; what it found of neighbours is known from now on."""
+        self.apart_responses.add(result.apart_responses)
+        return SolvedGroup(numbers, result.rows)
+
+    def build_lost_group(self, numbers: np.ndarray) -> SolvedGroup:
+        """Return scenes that ended their worker, without results."""
+        responses = [
+            self.task.build_failed_response(scene, LOST_STATUS, LOST_ADVICE) for scene in self.plan.scenes(numbers)
+        ]
+        return SolvedGroup(numbers, [encode(response) for response in responses])
+
+    def _list_attempts(self, numbers: np.ndarray) -> list[Attempt]:
+        """Return the attempts to solve some scenes, after a note on kernels that are compiled for them."""
+        attempts = self.task.list_attempts(self.plan.scenes(numbers))
+        if self._uncompiled:
+            self._announce_kernels(attempts)
+        return attempts
+
+    def _announce_kernels(self, attempts: Sequence[Attempt]) -> None:
+        """Write a note on every kernel that is compiled for these scenes, the first time that one needs it."""
+        for scene, _ in attempts:
+            laws = tuple(type(link.law) for link in scene.links)
+            buildings = tuple(map(id, scene.buildings))  # the plan holds them, so that no other gets their id
+            kind = (buildings, laws, scene.analysis, self.task.is_assessed(scene))
+            if kind in self._viewed_kinds:  # to lay out every scene would take a hundredth of the time of a short one
+                continue
+            self._viewed_kinds.add(kind)
+            for kernel in self.task.list_kernels(scene):
+                if kernel in self._uncompiled:
+                    self._uncompiled.remove(kernel)
+                    seconds = COMPILE_TIME[kernel]
+                    self.progress.write_note(f"compiling {kernel}, once on this computer (about {seconds:.0f} s)")
+
+
+def _split_groups(numbers: np.ndarray, size: int, share: int = 1) -> list[np.ndarray]:
+    """Return groups of at most `size` numbers.
+
+    share : a group is at most one part in `share` of what is left, so that workers end together
+    """
+    groups = []
     while len(numbers):
         count = max(1, min(size, len(numbers) // share))
-        parts.append(numbers[:count])
+        groups.append(numbers[:count])
         numbers = numbers[count:]
-    return parts
+    return groups

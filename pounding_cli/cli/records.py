@@ -96,10 +96,10 @@ def show(motion: str, window: float | None, output: Path | None, **options: Any)
         if found.pga == 0.0:
             raise InputError(Problem(f"the first {window:g} s are at rest", "give a longer window"))
     if output is not None:
-        from pounding_cli.report.motions import draw
+        from pounding_cli.report.motions import save_motion_figure
 
         check_output(output, [Path(place)])
-        draw(found, title, output)
+        save_motion_figure(found, title, output)
     _print_measures(found, title, place, read_as)
     if output is not None:
         click.echo(f"\ndrawn: {output}")

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import shutil
 import sys
+import textwrap
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import nullcontext, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +18,8 @@ import click
 from pounding_cli.cli.options import FILE, open_file, quiet_option, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, join_limited, pluralize
+from pounding_cli.report.summary import PARAGRAPH_WIDTH
+from pounding_cli.variables import COORDINATE_VARIABLES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,18 +27,10 @@ if TYPE_CHECKING:
     from pounding_cli.report.sweep import SweepChoice
     from pounding_cli.results.compare import Comparison
     from pounding_cli.results.results import ResultTables
+    from pounding_cli.tables import Table
 
-_ASIDE = {
-    "summary": ("_error", "_sensitivity", "_std", "_min"),
-    "scene": (
-        *("advice", "flag_severity", "effects", "dropped"),
-        *("_input", "_kinetic", "_stored", "_damping", "_hysteresis", "_links"),
-    ),
-    "records": ("digest",),
-}
-"""Endings of the columns that only CSV has, by table."""
 _FEW = 12
-"""Lines of one kind that `pound compare` shows unless all are asked for."""
+"""Lines of one kind that `pound compare` shows without --all."""
 _PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
 """What figures over a sweep may fix besides swept keys."""
 
@@ -59,7 +56,9 @@ def _check_tables(results: ResultTables, names: Sequence[str]) -> None:
         if name in results.tables:
             continue
         command = next((question.name for question in load_questions() if name in question.tables), "")
-        hint = f"write it with: pound {command} STUDY" if command else f"it has: {', '.join(results.tables)}"
+        similar = difflib.get_close_matches(name, results.tables, 1)
+        meant = f"did you mean '{similar[0]}'? " if similar else ""
+        hint = f"write it with: pound {command} STUDY" if command else f"{meant}it has: {', '.join(results.tables)}"
         raise InputError(Problem(f"has no table {name}", hint, str(results.path)))
 
 
@@ -73,24 +72,26 @@ rows_options = together(
         help="Only rows with this value in a column or of a swept key; several of one key are alternatives.",
     ),
 )  # fmt: skip
-"""Which rows are meant; arguments of `_wanted`."""
+"""Options that choose rows; arguments of `_parse_conditions`."""
 
 
-def _wanted(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str]]:
-    """Key and value of every condition.  Raises `InputError` for one without value."""
-    wanted = [(key, value) for key, values in short.items() for value in values]
+def _parse_conditions(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str]]:
+    """Return key and value of every condition.  Raises `InputError` for one without value."""
+    conditions = [(key, value) for key, values in short.items() for value in values]
     for text in where:
         key, _, value = (part.strip() for part in text.partition("="))
         if not (key and value):
             raise InputError(Problem(f"--where {text}: no value", "write e.g. --where 'cases.gap.gap=5 cm'"))
-        wanted.append((key, value))
-    return wanted
+        conditions.append((key, value))
+    return conditions
 
 
-def _key(given: str, known: Collection[str], what: str) -> str:
-    """The key that is meant, one of those known; the beginning of a swept one may be left out.
+def _find_key(given: str, known: Collection[str], place: str) -> str:
+    """Return the known key that is given in full or, of a swept key, without its beginning.
 
-    what : where it is looked for.  Raises `InputError` where there is none, or more than one.
+    place : name of the table, or of the sweep, in messages
+
+    Raises InputError: there is no such key, or more than one.
     """
     if given in known:
         return given
@@ -98,13 +99,15 @@ def _key(given: str, known: Collection[str], what: str) -> str:
     if len(ends) == 1:
         return ends[0]
     hint = f"leave the option out, or write one of: {join_limited(ends or known)}"
-    raise InputError(Problem(f"{what} has {'several columns' if ends else 'no column'} {given}", hint))
+    raise InputError(Problem(f"{place} has {'several columns' if ends else 'no column'} {given}", hint))
 
 
-def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
-    """Those of the values that a text means; a number may be with its unit, in SI or in the unit of the study.
+def _find_values(values: Sequence[Any], text: str, unit: Unit, key: str) -> list[Any]:
+    """Return those of some values that a text stands for; a number may have a unit, or be in SI or the study's unit.
 
-    what : whose values they are.  Raises `InputError` where there is none.
+    key : of the values, in messages
+
+    Raises InputError: none of the values is equal to it.
     """
     from pydantic_core import PydanticCustomError
 
@@ -115,16 +118,16 @@ def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
         numbers.append(float(Quantity("value", unit.si, "").read(text)))
         numbers.append(float(text) * unit.factor)
 
-    def is_meant(value: Any) -> bool:
+    def is_equal(value: Any) -> bool:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         close = is_number and any(math.isclose(value, each, rel_tol=1e-6, abs_tol=1e-12) for each in numbers)
         return close or str(value) == text
 
-    if found := [value for value in there if is_meant(value)]:
-        return found
-    raise InputError(
-        Problem(f"{what} does not take the value {text!r}", f"write one of: {join_limited(map(unit.text, there))}")
-    )
+    equal = [value for value in values if is_equal(value)]
+    if not equal:
+        hint = f"write one of: {join_limited(map(unit.text, values))}"
+        raise InputError(Problem(f"{key} does not take the value {text!r}", hint))
+    return equal
 
 
 @click.command()
@@ -144,37 +147,68 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.tables import Table
     from pounding_cli.texts import escape_formulas
 
     results = open_file(file)
     table = table or (results.answers[0] if results.answers else "summary")
     _check_tables(results, [table])
-    frame = _filtered(results, results.table(table), _wanted(**rows), table)
+    frame = _select_rows(results, results.table(table), _parse_conditions(**rows), table)
     sentences = [name for name in ("effects", "dropped", "flags", "flag_severity", "advice") if name in frame.columns]
     frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
     if form == "csv":
         click.echo(escape_formulas(frame).to_csv(index=False, lineterminator="\n"), nl=False)
         return
-    aside = [name for name in frame.columns if str(name).endswith(_ASIDE.get(table, ()))]
-    columns = [results.column(table, str(name)) for name in frame.columns if name not in aside]
-    ends = {end for column in columns for end in (column.low, column.high)}  # in the cells of their columns
-    shown = Table(table, frame, [column for column in columns if column.name not in ends])
+    columns = [results.column(table, str(name)) for name in frame.columns]
+    csv_alone = [column.name for column in columns if column.optional]
+    ends = {end for column in columns for end in (column.low, column.high) if end}  # in the cells of their columns
+    shown = _table_to_print(results, table, frame, [*csv_alone, *ends])
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     click.echo(f"{results.title}\n{shown.to_text(width, max_rows=len(frame)) if len(frame) else 'no rows'}".rstrip())
-    if aside:
-        click.echo(f"{pluralize(len(aside), 'more column')} with --format csv: {', '.join(map(str, aside))}", err=True)
+    if (note := _note_on_contact(results, frame)) and len(frame):
+        click.echo("\n".join(textwrap.wrap(note, width or PARAGRAPH_WIDTH)))
+    if csv_alone:
+        more = pluralize(len(csv_alone), "more column")
+        click.echo(f"{more} with --format csv: {', '.join(csv_alone)}", err=True)
 
 
-def _filtered(
+def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame, hidden: Sequence[str]) -> Table:
+    """Return rows of a table for a terminal, which leaves out columns at the right where it is too narrow.
+
+    Columns before the first number say where a row stands, and are always printed.
+
+    hidden : columns that are not printed
+    """
+    from pounding_cli.tables import Table
+
+    names = [str(each) for each in frame.columns if each not in hidden]
+    columns = [replace(results.column(name, each), label=each) for each in names]  # the names that --where takes
+    places = {*results.axes, *COORDINATE_VARIABLES, "place"}
+    first = next((number for number, column in enumerate(columns) if column.name not in places), len(columns))
+    kept = columns[: first + 1]
+    return Table(name, frame, [*kept, *(replace(column, optional=True) for column in columns[first + 1 :])])
+
+
+def _note_on_contact(results: ResultTables, frame: pd.DataFrame) -> str:
+    """Return a note where a table has accelerations or forces of floors that strike; "" where it has none."""
+    from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
+
+    names = [str(name) for name in frame.columns]
+    has_numbers = any(name.startswith(("acceleration", "peak_force")) for name in names)
+    return CONTACT_STIFFNESS_UNKNOWN if has_numbers and len(results.struck_links()) else ""
+
+
+def _select_rows(
     results: ResultTables, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str
 ) -> pd.DataFrame:
-    """The rows asked for; a key or value that is not there is refused with those that are."""
+    """Return the rows that meet all conditions.
+
+    Raises InputError: a key or value that is not there, with those that are.
+    """
     chosen = dict[str, list[Any]]()
     for given, text in wanted:
-        key = _key(given, list(map(str, frame.columns)), f"the table {table}")
+        key = _find_key(given, list(map(str, frame.columns)), f"the table {table}")
         there = results.axes.get(key, list(dict.fromkeys(frame[key])))
-        chosen.setdefault(key, []).extend(_meant(there, text, results.column(table, key).unit, key))
+        chosen.setdefault(key, []).extend(_find_values(there, text, results.column(table, key).unit, key))
     for key, values in chosen.items():
         frame = frame[frame[key].isin(values)]
     return frame
@@ -208,39 +242,41 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
-    from pounding_cli.paper.claims import list_claim_sections, verdicts
-    from pounding_cli.paper.comparison import write_comparison
+    from pounding_cli.paper.claims import list_claim_sections, list_verdicts
     from pounding_cli.questions.reports import build_report, find_no_sweep
-    from pounding_cli.report.style import OF_PAPERS, for_paper
+    from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 
     choices = _list_choices(quantities, rows)
     _refuse_contradictions(paper, no_figures, formats, choices)
-    chosen = () if no_figures else formats or (OF_PAPERS if paper else None)
-    opened = [(folder, open_file(path)) for folder, path in zip(_folders(files, output), files, strict=True)]
-    without_sweep = {
-        path: reason for path, (_, each) in zip(files, opened, strict=True) if (reason := find_no_sweep(each))
-    }
+    saved_formats = () if no_figures else formats or (OF_PAPERS if paper else None)
+    opened = [(folder, open_file(path)) for folder, path in zip(_list_folders(files, output), files, strict=True)]
+    reasons = {path: find_no_sweep(results) for path, (_, results) in zip(files, opened, strict=True)}
+    without_sweep = {path: reason for path, reason in reasons.items() if reason}
     if choices and len(without_sweep) == len(files):
         message = f"{choices[0]} chooses what figures over a sweep show, and {next(iter(without_sweep.values()))}"
         hint = "leave it out; -o, --format, --figures-for-paper, --no-figures and --quiet apply to every file"
         raise InputError(Problem(message, hint, str(files[0])))
     reports = []
     for path, (_, results) in zip(files, opened, strict=True):
-        asked = _asked(results, quantities, _wanted(**rows)) if choices and path not in without_sweep else None
-        reports.append(build_report(results, asked, list_claim_sections(results)))
+        choice = None
+        if choices and path not in without_sweep:
+            choice = _build_choice(results, quantities, _parse_conditions(**rows))
+        reports.append(build_report(results, choice, list_claim_sections(results)))
     for each in reports:
-        each.sections  # noqa: B018  # all that is asked for is refused before anything is written
-    for (folder, results), made in zip(opened, reports, strict=True):
-        with for_paper() if paper else nullcontext():
-            written = made.save(folder, chosen, not paper)
+        each.sections  # noqa: B018  # a bad choice is refused before anything is written
+    for (folder, results), each in zip(opened, reports, strict=True):
+        with drawing_for(PAPER) if paper else nullcontext():
+            saved = each.save(folder, saved_formats, not paper)
         if not quiet:
-            click.echo(f"{written[-1]}: {pluralize(len(written), 'file')}")
-            for key, verdict in verdicts(results).items():
+            click.echo(f"{saved[-1]}: {pluralize(len(saved), 'file')}")
+            for key, verdict in list_verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
     if choices:
         for path, reason in without_sweep.items():
             click.echo(f"{path}: {reason}, so {choices[0]} does not apply to it", err=True)
     if len(opened) > 1:
+        from pounding_cli.paper.comparison import write_comparison
+
         named = {folder.name: results for folder, results in opened}
         page, *_ = write_comparison(named, reports, output or Path("comparison"))
         if not quiet:
@@ -261,25 +297,27 @@ def _refuse_contradictions(paper: bool, no_figures: bool, formats: Sequence[str]
         raise InputError(Problem(message, "leave one of them out"))
 
 
-def _asked(results: ResultTables, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> SweepChoice:
-    """Return what is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
+def _build_choice(
+    results: ResultTables, quantities: tuple[str, ...], conditions: Sequence[tuple[str, str]]
+) -> SweepChoice:
+    """Return the figures over the sweep that are drawn.  Raises `InputError` for a key or a value that is not there."""
     from pounding_cli.report.sweep import SweepChoice
 
     places = dict[str, Any]()
     at = dict[str, Any]()
-    for given, text in wanted:
-        key = _key(given, [*_PLACES, *results.axes], "the sweep")
+    for given, text in conditions:
+        key = _find_key(given, [*_PLACES, *results.axes], "the sweep")
         if key in places or key in at:
             raise InputError(Problem(f"{key} is given twice", "write one value: a figure has one"))
         if key in results.axes:
-            at[key] = _meant(results.axes[key], text, results.units[key], key)[0]
+            at[key] = _find_values(results.axes[key], text, results.units[key], key)[0]
         else:
             places[key] = text
     return SweepChoice(quantities, places, at)
 
 
-def _folders(files: Sequence[Path], output: Path | None) -> list[Path]:
-    """Where each report goes; files of one name are told apart by a number."""
+def _list_folders(files: Sequence[Path], output: Path | None) -> list[Path]:
+    """Return the folder of each report; those of files of one name differ by a number."""
     if output is not None and len(files) == 1:
         return [output]
     bases = [output / path.stem if output is not None else path.with_suffix("") for path in files]
@@ -311,7 +349,7 @@ def export(
     """
     from pounding_cli.results.export import export as written
 
-    wanted = _wanted(**rows)
+    wanted = _parse_conditions(**rows)
     if pelicun:
         _export_demands(open_file(file), output, wanted)
         return
@@ -328,7 +366,7 @@ def _export_demands(results: ResultTables, output: Path | None, wanted: Sequence
     from pounding_cli.outputs import check_output
     from pounding_cli.results.pelicun import demands, describe_left_out
 
-    table, left_out = demands(results, _filtered(results, results.storey(), wanted, "storey"))
+    table, left_out = demands(results, _select_rows(results, results.storey(), wanted, "storey"))
     path = output or results.path.with_name(f"{results.path.stem}-demands.csv")
     check_output(path, [results.path], lambda _, head: b"PID-" in head)
     table.to_csv(path)
@@ -353,47 +391,66 @@ def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
     Example:
       pound compare before.h5 after.h5 --numbers && echo "no number moved"
     """
-    from pounding_cli.results.compare import compare as compared
+    from pounding_cli.results.compare import compare as compare_results
 
-    found = compared(open_file(first), open_file(second))
-    click.echo("\n".join(_told(found, everything)))
-    if not (found.same_numbers if numbers else found.same):
+    comparison = compare_results(open_file(first), open_file(second))
+    click.echo("\n".join(_iter_changes(comparison, everything)))
+    if not (comparison.has_same_numbers if numbers else comparison.is_same):
         ctx.exit(1)
 
 
-def _told(found: Comparison, everything: bool) -> Iterator[str]:
-    """What changed, line by line."""
-    from pounding_cli.results.columns import column_of
+def _iter_changes(comparison: Comparison, everything: bool) -> Iterator[str]:
+    """Yield the differences of two files, line by line.
 
-    keys = [
-        f"{key}: {' -> '.join('nothing' if each is None else str(each) for each in two)}" for key, *two in found.keys
-    ]
-    scenes = [*(f"- {place}" for place in found.removed), *(f"+ {place}" for place in found.added)]
-    scenes += [f"{place}: {one} -> {other}" for place, one, other in found.outcomes]
-    moved = f"{len(found.removed)} removed, {len(found.added)} added, {len(found.outcomes)} with another outcome"
-    study = "the same, with different wording" if found.lines else "the same"
-    study = f"differs in {pluralize(len(keys), 'key')}" if keys else study
+    everything : True lists all of them
+    """
+    yield from _iter_study_changes(comparison, everything)
+    changes = comparison.changes
+    differ = "differs" if len(changes) == 1 else "differ"
+    yield f"Numbers: {len(changes)} of {comparison.compared} {differ} beyond the errors of both files."
+    if comparison.unestimated:
+        rows = pluralize(comparison.unestimated, "row carries", "rows carry")
+        yield f"  {rows} no error estimate: the accuracy asked or rounding is used instead."
+    yield from _iter_number_changes(changes, everything)
+
+
+def _iter_study_changes(comparison: Comparison, everything: bool) -> Iterator[str]:
+    """Yield the differences of study, versions and rows, line by line."""
+    keys = []
+    for key, old, new in comparison.keys:
+        values = ["nothing" if value is None else str(value) for value in (old, new)]
+        keys.append(f"{key}: {' -> '.join(values)}")
+    if keys:
+        study = f"differs in {pluralize(len(keys), 'key')}"
+    else:
+        study = "the same, with different wording" if comparison.lines else "the same"
+    versions = [f"{name}: {old} -> {new}" for name, old, new in comparison.software]
+    rows = [f"- {place}" for place in comparison.removed]
+    rows += [f"+ {place}" for place in comparison.added]
+    rows += [f"{place}: {old} -> {new}" for place, old, new in comparison.outcomes]
+    counts = (
+        f"{len(comparison.removed)} removed, {len(comparison.added)} added, "
+        f"{len(comparison.outcomes)} with another outcome"
+    )
     for head, lines in (
-        (f"Study: {study}.", [*found.lines, *keys]),
-        (
-            f"Versions: {'differ' if found.software else 'the same'}.",
-            [f"{name}: {one} -> {other}" for name, one, other in found.software],
-        ),
-        (f"Rows: {moved}.", scenes),
+        (f"Study: {study}.", [*comparison.lines, *keys]),
+        (f"Versions: {'differ' if versions else 'the same'}.", versions),
+        (f"Rows: {counts}.", rows),
     ):
         few = len(lines) if everything else _FEW
         yield from (head, *(f"  {line}" for line in lines[:few]))
         if len(lines) > few:
             yield f"  ... {len(lines) - few} more: --all lists them"
-    differ = "differs" if len(found.changes) == 1 else "differ"
-    yield f"Numbers: {len(found.changes)} of {found.compared} {differ} beyond the errors of both files."
-    if found.unestimated:
-        what = pluralize(found.unestimated, "row carries", "rows carry")
-        yield f"  {what} no error estimate: the accuracy asked or rounding is used instead."
-    for (table, column), rows in found.changes.groupby(["table", "column"], sort=False):
+
+
+def _iter_number_changes(changes: pd.DataFrame, everything: bool) -> Iterator[str]:
+    """Yield the numbers that changed, column by column; of each the largest change unless all are listed."""
+    from pounding_cli.results.columns import column_of
+
+    for (table, column), rows in changes.groupby(["table", "column"], sort=False):
         unit = column_of(str(column), table=str(table)).unit
-        yield f"  {table} {column}:" if everything else f"  {table} {column}: {len(rows)} differ, most:"
+        count = f"{len(rows)} {'differs' if len(rows) == 1 else 'differ'}, most:"
+        yield f"  {table} {column}:" if everything else f"  {table} {column}: {count}"
         for row in (rows if everything else rows.head(1)).itertuples():
-            values = [unit.text(value) for value in (row.before, row.after)]
-            change = " -> ".join(values)
+            change = f"{unit.text(row.before)} -> {unit.text(row.after)}"
             yield f"    {row.place}: {change}, by {row.difference:.1e}; carried {row.carried:.1e}"

@@ -15,7 +15,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 
 if TYPE_CHECKING:
-    from pounding_cli.batch.forecast import Duration, Forecast
+    from pounding_cli.batch.forecast import Forecast, RunDuration
     from pounding_cli.errors import Problem
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
@@ -75,13 +75,15 @@ def check(study: Path, output: Path | None) -> None:
     Example: pound check configs/fig6.yaml
     """
     from pounding_cli.api.studies import load_study
-    from pounding_cli.paper.points import POINT_COMMANDS, load_sweep
+    from pounding_cli.paper import TITLES as POINT_TITLES
     from pounding_cli.questions import TITLES
     from pounding_cli.reading import shorten_path
     from pounding_cli.study.file import kind_of_file
 
     name, kind = shorten_path(study), kind_of_file(study)
-    if kind in POINT_COMMANDS:
+    if kind in POINT_TITLES:
+        from pounding_cli.paper.points import load_sweep
+
         sweep = load_sweep(study, kind)
         for warning in sweep.warnings:
             click.echo(f"warning: {warning}", err=True)
@@ -130,7 +132,7 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
     path = output or default_output(Path(question.study.path), question.name)
     try:
         standing = find_standing(question, path)
-    except InputError as refused:  # another run is at work on these results
+    except InputError as refused:  # another run is using these results
         return f"{count_histories(len(question.plan))}; {refused.problems[0].message}"
     if standing.is_current:
         return f"{count_histories(standing.total)}, all solved: {path} is current"
@@ -147,7 +149,7 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
     return f"{'; '.join(said)}; {_describe_duration(standing.duration)}"
 
 
-def _describe_duration(duration: Duration) -> str:
+def _describe_duration(duration: RunDuration) -> str:
     """Return the expected time of a run, or why it is not known."""
     from pounding_cli.solver.kernels import COMPILE_TIME
 
@@ -164,11 +166,11 @@ def _describe_duration(duration: Duration) -> str:
 
 def _describe_plan(plan: Plan) -> list[str]:
     """Return in lines what a run of a plan would solve and leave out."""
-    from pounding_cli.batch.forecast import forecast
+    from pounding_cli.batch.forecast import build_forecast
     from pounding_cli.study.group import format_meetings
 
     study, first = plan.study, (0,) * len(plan.axes)
-    found = forecast(plan)
+    found = build_forecast(plan)
     step = "" if plan.time_step is None else f"time step {study.unit('time step').text(plan.time_step)}"
     lines = [study.title, f"group      {' | '.join(plan.buildings)}"]
     for axis in plan.axes:
@@ -266,26 +268,30 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
     """
     from pounding_cli.api.studies import load_study, open_results
     from pounding_cli.questions import load_question
-    from pounding_cli.report.references import REFERENCES, citations, motions
+    from pounding_cli.report.references import REFERENCES, iter_motion_sources, list_citations
 
     if source.suffix in (".yaml", ".yml"):
         study = load_study(source)
-        uses = list(study.motion_uses(study.first_point).values())
-        title, kind, resolved = study.title, "run", study.to_plain_data()
+        title = study.title
+        question = "run"
+        resolved = study.to_plain_data()
         methods: tuple[str, ...] = (study.spec.method,)
-        sources = {use.name: use.source for use in uses}
+        sources = {use.name: use.source for use in study.motion_uses(study.first_point).values()}
     else:
         results = open_results(source)
-        title, kind, resolved, methods = results.title, results.workflow, results.resolved, tuple(results.methods)
+        title = results.title
+        question = results.workflow
+        resolved = results.resolved
+        methods = tuple(results.methods)
         sources = dict(results.records().drop_duplicates("record").set_index("record")["source"])
-    found = citations(resolved, sources, methods, load_question(kind).cite)
+    citations = list_citations(resolved, sources, methods, load_question(question).cite)
     if form == "bibtex":
-        click.echo("\n\n".join(REFERENCES[key].bibtex for key in found))
+        click.echo("\n\n".join(REFERENCES[key].bibtex for key in citations))
         return
     click.echo(title)
-    for key, what in found.items():
-        click.echo(f"\n{REFERENCES[key].text}\n    for {'; '.join(what)}")
-    click.echo("\n".join(["\nMotions", *(f"  {line}" for line in motions(sources))]))
+    for key, purposes in citations.items():
+        click.echo(f"\n{REFERENCES[key].text}\n    for {'; '.join(purposes)}")
+    click.echo("\n".join(["\nMotions", *(f"  {line}" for line in iter_motion_sources(sources))]))
 
 
 @click.command()

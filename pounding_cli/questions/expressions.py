@@ -1,20 +1,24 @@
-"""Expressions over the tables of a study, checked, and their values at every point; a study at chosen points."""
+"""Expressions over the tables of a study: checked, evaluated at every point, and in words; a study at chosen points."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
+from pounding_cli.laws import link_symbol
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.question import StudyQuestion
+from pounding_cli.results.arrays import ResultArrays
+from pounding_cli.results.columns import column_of
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.expression import (
     FLOOR,
     LINK,
+    QUANTITIES,
     Expression,
     ExpressionError,
     Statement,
@@ -22,63 +26,78 @@ from pounding_cli.study.expression import (
 )
 from pounding_cli.study.file import get
 from pounding_cli.study.group import unique_names
+from pounding_cli.study.plan import Plan
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import UncertainInput
-from pounding_cli.variables import RATIO_VARIABLES, VARIABLES
+from pounding_cli.tables import Column
+from pounding_cli.variables import RATIO_VARIABLES, RESPONSE_VARIABLES, VARIABLES
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pounding_cli.results.results import ResultTables
+
+Values = Mapping[str, np.ndarray]
+"""Variables of a results file by name, shape (..., motions, building, storey) or (..., motions, links)."""
 
 
-def evaluate_expression(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
-    """Return the values of an expression; NaN where a scene that they rest on failed, or has no such number.
+def evaluate_expression(expression: Expression, values: Values, over_motions: str) -> np.ndarray:
+    """Return the values of an expression; NaN where a run that they rest on failed, or the quantity is undefined.
 
     Shape (...).
 
-    data : variables of a results file, shape (..., motions, building, storey) or (..., motions, links)
+    values : of all variables that the expression names, of `status`, and of those that tell which storeys there are:
+        drift, mu, acceleration, max_closing
     over_motions : `mean` or `largest` of the motions, storey by storey before storeys are compared
     """
-    values = expression(lambda quantity: _evaluate_quantity(quantity, data, over_motions))
-    return np.where(np.isfinite(values), values, np.nan)
+    results = expression(lambda quantity: _evaluate_quantity(quantity, values, over_motions))
+    return np.where(np.isfinite(results), results, np.nan)
 
 
-def evaluate_error(expression: Expression, data: xr.Dataset, over_motions: str) -> np.ndarray:
-    """Return the largest numerical error of an expression: its changes where each of its quantities moves by its own
-    error, all added up; NaN where no scene was solved more finely.  Shape (...), as `evaluate_expression`."""
+def evaluate_error(expression: Expression, values: Values, over_motions: str) -> np.ndarray:
+    """Return the largest numerical error of an expression; NaN where no run was solved more finely.
+
+    It is the sum of the changes of the expression where each of its quantities moves by its own error.  Shape (...).
+
+    values : as in `evaluate_expression`, and `error_estimate` and the means of ratios with their errors
+    """
 
     def evaluate_with(part: TableQuantity, error: np.ndarray) -> np.ndarray:
         """Return the expression where one of its quantities is off by an error."""
-        return expression(lambda each: _evaluate_quantity(each, data, over_motions, error if each is part else 0.0))
+        return expression(lambda each: _evaluate_quantity(each, values, over_motions, error if each is part else 0.0))
 
     total = np.zeros(())
     for part in expression.quantities:
-        error = _find_error(part.name, data)
+        error = _find_error(part.name, values)
         total = total + np.abs(evaluate_with(part, error) - evaluate_with(part, -error)) / 2
     return total
 
 
-def _numbers(name: str, data: xr.Dataset) -> np.ndarray:
-    """Return a variable; where no case has a link, those of links are empty."""
-    if name in LINK and name not in data:
-        return np.zeros((*data["status"].shape, 0))
-    return data[name].values
+def _find_values(name: str, values: Values) -> np.ndarray:
+    """Return the values of a variable; where no case has a link, those of links are empty."""
+    if name in LINK and name not in values:
+        return np.zeros((*values["status"].shape, 0))
+    return values[name]
 
 
-def _find_error(name: str, data: xr.Dataset) -> np.ndarray:
+def _find_error(name: str, values: Values) -> np.ndarray:
     """Return the error of a variable, all motions alike where few were solved more finely; NaN where none was."""
-    values = _numbers(name, data)
+    numbers = _find_values(name, values)
     alone = "mu0" if name == "drift0" else name  # a ductility is a drift over the yield drift
     for ratio in RATIO_VARIABLES:
         if name == ratio or alone == VARIABLES[ratio].ratio[-1]:  # it has the error of the ratio to the building alone
             with np.errstate(all="ignore"):
-                share = data[f"{ratio}_mean_error"].values / np.abs(data[f"{ratio}_mean"].values)
-            return np.abs(values) * np.expand_dims(share, -3)
-    known = data["error_estimate"].values
+                share = values[f"{ratio}_mean_error"] / np.abs(values[f"{ratio}_mean"])
+            return np.abs(numbers) * np.expand_dims(share, -3)
+    known = values["error_estimate"]
     is_known = np.isfinite(known)
     mean = _reduce("mean", known, is_known, (-1,))[..., None]
     share = np.where(is_known, known, np.where(is_known.any(axis=-1, keepdims=True), mean, np.nan))
-    return np.abs(values) * share.reshape(*share.shape, *(1,) * (values.ndim - share.ndim))
+    return np.abs(numbers) * share.reshape(*share.shape, *(1,) * (numbers.ndim - share.ndim))
 
 
 def _evaluate_quantity(
-    quantity: TableQuantity, data: xr.Dataset, over_motions: str, error: np.ndarray | float = 0.0
+    quantity: TableQuantity, values: Values, over_motions: str, error: np.ndarray | float = 0.0
 ) -> np.ndarray:
     """Return one quantity, off by an error.
 
@@ -86,71 +105,72 @@ def _evaluate_quantity(
     missing makes the result NaN: what failed must not drop out of a mean.
     """
     name = quantity.name
-    numbers = _numbers(name, data) + error
-    # which storeys, floors or links there are; none of a scene that failed
+    numbers = _find_values(name, values) + error
+    # which storeys, floors or links there are; none of a run that failed
     if name in LINK:
         known = "max_closing"
     elif quantity.building is None:
         known = "mu"  # which walls do not have
     else:
         known = "acceleration" if name in FLOOR else "drift"
-    there = ~np.isnan(_numbers(known, data))
+    exists = ~np.isnan(_find_values(known, values))
     axes: tuple[int, ...] = (-1,) if name in LINK else (-2, -1)
     if quantity.building is not None:
         numbers = numbers[..., [quantity.building], :]
-        there = there[..., [quantity.building], :]
+        exists = exists[..., [quantity.building], :]
     if quantity.level:
         numbers = numbers[..., quantity.level - 1 : quantity.level]
-        there = there[..., quantity.level - 1 : quantity.level]
+        exists = exists[..., quantity.level - 1 : quantity.level]
     motions = axes[0] - 1
-    numbers = np.where(there.all(axis=motions), _reduce(over_motions, numbers, there, (motions,)), np.nan)
-    there = np.asarray(there.any(axis=motions))
-    return np.where(there.any(axis=axes), _reduce(quantity.reduction, numbers, there, axes), np.nan)
+    numbers = np.where(exists.all(axis=motions), _reduce(over_motions, numbers, exists, (motions,)), np.nan)
+    exists = np.asarray(exists.any(axis=motions))
+    return np.where(exists.any(axis=axes), _reduce(quantity.reduction, numbers, exists, axes), np.nan)
 
 
-def _reduce(how: str, numbers: np.ndarray, there: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:
-    """Return the mean, largest or smallest of the numbers that are there; NaN where one of these is."""
-    if how == "mean":
-        return np.where(there, numbers, 0.0).sum(axis=axes) / np.maximum(there.sum(axis=axes), 1)
-    if how == "largest":
-        return np.where(there, numbers, -np.inf).max(axis=axes, initial=-np.inf)
-    return np.where(there, numbers, np.inf).min(axis=axes, initial=np.inf)
+def _reduce(reduction: str, numbers: np.ndarray, exists: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:
+    """Return the mean, largest or smallest of the numbers that exist; NaN where one of these is."""
+    if reduction == "mean":
+        return np.where(exists, numbers, 0.0).sum(axis=axes) / np.maximum(exists.sum(axis=axes), 1)
+    if reduction == "largest":
+        return np.where(exists, numbers, -np.inf).max(axis=axes, initial=-np.inf)
+    return np.where(exists, numbers, np.inf).min(axis=axes, initial=np.inf)
 
 
-Meanings = dict[str, tuple[str, str]]
-"""Unit and meaning of columns."""
+# Expressions of a section, checked
 
-Said = TypeVar("Said", Expression, Statement)
+Parsed = TypeVar("Parsed", Expression, Statement)
 
 
 def parse_all(
-    read: Callable[[str, Sequence[str]], Said], asked: StudyQuestion, key: str, texts: Sequence[str]
-) -> tuple[Said, ...]:
+    parse: Callable[[str, Sequence[str]], Parsed], question: StudyQuestion, key: str, texts: Sequence[str]
+) -> tuple[Parsed, ...]:
     """Return the expressions or statements under a key of a question.  Note what is wrong with them.
 
-    read : `parse_expression` or `parse_statement`
+    parse : `parse_expression` or `parse_statement`
     """
-    study = asked.study
-    parsed: dict[str, Said] = {}
+    study = question.study
+    parsed: dict[str, Parsed] = {}
     names = unique_names(study.spec.group)
     storeys = [study.building((0,) * len(study.axes), place).storeys for place in range(len(names))]
     for number, text in enumerate(texts):
         try:
-            said = read(text, names)
+            one = parse(text, names)
         except ExpressionError as error:
-            asked.add_problem((key, number), *error.args)
+            question.add_problem((key, number), *error.args)
             continue
-        if said.text in parsed:
-            asked.add_problem((key, number), f"'{said}' occurs twice", "remove one of the two")
-        for part in said.quantities:
+        if one.text in parsed:
+            question.add_problem((key, number), f"'{one}' occurs twice", "remove one of the two")
+        for part in one.quantities:
             most = max(storeys) if part.building is None else storeys[part.building]
-            if part.building is not None and asked.lacks(part.building, part.name):
-                buildings = [name for place, name in enumerate(names) if not asked.is_wall(place)]
-                message = f"'{said}': {names[part.building]} is a wall, which has no {part.name}"
-                asked.add_problem((key, number), message, f"name one of the buildings: {', '.join(buildings)}")
+            if part.building is not None and question.lacks(part.building, part.name):
+                buildings = [name for place, name in enumerate(names) if not question.is_wall(place)]
+                message = f"'{one}': {names[part.building]} is a wall, which has no {part.name}"
+                question.add_problem((key, number), message, f"name one of the buildings: {', '.join(buildings)}")
             elif part.level > most:
-                asked.add_problem((key, number), f"'{said}': the highest is {most}", f"write a number from 1 to {most}")
-        parsed[said.text] = said
+                question.add_problem(
+                    (key, number), f"'{one}': the highest is {most}", f"write a number from 1 to {most}"
+                )
+        parsed[one.text] = one
     return tuple(parsed.values())
 
 
@@ -188,19 +208,21 @@ def key_values_at(inputs: Sequence[UncertainInput], points: np.ndarray) -> list[
     return list(zip(*columns, strict=True)) or [()] * len(points)
 
 
-def key_columns(inputs: Sequence[UncertainInput], points: np.ndarray) -> tuple[pd.DataFrame, Meanings, dict[str, Unit]]:
-    """Return a column of every key at points, with unit and meaning of each, and the unit that people read numbers in;
-    points as in `study_at_points`."""
-    columns: dict[str, Any] = {}
-    meanings: Meanings = {}
-    units: dict[str, Unit] = {}
+def build_key_frame(inputs: Sequence[UncertainInput], points: np.ndarray) -> tuple[pd.DataFrame, list[Column]]:
+    """Return the values of every key at points, a column a key, and the columns in the units that people read them in.
+
+    points : as in `study_at_points`
+    """
+    import pandas as pd
+
+    values: dict[str, Any] = {}
+    columns = []
     for each, u in zip(inputs, points.T, strict=True):
         for member in each.members:
-            columns[member.key] = member.to_column(u)
-            meanings[member.key] = member.column_unit, f"varies: {member.key}"
-            if member.column_unit:
-                units[member.key] = member.unit
-    return pd.DataFrame(columns), meanings, units
+            values[member.key] = member.to_column(u)
+            unit = replace(member.unit, si=member.column_unit) if member.column_unit else Unit()
+            columns.append(Column(member.key, f"varies: {member.key}", unit))
+    return pd.DataFrame(values), columns
 
 
 def find_distinct_points(inputs: Sequence[UncertainInput], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -210,3 +232,80 @@ def find_distinct_points(inputs: Sequence[UncertainInput], points: np.ndarray) -
     places = np.array([first.setdefault(repr(values), len(first)) for values in key_values_at(inputs, points)])
     _, first_points = np.unique(places, return_index=True)
     return points[first_points], places
+
+
+# Expressions in words
+
+CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
+"""Quantities that depend on the contact stiffness where floors strike."""
+
+ON_CONTACT = "depends on the contact stiffness"
+"""Stands beside such a number."""
+
+_RESPONSES = {variable.name for variable in RESPONSE_VARIABLES}
+
+CONTACT_NOTE = (
+    "Where floors strike, accelerations, link forces and contact times depend on the contact stiffness, which is "
+    "unknown: the first two grow with its square root."
+)
+
+
+def find_struck_buildings(
+    plan: Plan, arrays: ResultArrays, case: int, analysis: int, points: Sequence[int]
+) -> frozenset[int]:
+    """Return the places of the buildings whose floors strike in a case and analysis, at any of some points.
+
+    points : of the last axis; of the others all
+    """
+    if not plan.links.places:
+        return frozenset()
+    kind = arrays["kind"].values[..., case, :]
+    impacts = arrays["impacts"].values[..., list(points), case, analysis, :, :]
+    is_contact = np.vectorize(lambda name: bool(name) and link_symbol(name) == "gap", otypes=[bool])(kind)
+    is_contact = is_contact.reshape(-1, is_contact.shape[-1]).any(axis=0)
+    is_struck = (impacts.reshape(-1, impacts.shape[-1]) > 0).any(axis=0) & is_contact
+    return frozenset(
+        building
+        for place, struck in zip(plan.links.places, is_struck.tolist(), strict=True)
+        if struck
+        for building in (place.left, place.left + 1)
+    )
+
+
+def depends_on_contact(expression: Expression, struck: frozenset[int]) -> bool:
+    """Return whether an expression has a quantity that depends on the contact stiffness, where some buildings strike.
+
+    struck : places of these buildings, as `find_struck_buildings`
+    """
+    return any(
+        part.name in CONTACT_QUANTITIES and (bool(struck) if part.building is None else part.building in struck)
+        for part in expression.quantities
+    )
+
+
+def find_output_unit(results: ResultTables, text: str, si: str) -> Unit:
+    """Return the unit in which people read the values of an expression.
+
+    It is that of the quantities of the expression where these agree, otherwise SI.
+
+    text : the expression
+    si : its SI unit; "" or "1" of a pure number
+    """
+    if si in ("", "1"):
+        return Unit("", 1.0, "1")
+    names = {name for name in re.findall(r"[^\W\d]\w*", text) if QUANTITIES.get(name) == si}
+    units = {column_of(name, results.units).unit for name in names}
+    return units.pop() if len(units) == 1 else Unit(si.replace("m/s2", "m/s²"), 1.0, si)
+
+
+def describe_output(text: str) -> str:
+    """Return an expression with its quantities as people call them: "largest V/V₀ in stiff"."""
+
+    def rename(match: re.Match[str]) -> str:
+        name = match[0]
+        is_name_of_building = match.string[: match.start()].rstrip().endswith(" in")
+        if name not in _RESPONSES or is_name_of_building:
+            return name
+        return VARIABLES[name].label or name.replace("_", " ")
+
+    return re.sub(r"[^\W\d]\w*", rename, text).replace("largest largest", "largest")

@@ -65,6 +65,11 @@ def list_estimate_columns(column: Column, interval: str = "interval") -> tuple[C
     high = f"{column.name}_high"
     return (
         replace(column, low=low, high=high),
-        replace(column, name=low, text=f"{column.text}: lower end of its {interval}"),
-        replace(column, name=high, text=f"{column.text}: upper end of its {interval}"),
+        _build_end(column, low, f"lower end of its {interval}", "low"),
+        _build_end(column, high, f"upper end of its {interval}", "high"),
     )
+
+
+def _build_end(column: Column, name: str, text: str, end: str) -> Column:
+    """Return the column of one end of an interval, whose heading tells it from that of the number."""
+    return replace(column, name=name, text=f"{column.text}: {text}", label=column.label and f"{column.label}, {end}")

@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure that is drawn when it is wanted.
+    """A figure that is drawn when it is needed.
 
     name : of its files
     heading : above it on the page
-    text : what it shows, for readers who do not see it
-    has_scale : whether its colours stand for numbers, so that a dark page leaves them as they are
+    text : description for readers who do not see it
+    draw : () -> the figure
+    has_scale : True if its colours stand for numbers, so that a dark page leaves them as they are
     """
 
     name: str
@@ -38,12 +39,12 @@ class Picture:
 class Section:
     """One part of a report.
 
-    title : its heading; "" of the first, which answers what was asked
-    sentences : what is said, one paragraph each
-    notes : what a reader should know of the numbers
-    folded : whether its tables are closed on the page until they are opened
-    widget : what else stands on the page: "explorer", "player", "study", or "" for nothing
-    data : what the script of that widget draws
+    title : its heading; "" of the first, which answers the question
+    sentences : one paragraph each
+    notes : remarks on the numbers
+    folded : True if its tables are closed on the page until they are opened
+    widget : a further part of the page: "explorer", "player", "study", or "" for nothing
+    data : numbers and names for the script of that widget
     """
 
     title: str
@@ -57,20 +58,21 @@ class Section:
 
     @property
     def key(self) -> str:
-        """Its address on the page."""
+        """The address of the section on the page."""
         return "-".join(self.title.lower().replace("’", "").split()) or "answer"
 
 
 @dataclass(frozen=True)
 class Report:
-    """What is said of a results file.
+    """The report of a results file.
 
+    title : of the study
     answer : the first section, which is all that a terminal prints; its figures are `figures`
     figures : () -> the figures of the answer, the most important first
     more : () -> the other sections
-    lead : what was computed, in one line
-    sketch : of the group
-    study : the text of the study file
+    lead : the scope of the computation, in one line
+    sketch : () -> the drawing of the group
+    study : text of the study file
     """
 
     title: str
@@ -97,32 +99,39 @@ class Report:
         self.summary.print()
 
     def save(self, folder: Path, formats: Sequence[str] | None = None, page: bool = True) -> list[Path]:
-        """Write figures, tables as CSV and the page into a folder; returns the files, the page last.
+        """Write figures, tables as CSV and the page into a folder; return the files, the page last.
 
+        Parameters
+        ----------
         formats : of the figures, PNG and SVG unless given; an empty one leaves them out
+        page : False leaves the page out
 
         Raises
         ------
         InputError : the folder cannot be written to
         """
         from pounding_cli.report.page import write_page
-        from pounding_cli.report.style import USUAL, save
+        from pounding_cli.report.style import USUAL, save_figures
 
         formats = USUAL if formats is None else formats
         tables = [table for section in self.sections for table in section.tables if table.name]
         pictures = [picture for section in self.sections for picture in section.pictures]
-        check_folder(folder)  # what is asked for was refused before anything is written
-        drawn = {picture.name: picture.draw() for picture in pictures} if formats else {}
+        check_folder(folder)  # a folder that cannot be written to is refused before anything is drawn
+        figures = {picture.name: picture.draw() for picture in pictures} if formats else {}
         try:
             (folder / "tables").mkdir(parents=True, exist_ok=True)
-            files = [*save(drawn, folder, formats), *(table.to_csv(folder / "tables") for table in tables)]
-            return [*files, write_page(self, folder / "report.html", drawn)] if page else files
+            files = save_figures(figures, folder, formats)
+            files += [table.to_csv(folder / "tables") for table in tables]
+            if page:
+                files.append(write_page(self, folder / "report.html", has_figures=bool(formats)))
+            return files
         except OSError as error:
             hint = "name a folder you may write to: pound report FILE.h5 -o FOLDER"
             problem = Problem(f"cannot write the report to {folder}: {error.strerror or error}", hint)
             raise InputError(problem) from error
 
     def _repr_html_(self) -> str:
-        from pounding_cli.report.page import in_notebook
+        """Return the report as a notebook shows it."""
+        from pounding_cli.report.page import to_notebook_html
 
-        return in_notebook(self)
+        return to_notebook_html(self)

@@ -1,4 +1,4 @@
-"""Pictures of motions: one by itself, and the spectra of those of a study against their target."""
+"""Figures of motions: one by itself, and the spectra of those of a study against their target."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ PERIODS = np.geomspace(0.05, 4.0, 200)
 """Periods of the spectrum of one motion [s]."""
 
 
-def draw(motion: Motion, title: str, path: Path) -> None:
-    """Draw `motion` into `path` (png, svg or pdf by its ending).
+def save_motion_figure(motion: Motion, title: str, path: Path) -> None:
+    """Draw a motion into a file, PNG, SVG or PDF by its ending.
 
-    Raises `InputError` for another ending.
+    Raises InputError: another ending.
     """
     suffix = path.suffix.lower().lstrip(".")
     if suffix not in FORMATS:
@@ -35,7 +35,7 @@ def draw(motion: Motion, title: str, path: Path) -> None:
 
 @styled
 def draw_motion(motion: Motion, title: str) -> Figure:
-    """Acceleration, velocity, displacement and Husid curve over time, and the spectrum."""
+    """Draw acceleration, velocity, displacement and Husid curve over time, and the spectrum."""
     figure = new_figure(8.0, 9.0)
     *over_time, last = figure.subplots(5, 1, gridspec_kw={"height_ratios": [1, 1, 1, 1, 1.6]})
     times = motion.dt * np.arange(motion.acceleration.size)
@@ -60,22 +60,25 @@ def draw_motion(motion: Motion, title: str) -> Figure:
 
 @styled
 def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
-    """Pseudo-accelerations in `unit` over the periods, the range that was met shaded."""
+    """Draw the pseudo-accelerations over the periods, with the range that was met shaded.
+
+    unit : of the accelerations
+    """
     target: TargetSpectrum = match.target
     figure = new_figure(6.4, 4.3)
     ax = figure.add_subplot()
     ax.axvspan(target.low, target.high, color="0.94", lw=0, zorder=0)
     for values in match.spectra.values():
-        (each,) = ax.plot(match.periods, np.array(values) / unit.factor, color="0.7", lw=1.0)
-    each.set_label("motions")
+        (line,) = ax.plot(match.periods, np.array(values) / unit.factor, color="0.7", lw=1.0)
+    line.set_label("motions")
     mean = np.mean(list(match.spectra.values()), axis=0)
     ax.plot(match.periods, mean / unit.factor, color="#0072B2", lw=2.2, label=f"mean of {len(match.spectra)}")
     across = np.geomspace(target.periods[0], target.periods[-1], 200)
-    wanted = np.exp(np.interp(np.log(across), np.log(target.periods), np.log(target.values)))
-    ax.plot(across, wanted / unit.factor, color="black", lw=2.0, dashes=(5, 2), label="target")
+    ordinates = np.exp(np.interp(np.log(across), np.log(target.periods), np.log(target.values)))
+    ax.plot(across, ordinates / unit.factor, color="black", lw=2.0, dashes=(5, 2), label="target")
     if match.at_least is not None:
-        least = match.at_least * target.ordinates / unit.factor
-        ax.plot(target.grid, least, color="black", lw=1.0, dashes=(1, 2), label=f"{match.at_least:g} of the target")
+        limit = match.at_least * target.ordinates / unit.factor
+        ax.plot(target.grid, limit, color="black", lw=1.0, dashes=(1, 2), label=f"{match.at_least:g} of the target")
     ax.set(xscale="log", xlim=(match.periods[0], match.periods[-1]), xlabel="period [s]")
     ax.set_ylim(bottom=0)
     ax.set_ylabel(f"pseudo-acceleration [{unit.name}], {100 * target.damping:g} % damping")

@@ -13,80 +13,110 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli import __version__
-from pounding_cli.report.document import Report
-from pounding_cli.report.style import data_address
-from pounding_cli.tables import PAGE_ROWS
+from pounding_cli.report.document import Report, Section
+from pounding_cli.report.page_tables import BREAK, fit_table
+from pounding_cli.report.style import PAGE, data_address, drawing_for
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCRIPTS = ("parts.js", "explorer.js", "stage.js", "player.js", "main.js")
-"""In the order they are needed."""
+"""The scripts of the page, in the order they are needed."""
 
 
-def write_page(report: Report, path: Path, drawn: Mapping[str, Figure]) -> Path:
-    """Write the page; `drawn` : the figures by name, none where none are wanted."""
-    kept = dict(drawn) | ({"group": report.sketch()} if report.sketch else {})
-    sizes = {name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in kept.items()}
-    # A figure that fits stands beside the title: the first screen has the answer, the group, a figure and the table.
-    first = [picture for picture in report.sections[0].pictures[:1] if picture.name in kept]
-    beside = [picture for picture in first if sizes[picture.name][0] <= 760 and sizes[picture.name][1] <= 560]
-    style = _asset("style.css")
-    scripts = "(() => {\n'use strict';\n" + "\n".join(map(_asset, SCRIPTS)) + "\n})();"
-    sections = [
-        each for each in report.sections[1:]
-        if each.sentences or each.tables or each.widget or any(picture.name in kept for picture in each.pictures)
-    ]  # fmt: skip
-    images = {name: data_address(figure, facecolor="none") for name, figure in kept.items()}
-    text = _template("page.html.j2").render(
-        report=report, sections=sections, images=images,
-        sizes=sizes, beside=beside,
-        most=PAGE_ROWS, version=__version__,
-        data=as_json({each.widget: each.data for each in report.sections if each.data}),
-        style=style, scripts=scripts,
-        allowed_style=_allowed(style), allowed_scripts=_allowed(scripts),
-    )  # fmt: skip
+def write_page(report: Report, path: Path, has_figures: bool = True) -> Path:
+    """Write the page of a report; return its path.
+
+    has_figures : whether the figures of its sections are drawn; the group always is
+    """
+    drawn = _draw_figures(report, has_figures)
+    style = _read_asset("style.css")
+    scripts = "(() => {\n'use strict';\n" + "\n".join(map(_read_asset, SCRIPTS)) + "\n})();"
+    text = _load_template("page.html.j2").render(
+        report=report,
+        answer=report.sections[0],
+        sections=[section for section in report.sections[1:] if _has_content(section, drawn)],
+        images={name: data_address(figure, facecolor="none") for name, figure in drawn.items()},
+        sizes={name: [round(96 * inches) for inches in figure.get_size_inches()] for name, figure in drawn.items()},
+        captions={name: figure.get_label() for name, figure in drawn.items()},
+        fit_table=fit_table,
+        version=__version__,
+        data=to_json({section.widget: section.data for section in report.sections if section.data}),
+        style=style,
+        scripts=scripts,
+        allowed_style=_hash_source(style),
+        allowed_scripts=_hash_source(scripts),
+    )
     path.write_text(text, encoding="utf-8")
     return path
 
 
-def in_notebook(report: Report) -> str:
-    """Title and answer as HTML, with the figures."""
+def _draw_figures(report: Report, has_figures: bool) -> dict[str, Figure]:
+    """Return the figures of a page by name: without titles, captions and the group, which the page has itself."""
+    drawn = {}
+    with drawing_for(PAGE):
+        if report.sketch:
+            drawn["group"] = report.sketch()
+        if has_figures:
+            for section in report.sections:
+                drawn |= {picture.name: picture.draw() for picture in section.pictures}
+    return drawn
+
+
+def _has_content(section: Section, drawn: Mapping[str, Figure]) -> bool:
+    """Return whether there is something to show of a section."""
+    has_figure = any(picture.name in drawn for picture in section.pictures)
+    return bool(has_figure or section.sentences or section.tables or section.widget)
+
+
+def to_notebook_html(report: Report) -> str:
+    """Return title and answer as HTML, with the figures."""
     answer = report.sections[0]
-    drawn = {picture.name: data_address(picture.draw()) for picture in answer.pictures}
-    return str(_template("notebook.html.j2").render(report=report, answer=answer, images=drawn, most=PAGE_ROWS))
+    images = {picture.name: data_address(picture.draw()) for picture in answer.pictures}
+    template = _load_template("notebook.html.j2")
+    return str(template.render(report=report, answer=answer, images=images, fit_table=fit_table))
 
 
-def as_json(data: Any) -> str:
-    """JSON that may stand in a script element: no markup can end it early."""
+def to_json(data: Any) -> str:
+    """Return JSON that may stand in a script element: no markup can end it early."""
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
-def _allowed(source: str) -> str:
-    """The source of a content security policy: this text by its hash, and no other."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(source.encode()).digest()).decode()}'"
+def _hash_source(text: str) -> str:
+    """Return a source of a content security policy: this text by its hash, and no other."""
+    digest = hashlib.sha256(text.encode()).digest()
+    return f"'sha256-{base64.b64encode(digest).decode()}'"
 
 
-def _asset(name: str) -> str:
-    """The text of a file in `assets/`."""
+def _read_asset(name: str) -> str:
+    """Return the text of a file in `assets/`."""
     return resources.files("pounding_cli.report").joinpath("assets", name).read_text(encoding="utf-8")
 
 
 @cache
-def _template(name: str) -> Any:
+def _load_template(name: str) -> Any:
+    """Return the template of a file in `assets/`."""
     import jinja2
 
     environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_asset), autoescape=True, trim_blocks=True, lstrip_blocks=True,
+        loader=jinja2.FunctionLoader(_read_asset), autoescape=True, trim_blocks=True, lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )  # fmt: skip
-    environment.filters["keys_as_code"] = _keys_as_code
+    environment.filters["format_keys"] = _format_keys
+    environment.filters["allow_breaks"] = _allow_breaks
     return environment.get_template(name)
 
 
-def _keys_as_code(text: str) -> Any:
-    """A sentence whose keys of a study stand in backticks, as HTML."""
+def _format_keys(text: str) -> Any:
+    """Return a sentence as HTML, with the keys of a study, which stand in backticks, as code."""
     import markupsafe
 
     return markupsafe.Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(markupsafe.escape(text))))
+
+
+def _allow_breaks(text: str) -> Any:
+    """Return a cell as HTML in which lines may end within long names."""
+    import markupsafe
+
+    return markupsafe.Markup("<wbr>").join(BREAK.split(text))

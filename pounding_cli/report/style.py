@@ -1,4 +1,4 @@
-"""How every figure looks: one colour, line and marker a case, legible in grey, and how figures are saved."""
+"""The look of every figure: one colour, line and marker a case, legible in grey; and the saving of figures."""
 
 from __future__ import annotations
 
@@ -20,8 +20,12 @@ if TYPE_CHECKING:  # matplotlib is loaded when something is drawn
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FORMATS, USUAL, OF_PAPERS = ("png", "svg", "pdf"), ("png", "svg"), ("svg", "pdf")
-"""What a figure can be saved as; as what reports save it; as what figures for a paper are saved."""
+FORMATS = ("png", "svg", "pdf")
+"""Formats of figures."""
+USUAL = ("png", "svg")
+"""Formats in which a report saves its figures."""
+OF_PAPERS = ("svg", "pdf")
+"""Formats in which figures for a paper are saved."""
 
 RC: Any = {
     "font.size": 9,
@@ -53,7 +57,9 @@ class Look:
     marker: str
 
 
-_DASHED, _DASH_DOT, _DOTTED = (0, (5, 2)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2))
+_DASHED = (0, (5, 2))
+_DASH_DOT = (0, (5, 1.5, 1, 1.5))
+_DOTTED = (0, (1, 1.2))
 _NAMED = {
     "touching": Look("#000000", "-", "o"),
     "gap": Look("#0072B2", _DASHED, "s"),
@@ -71,15 +77,17 @@ _REST = (
 
 
 def looks(cases: Sequence[str]) -> dict[str, Look]:
-    """A look for every case: the paper's four keep theirs, others take the rest in turn."""
+    """Return a look for every case: the paper's four keep theirs, others take the rest in turn."""
     others = [case for case in cases if case not in _NAMED]
     given = {case: _REST[number % len(_REST)] for number, case in enumerate(others)}
     return {case: _NAMED.get(case) or given[case] for case in cases}
 
 
-def for_page(look: Look) -> dict[str, str]:
-    """A look as the script of a page draws it: a colour of the style sheet, dashes, and the marker one unit
-    wide as a path of SVG, upwards."""
+def to_page_look(look: Look) -> dict[str, str]:
+    """Return a look as the script of a page draws it.
+
+    A colour of the style sheet, dashes, and the marker one unit wide as a path of SVG, upwards.
+    """
     from matplotlib.markers import MarkerStyle
 
     letters = {1: "M", 2: "L", 3: "Q", 4: "C", 79: "Z"}  # of the codes of a path
@@ -96,17 +104,22 @@ _Drawing = ParamSpec("_Drawing")
 
 
 def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
-    """Decorator of every function that draws: the settings hold while it draws and nowhere else; logarithmic axes get
-    plain numbers at 1, 2 and 5, those of many decades at 1, those of less than one in even steps."""
+    """Decorate a function that draws: the settings hold while it draws and nowhere else.
+
+    Logarithmic axes get plain numbers at 1, 2 and 5, those of many decades at 1, those of less than one in even steps.
+    """
 
     @wraps(draw)
-    def drawn(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
+    def draw_with_style(*args: _Drawing.args, **named: _Drawing.kwargs) -> Figure:
         from matplotlib import rc_context
         from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
         with rc_context(_SETTINGS):
             figure = draw(*args, **named)
-            for axis in (axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if axis.get_scale() == "log"):
+            every_axis = [axis for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)]
+            for axis in every_axis:
+                if axis.get_scale() != "log":
+                    continue
                 low, high = axis.get_view_interval()
                 decades = LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,))
                 axis.set_major_locator(MaxNLocator(6) if high < 5 * low else decades)
@@ -114,18 +127,18 @@ def styled(draw: Callable[_Drawing, Figure]) -> Callable[_Drawing, Figure]:
                 axis.set_minor_formatter(NullFormatter())
         return figure
 
-    return drawn
+    return draw_with_style
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [in] that lays itself out; drawn without any window system."""
+    """Return an empty figure [in] that lays itself out; it needs no window system."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **shared: Any) -> tuple[Figure, Any]:
-    """A figure of rows x columns panels of so many inches, with room for a legend, and its axes."""
+    """Return a figure of rows x columns panels of so many inches, with room for a legend, and its axes."""
     figure = new_figure(width * columns + 1.7, height * rows + 0.8)
     return figure, figure.subplots(rows, columns, squeeze=False, **shared)
 
@@ -133,7 +146,7 @@ def panels(rows: int, columns: int, width: float = 3.9, height: float = 3.2, **s
 def grid(
     count: int, width: float = 3.9, height: float = 3.2, ylabel: str = "", **shared: Any
 ) -> tuple[Figure, list[Axes]]:
-    """The same of `count` panels one after the other, two or three in a line, the first of which has the label."""
+    """Return a figure of `count` panels, two or three in a line, the first of which has the label, and its axes."""
     columns = min(count, 2 if count in (2, 4) else 3)
     figure, axes = panels(-(-count // columns), columns, width, height, **shared)
     for ax in axes.flat[count:]:
@@ -146,7 +159,10 @@ def grid(
 
 
 def case_handles(cases: Mapping[str, str]) -> list[Any]:
-    """Line and marker of every case for a legend; `cases`: what each is called."""
+    """Return line and marker of every case for a legend.
+
+    cases : the label of each
+    """
     from matplotlib.lines import Line2D
 
     return [
@@ -156,81 +172,101 @@ def case_handles(cases: Mapping[str, str]) -> list[Any]:
 
 
 def shared_legend(figure: Figure, axes: Iterable[Axes], where: Any = "outside right center", columns: int = 1) -> None:
-    """One legend of all panels, each label once."""
-    handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels(), strict=True)}
+    """Add one legend of all panels, each label once."""
+    handles = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            handles[label] = handle
     figure.legend(handles.values(), handles.keys(), loc=where, fontsize=8, ncols=columns)
 
 
-_paper = ContextVar("paper", default=False)
+FILE = "file"
+PAPER = "paper"
+PAGE = "page"
+"""Where a figure is drawn for: a file of its own, a paper, whose text has title and caption, or a page, which has them
+too and draws the group once."""
+
+_medium = ContextVar("medium", default=FILE)
 
 
 @contextmanager
-def for_paper() -> Iterator[None]:
-    """Figures drawn within have no title and no caption; `save` writes the captions beside them."""
-    token = _paper.set(True)
+def drawing_for(medium: str) -> Iterator[None]:
+    """Draw the figures within for FILE, PAPER or PAGE."""
+    token = _medium.set(medium)
     try:
         yield
     finally:
-        _paper.reset(token)
+        _medium.reset(token)
 
 
 def is_for_paper() -> bool:
-    """Whether figures are drawn without titles."""
-    return _paper.get()
+    """Return whether figures are drawn for a paper: `save` writes their captions beside them."""
+    return _medium.get() == PAPER
+
+
+def is_for_page() -> bool:
+    """Return whether figures are drawn for a page, which has titles, captions and the group around them."""
+    return _medium.get() == PAGE
 
 
 def finish(figure: Figure, title: str, text: str = "") -> None:
-    """Title above a figure and caption below, wrapped to its width; for a paper `save` writes captions."""
+    """Put the title above a figure and the caption below, wrapped to its width; only files of their own have them."""
     figure.set_label(text)
-    if not is_for_paper():
-        figure.suptitle(
-            textwrap.fill(title, int(10 * figure.get_figwidth())), x=0.015, ha="left", fontsize=11, fontweight="bold"
-        )
-        lines = textwrap.wrap(text, int(17 * figure.get_figwidth()), break_on_hyphens=False)
-        figure.supxlabel("\n".join(lines), x=0.015, ha="left", fontsize=7.5, color="0.25")
+    if _medium.get() != FILE:
+        return
+    wrapped_title = textwrap.fill(title, int(10 * figure.get_figwidth()))
+    figure.suptitle(wrapped_title, x=0.015, ha="left", fontsize=11, fontweight="bold")
+    lines = textwrap.wrap(text, int(17 * figure.get_figwidth()), break_on_hyphens=False)
+    figure.supxlabel("\n".join(lines), x=0.015, ha="left", fontsize=7.5, color="0.25")
 
 
-def save(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]) -> list[Path]:
-    """Write every figure in every format, and in those in which the folder has it already, so that none is of other
-    results; of figures for a paper their captions too; returns the files."""
+def save_figures(figures: Mapping[str, Figure], folder: Path, formats: Sequence[str]) -> list[Path]:
+    """Write every figure in every format; return the files.
+
+    Formats in which the folder has a figure already are written too, so that no file is of other results. Figures for a
+    paper get their captions beside them.
+    """
     files = []
     for name, figure in figures.items():
-        there = {suffix: folder / f"{to_file_name(name)}.{suffix}" for suffix in FORMATS}
-        for suffix, path in there.items():
+        for suffix in FORMATS:
+            path = folder / f"{to_file_name(name)}.{suffix}"
             if suffix in formats or path.exists():
                 files.append(path)
                 path.write_bytes(drawn_as(figure, suffix))
     if figures and is_for_paper():
-        said = [f"**{name}**: {figure.get_label()}\n" for name, figure in figures.items()]
-        files.append(write_markdown(folder / "captions.md", said))
+        captions = [f"**{name}**: {figure.get_label()}\n" for name, figure in figures.items()]
+        files.append(write_markdown(folder / "captions.md", captions))
     return files
 
 
 def data_address(figure: Figure, **named: Any) -> str:
-    """A figure as SVG in a `data:` address, for a page; `named` : as `savefig` takes them."""
-    drawn = base64.b64encode(drawn_as(figure, "svg", **named)).decode("ascii")
-    return f"data:image/svg+xml;base64,{drawn}"
+    """Return a figure as SVG in a `data:` address, for a page.
+
+    named : parameters of `savefig`
+    """
+    svg = drawn_as(figure, "svg", **named)
+    return f"data:image/svg+xml;base64,{base64.b64encode(svg).decode('ascii')}"
 
 
 def drawn_as(figure: Figure, suffix: str, **named: Any) -> bytes:
-    """A figure in a format: without a date in it, so that one that did not change is the same file; laid out once."""
+    """Return a figure in a format, laid out once; it has no date, so that one that did not change is the same file."""
     from matplotlib import rc_context
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    held = io.BytesIO()
+    buffer = io.BytesIO()
     with rc_context(_SETTINGS):
         if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
             figure.draw_without_rendering()
             figure.set_layout_engine("none")
         dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-        figure.savefig(held, format=suffix, metadata=dated, **named)
-    return held.getvalue()
+        figure.savefig(buffer, format=suffix, metadata=dated, **named)
+    return buffer.getvalue()
 
 
 def name_axis(
     ax: Axes, which: str, keys: Sequence[str], units: Sequence[Any], size: float = 9.5, room: int = 80
 ) -> None:
-    """Entitle an axis ("x" or "y") with what keys are, and below with the keys; figures for a paper leave these out.
+    """Write the meaning of keys along an axis ("x" or "y"), and the keys below; figures for a paper leave these out.
 
     size : of the words [pt]; room : characters in a line
     """

@@ -16,7 +16,7 @@ from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES as PANELS
 from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
-from pounding_cli.report.figures import framed
+from pounding_cli.report.figures import CONTACT_SENTENCE, has_contacts, new_framed_panels
 from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.results.columns import column_of
 from pounding_cli.solver.outcome import is_meaningless
@@ -29,10 +29,15 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "events", "seconds")
+"""Quantities of whole runs."""
+CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
+"""Quantities that depend on the contact stiffness where floors strike."""
 WORST = "worst"
-"""What is said in place of a case or building for the largest over all of them."""
-MOST_CASES, MOST_BUILDINGS = 6, 6
-"""Cases of one figure, and buildings that get one of their own; further ones are drawn when asked for."""
+"""Stands for a case or building: the largest value over all of them."""
+MOST_CASES = 6
+"""Cases of one figure; further ones are drawn when they are chosen."""
+MOST_BUILDINGS = 6
+"""Buildings that get a figure of their own; further ones do when they are chosen."""
 LARGE_RANGE = 20.0
 """Largest over smallest value above which an axis, or the colours of a map, are logarithmic."""
 MOST_TICKS = 12
@@ -48,7 +53,7 @@ CELL = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5
 class SweptAxis(NamedTuple):
     """One axis of a sweep.
 
-    keys : the swept keys; more than one where they move together
+    keys : swept keys; more than one where they move together
     points : one tuple a point, as long as `keys`: SI numbers or texts, as in the tables
     units : per key the unit the study wrote it in
     coordinates : where the points stand: the first key's numbers in its unit; 1, 2, ... for texts
@@ -63,26 +68,37 @@ class SweptAxis(NamedTuple):
 
     @property
     def numeric(self) -> bool:
-        """Whether the points stand on a scale: the first key's values are numbers."""
+        """True if the points stand on a scale: the first key's values are numbers."""
         return not any(isinstance(point[0], str) for point in self.points)
 
     def take(self, numbers: Sequence[int]) -> SweptAxis:
-        """Some of its points, in this order."""
-        points, names = [self.points[n] for n in numbers], [self.names[n] for n in numbers]
+        """Return the axis with some of its points, in this order."""
+        points = [self.points[number] for number in numbers]
+        names = [self.names[number] for number in numbers]
         return SweptAxis(self.keys, points, self.units, self.coordinates[list(numbers)], names)
 
 
-def swept_axes(results: ResultTables) -> list[SweptAxis]:
-    """The axes of a results file in the order of the study; none where nothing is swept."""
-    found = []
+def list_swept_axes(results: ResultTables) -> list[SweptAxis]:
+    """Return the axes of a results file in the order of the study; none where nothing is swept."""
+    axes = []
     for keys in results.swept:
-        points, units = points_of(results, keys), [results.units[key] for key in keys]
-        bare = [Unit("", unit.factor) for unit in units]
-        names = [", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in points]
-        is_text = any(isinstance(point[0], str) for point in points)
-        numbers = [n + 1.0 if is_text else units[0].number(float(point[0])) for n, point in enumerate(points)]
-        found.append(SweptAxis(tuple(keys), points, units, np.array(numbers), names))
-    return found
+        points = points_of(results, keys)
+        units = []
+        for number, key in enumerate(keys):
+            is_text = any(isinstance(point[number], str) for point in points)
+            units.append(Unit() if is_text else results.units[key])
+        names = [_name_point(point, units) for point in points]
+        if any(isinstance(point[0], str) for point in points):
+            coordinates = np.arange(1.0, len(points) + 1.0)
+        else:
+            coordinates = np.array([units[0].number(float(point[0])) for point in points])
+        axes.append(SweptAxis(tuple(keys), points, units, coordinates, names))
+    return axes
+
+
+def _name_point(point: Sequence[Any], units: Sequence[Unit]) -> str:
+    """Return the values of a point in the units of the study, without the names of the units."""
+    return ", ".join(Unit("", unit.factor).text(value) for unit, value in zip(units, point, strict=True))
 
 
 # numbers over the sweep
@@ -94,35 +110,41 @@ def over_sweep(
     places: Mapping[str, Any] | None = None,
     index: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
-    """A quantity over the sweep: per place the mean over the motions, at every point the place where it is largest.
+    """Return a quantity over the sweep: the mean over the motions, at every point of the place where it is largest.
 
-    places : which case, analysis, building, storey, floor, link or record is looked at; all there are of the others
+    The dataset has `mean` and `std` over the motions in the unit of figures, NaN where there is none, and `void`: True
+    where the run of a motion carries a flag that takes the meaning from these numbers.
+
+    Parameters
+    ----------
+    places : case, analysis, building, storey, floor, link or record; all of those that are not given
     index : by the first key of an axis the number of the point at which it is cut, or the numbers of some; all of the
         others, in their order
-
-    Returns `mean` and `std` over the motions in the unit that figures show, NaN where nothing is, and `void`: whether
-    the scene of a motion carries a flag that takes the meaning from these numbers.
 
     Raises
     ------
     InputError : a quantity, case, analysis, building, storey, floor, link or motion that is not there
     """
     index = index or {}
-    values = _values(results, quantity, places or {}).isel(index, drop=True)
+    values = _select_values(results, quantity, places or {}).isel(index, drop=True)
     values = values / column_of(quantity, results.units).unit.factor
     flags = results.data["flags"].sel({name: values[name] for name in ("case", "analysis", "record")})
-    mean, void = values.mean("record"), meaningless(flags.isel(index, drop=True)).any("record")
-    found = xr.Dataset({"mean": mean, "std": values.std("record", ddof=1), "void": void & np.isfinite(mean)})
-    every = [keys[0] for keys in results.swept if keys[0] in mean.dims]
-    dims = [*(dim for dim in index if dim in every), *(dim for dim in every if dim not in index)]
-    found = found.reset_coords(drop=True)
-    found = found.stack(place=[dim for dim in mean.dims if dim not in dims], create_index=False)
-    return found.isel(place=abs(found["mean"]).fillna(-1.0).argmax("place")).transpose(*dims)
+    mean = values.mean("record")
+    void = find_meaningless(flags.isel(index, drop=True)).any("record")
+    statistics = xr.Dataset({"mean": mean, "std": values.std("record", ddof=1), "void": void & np.isfinite(mean)})
+    swept = [keys[0] for keys in results.swept if keys[0] in mean.dims]
+    dims = [*(dim for dim in index if dim in swept), *(dim for dim in swept if dim not in index)]
+    statistics = statistics.reset_coords(drop=True)
+    statistics = statistics.stack(place=[dim for dim in mean.dims if dim not in dims], create_index=False)
+    largest = abs(statistics["mean"]).fillna(-1.0).argmax("place")
+    return statistics.isel(place=largest).transpose(*dims)
 
 
-def _values(results: ResultTables, quantity: str, places: Mapping[str, Any]) -> xr.DataArray:
-    """A quantity over swept axes, case, analysis, record and place, at some places; what is not there is refused with
-    what is."""
+def _select_values(results: ResultTables, quantity: str, places: Mapping[str, Any]) -> xr.DataArray:
+    """Return a quantity over swept axes, case, analysis, record and place, at some places.
+
+    Raises InputError: a quantity or a place that is not there, with those that are.
+    """
     known = (*(v.name for v in RESPONSE_VARIABLES if v.dims[-1] in ("storey", "floor", "link")), *OF_SCENES)
     if quantity not in known:
         raise InputError(Problem(f"there is no quantity {quantity!r}", f"write one of: {', '.join(known)}"))
@@ -141,8 +163,8 @@ def _values(results: ResultTables, quantity: str, places: Mapping[str, Any]) -> 
     return values
 
 
-def meaningless(flags: xr.DataArray) -> xr.DataArray:
-    """Whether the numbers of every scene mean nothing."""
+def find_meaningless(flags: xr.DataArray) -> xr.DataArray:
+    """Return of every run whether its flags take the meaning from its numbers."""
     void = [any(map(is_meaningless, cell.splitlines())) for cell in flags.values.flat]
     return flags.copy(data=np.array(void, bool).reshape(flags.shape))
 
@@ -152,9 +174,9 @@ def meaningless(flags: xr.DataArray) -> xr.DataArray:
 
 @dataclass(frozen=True)
 class SweepChoice:
-    """What is drawn over a sweep; what is not said is drawn for all there are.
+    """The figures over a sweep that are drawn; of everything that is not chosen, all are.
 
-    quantities : names of the tables' columns; V/V0 elastic and mu/mu0 inelastic unless given
+    quantities : columns of the tables; V/V0 elastic and mu/mu0 inelastic unless given
     places : those that are fixed, as of `over_sweep`; case and building may be WORST
     at : swept key -> value (SI, as in the tables) at which an axis is cut
     """
@@ -165,101 +187,135 @@ class SweepChoice:
 
 
 Panels = list[tuple[str, str, dict[str, xr.Dataset]]]
-"""What stands in a figure: a quantity, its analysis, and its numbers by case."""
+"""The panels of a figure: a quantity, its analysis, and its numbers by case."""
 
 
-def sweep_pictures(results: ResultTables, shown: Evidence, asked: SweepChoice | None = None) -> list[Picture]:
-    """The figures over the sweep: maps over its two longest axes, or curves where it has one; none where it has none.
+def list_sweep_pictures(results: ResultTables, shown: Evidence, choice: SweepChoice | None = None) -> list[Picture]:
+    """Return the figures over the sweep: maps over its two longest axes, or curves over one; none without a sweep.
 
-    shown : the point at which axes that are neither drawn nor cut by `asked.at` are taken
+    shown : the point at which axes are cut that are neither drawn nor in `choice.at`
 
     Raises
     ------
-    InputError : something asked for is not there
+    InputError : something chosen is not there
     """
-    asked, every = asked or SweepChoice(), swept_axes(results)
-    free = [axis for axis in every if len(axis.points) > 1 and asked.at.keys().isdisjoint(axis.keys)]
-    free = sorted(sorted(free, key=lambda axis: -len(axis.points))[:2], key=lambda axis: len(axis.points))
-    _check_places(asked, shown)
-    if asked != SweepChoice() and not free:
+    is_chosen = choice is not None and choice != SweepChoice()
+    choice = choice or SweepChoice()
+    _check_places(choice, shown)
+    axes, index, cut = _cut_axes(results, shown, choice)
+    if is_chosen and not axes:
         message = "no swept key with two values is left to draw figures over"
         raise InputError(Problem(message, "leave one of the swept keys out of --where, or all options of the figures"))
-    index: dict[str, Any] = {axis.keys[0]: np.argsort(axis.coordinates, kind="stable").tolist() for axis in free}
-    axes, cut, found = [axis.take(index[axis.keys[0]]) for axis in free], dict[str, Any](), list[Picture]()
-    for axis in (axis for axis in every if axis.keys[0] not in index):
-        given = {key: asked.at[key] for key in axis.keys if key in asked.at} or {k: shown.point[k] for k in axis.keys}
-        points = [dict(zip(axis.keys, point, strict=True)) for point in axis.points]
-        meant = [number for number, point in enumerate(points) if given.items() <= point.items()]
-        if not meant:
-            raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
-        index[axis.keys[0]] = meant[0]
-        cut |= points[meant[0]]
-    drawn = set[str]()
     kind, draw = ("map", draw_maps) if len(axes) == 2 else ("sweep", draw_curves)
-    for name, building, wanted in _figures(shown, asked) if axes else ():
-        places, panels = dict(asked.places) | ({"building": building} if building else {}), Panels()
+    pictures: list[Picture] = []
+    drawn: set[str] = set()
+    for name, building, wanted in _iter_figures(shown, choice) if axes else ():
+        places = dict(choice.places) | ({"building": building} if building else {})
+        panels = Panels()
         for analysis, quantity in wanted:
-            if by_case := _by_case(results, shown, quantity, {**places, "analysis": analysis}, index):
+            if by_case := _select_by_case(results, shown, quantity, {**places, "analysis": analysis}, index):
                 panels.append((quantity, analysis, by_case))
-        if panels:
-            drawing = partial(draw, shown, building, axes, panels, _said(shown, places, cut))
-            text, heading = "Means over the motions at their largest place, case by case.", name.replace("-", ", ")
-            found.append(Picture(f"{name}-{kind}", f"{heading}: over the sweep", text, drawing, kind == "map"))
-            drawn.update(quantity for quantity, *_ in panels)
-    missing = [name for name in asked.quantities if name not in drawn] or ["V_ratio or mu_ratio"] * (not drawn)
-    if missing and asked != SweepChoice():
-        where = ", ".join(f"{name} {place}" for name, place in asked.places.items()) or "any case"
+        if not panels:
+            continue
+        drawing = partial(draw, shown, building, axes, panels, _build_caption(shown, places, cut, panels))
+        text = "Means over the motions at their largest place, case by case."
+        heading = f"{name.replace('-', ', ')} over the sweep"
+        pictures.append(Picture(f"{name}-{kind}", heading, text, drawing, kind == "map"))
+        drawn.update(quantity for quantity, *_ in panels)
+    missing = [name for name in choice.quantities if name not in drawn] or ["V_ratio or mu_ratio"] * (not drawn)
+    if missing and is_chosen:
+        where = ", ".join(f"{name} {place}" for name, place in choice.places.items()) or "any case"
         raise InputError(Problem(f"there is no number of {missing[0]} in {where}", "choose another place or quantity"))
-    return found
+    return pictures
 
 
-def _check_places(asked: SweepChoice, shown: Evidence) -> None:
-    """Raise `InputError` for a place that no figure can have, whatever its quantity."""
-    for name, place in asked.places.items():
+def _cut_axes(
+    results: ResultTables, shown: Evidence, choice: SweepChoice
+) -> tuple[list[SweptAxis], dict[str, Any], dict[str, Any]]:
+    """Return the axes that are drawn, the index of every axis, and the values at which the others are cut.
+
+    Raises InputError: values that do not occur together.
+    """
+    every_axis = list_swept_axes(results)
+    free = [axis for axis in every_axis if len(axis.points) > 1 and choice.at.keys().isdisjoint(axis.keys)]
+    longest = sorted(free, key=lambda axis: -len(axis.points))[:2]
+    longest.sort(key=lambda axis: len(axis.points))
+    index: dict[str, Any] = {}
+    axes = []
+    for axis in longest:
+        order = np.argsort(axis.coordinates, kind="stable").tolist()
+        index[axis.keys[0]] = order
+        axes.append(axis.take(order))
+    cut: dict[str, Any] = {}
+    for axis in every_axis:
+        if axis.keys[0] in index:
+            continue
+        chosen = {key: choice.at[key] for key in axis.keys if key in choice.at}
+        given = chosen or {key: shown.point[key] for key in axis.keys}
+        points = [dict(zip(axis.keys, point, strict=True)) for point in axis.points]
+        numbers = [number for number, point in enumerate(points) if given.items() <= point.items()]
+        if not numbers:
+            raise InputError(Problem(f"{', '.join(given)} do not have these values together", "give one of them"))
+        index[axis.keys[0]] = numbers[0]
+        cut |= points[numbers[0]]
+    return axes, index, cut
+
+
+def _check_places(choice: SweepChoice, shown: Evidence) -> None:
+    """Raise `InputError` for a place that no figure can have, for any quantity."""
+    for name, place in choice.places.items():
         if place == WORST and name not in ("case", "building"):
             hint = f"write one {name}; `{WORST}` stands for a case or a building"
             raise InputError(Problem(f"there is no worst {name}", hint))
-    analysis = asked.places.get("analysis", shown.analyses[0])
+    analysis = choice.places.get("analysis", shown.analyses[0])
     if analysis not in shown.analyses:
         raise InputError(Problem(f"there is no analysis {analysis!r}", f"write one of: {', '.join(shown.analyses)}"))
 
 
-def _figures(shown: Evidence, asked: SweepChoice) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:
-    """Name and building of every figure, and analysis and quantity of its panels."""
-    fixed = asked.places
+def _iter_figures(shown: Evidence, choice: SweepChoice) -> Iterator[tuple[str, str, list[tuple[str, str]]]]:
+    """Yield name and building of every figure, and analysis and quantity of its panels."""
+    fixed = choice.places
     analyses = [fixed["analysis"]] if "analysis" in fixed else shown.analyses
     buildings = [fixed["building"]] if "building" in fixed else shown.group[:MOST_BUILDINGS]
-    on_links = {v.name for v in RESPONSE_VARIABLES if v.dims[-1] == "link"} | set(OF_SCENES)
-    for building in buildings if not asked.quantities else ():
-        yield building, building, [(how, quantity) for how, quantity in PANELS if how in analyses]
-    for quantity in asked.quantities:
+    on_links = {variable.name for variable in RESPONSE_VARIABLES if variable.dims[-1] == "link"} | set(OF_SCENES)
+    for building in buildings if not choice.quantities else ():
+        yield building, building, [(analysis, quantity) for analysis, quantity in PANELS if analysis in analyses]
+    for quantity in choice.quantities:
         for building in [""] if quantity in on_links and "building" not in fixed else buildings:
-            yield f"{building}-{quantity}".lstrip("-"), building, [(how, quantity) for how in analyses]
+            name = f"{building}-{quantity}".lstrip("-")
+            yield name, building, [(analysis, quantity) for analysis in analyses]
 
 
-def _by_case(
+def _select_by_case(
     results: ResultTables, shown: Evidence, quantity: str, places: Mapping[str, Any], index: Mapping[str, Any]
 ) -> dict[str, xr.Dataset]:
-    """A quantity by case; cases that have none of it are left out."""
-    found = {}
+    """Return a quantity by case; cases that have none of it are left out."""
+    by_case = {}
     for case in [places["case"]] if "case" in places else shown.plotted[:MOST_CASES]:
         named = {name: place for name, place in {**places, "case": case}.items() if place != WORST}
         over = over_sweep(results, quantity, named, index)
         if np.isfinite(over["mean"]).any():
-            found[named.get("case", "worst of all cases")] = over
-    return found
+            by_case[named.get("case", "worst of all cases")] = over
+    return by_case
 
 
-def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any]) -> str:
-    """What is drawn, in a sentence without its full stop."""
+def _build_caption(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any], panels: Panels) -> str:
+    """Return the caption of a figure, without its last full stop."""
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
     where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
-    what = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
-    return "; ".join([f"{motion_sentence(shown.records)} {what}", *where])
+    mean = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
+    sentences = [motion_sentence(shown.records)]
+    depends = any(quantity in CONTACT_QUANTITIES for quantity, *_ in panels)
+    if depends and has_contacts(shown.results.link("kind", "impacts")):
+        sentences.append(CONTACT_SENTENCE)
+    return "; ".join([" ".join([*sentences, mean]), *where])
 
 
 def _finish(figure: Figure, shown: Evidence, building: str, panels: Panels, words: str, mark: str) -> Figure:
-    """Title and caption; `mark` : of numbers without meaning, where there are some."""
+    """Add title and caption.
+
+    mark : of numbers without meaning, which the caption explains where there are some
+    """
     if any(over["void"].any() for *_, by_case in panels for over in by_case.values()):
         words += f" {mark}: not meaningful for some motions."
     finish(figure, ": ".join(filter(None, ("Over the sweep", building, shown.title))), words)
@@ -267,9 +323,10 @@ def _finish(figure: Figure, shown: Evidence, building: str, panels: Panels, word
 
 
 def _set_axis(ax: Axes, side: str, axis: SweptAxis, width: int, room: int = 80) -> None:
-    """Title of one side of a panel, and its ticks at 1, 2, ..., every so many where there are too many.
+    """Set the title of one side of a panel, and its ticks at 1, 2, ..., every so many where there are too many.
 
-    width, room : characters in a line of a tick, and of the title
+    width : characters in a line of a tick
+    room : characters in a line of the title
     """
     step = -(-len(axis.names) // MOST_TICKS)
     names = [textwrap.fill(name, width) for name in axis.names[::step]] if width else []
@@ -280,25 +337,34 @@ def _set_axis(ax: Axes, side: str, axis: SweptAxis, width: int, room: int = 80) 
 
 @styled
 def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
-    """The swept axis across: the mean over the motions with its spread, a line a case.
+    """Draw the mean over the motions with its spread over a swept axis, a line a case.
 
-    building : filled in the drawing of the group; words : what is drawn, for the caption
+    building : filled in the drawing of the group
+    words : caption
     """
     cases = list(dict.fromkeys(case for *_, by_case in panels for case in by_case))
-    (axis,), look, columns = axes, looks(cases), min(len(panels), 2)
-    x, is_scale = axis.coordinates, axis.numeric
-    figure, lines = framed(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
+    (axis,) = axes
+    look = looks(cases)
+    columns = min(len(panels), 2)
+    x = axis.coordinates
+    is_scale = axis.numeric
+    figure, lines = new_framed_panels(shown, building, -(-len(panels) // columns), columns, (4.0, 3.2), cases)
     flat = [ax for line in lines for ax in line]
     for ax, (quantity, analysis, by_case) in zip(flat, panels, strict=False):
         for case, over in by_case.items():
-            (mean, std, void), how = (over[name].values for name in ("mean", "std", "void")), look[case]
+            mean = over["mean"].values
+            std = over["std"].values
+            void = over["void"].values
+            color = look[case].color
+            marker = look[case].marker
             if is_scale:
-                ax.fill_between(x, mean - std, mean + std, color=how.color, alpha=0.13, lw=0, zorder=1.5)
+                ax.fill_between(x, mean - std, mean + std, color=color, alpha=0.13, lw=0, zorder=1.5)
             else:
-                ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=how.color, elinewidth=0.8, capsize=2)
-            line, size = how.line if is_scale else "none", 5 if len(x) <= 25 else 2.5
-            ax.plot(x, mean, color=how.color, ls=line, marker=how.marker, ms=size, lw=1.6, zorder=2.5)
-            ax.plot(x[void], mean[void], how.marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
+                ax.errorbar(x, mean, yerr=std, fmt="none", ecolor=color, elinewidth=0.8, capsize=2)
+            line = look[case].line if is_scale else "none"
+            size = 5 if len(x) <= 25 else 2.5
+            ax.plot(x, mean, color=color, ls=line, marker=marker, ms=size, lw=1.6, zorder=2.5)
+            ax.plot(x[void], mean[void], marker, mfc="white", mec="0.45", ms=size + 1, zorder=3)
         ax.set_title(analysis.capitalize(), loc="left")
         ax.set_ylabel(column_of(quantity, shown.results.units).head)
         if is_ratio(quantity):  # 1 stands for the building alone
@@ -314,22 +380,26 @@ def draw_curves(shown: Evidence, building: str, axes: Sequence[SweptAxis], panel
 
 @styled
 def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels: Panels, words: str) -> Figure:
-    """A line of panels for each quantity, a panel for each case; the second axis is across. Points are cells of one
-    size, with their numbers where all have room; hatched where they mean nothing. All panels have one scale of colours.
+    """Draw a line of panels for each quantity, a panel for each case; the second axis is across.
 
-    building : filled in the drawing of the group; words : what is drawn, for the caption
+    Points are cells of one size, with their numbers where all have room; hatched where they mean nothing. All panels
+    have one scale of colours.
+
+    building : filled in the drawing of the group
+    words : caption
     """
-    columns, sizes = max(len(by_case) for *_, by_case in panels), [len(axis.points) for axis in axes]
+    columns = max(len(by_case) for *_, by_case in panels)
+    sizes = [len(axis.points) for axis in axes]
     few = max(sizes) <= MOST_TICKS
     along, across = (1.4 + 0.34 * max(size, 3) if few else 3.7 for size in sizes)
-    figure, lines = framed(shown, building, len(panels), columns, (across, along))
+    figure, lines = new_framed_panels(shown, building, len(panels), columns, (across, along))
     values = np.concatenate([over["mean"].values.ravel() for *_, by_case in panels for over in by_case.values()])
     labels = list(dict.fromkeys(column_of(quantity, shown.results.units).head for quantity, *_ in panels))
     are_ratios = all(is_ratio(quantity) for quantity, *_ in panels)
     colours = _ratio_colours(values) if are_ratios else _colours(values)
     for line, (_, analysis, by_case) in zip(lines, panels, strict=True):
         for ax, (case, over) in zip(line, by_case.items(), strict=False):
-            _map(ax, over, colours, few)
+            _draw_map(ax, over, colours, few)
             _set_axis(ax, "x", axes[1], 9)
             _set_axis(ax, "y", axes[0], 12, room=24)
             ax.set_title(f"{case}, {analysis}", loc="left")
@@ -346,7 +416,7 @@ def draw_maps(shown: Evidence, building: str, axes: Sequence[SweptAxis], panels:
 
 
 def is_ratio(quantity: str) -> bool:
-    """Whether a quantity is a ratio to the building alone, whose 1 is marked."""
+    """Return whether a quantity is a ratio to the building alone, whose 1 is marked."""
     return bool(VARIABLES[quantity].ratio)
 
 
@@ -375,12 +445,16 @@ def _colours(values: np.ndarray) -> Any:
     return ScalarMappable(scale(low, high if high > low else low + 1e-3 * max(abs(low), 1.0)), COLOURS)
 
 
-def _map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
-    """The map of one case; `few` : whether its cells have room for their numbers."""
+def _draw_map(ax: Axes, over: xr.Dataset, colours: Any, few: bool) -> None:
+    """Draw the map of one case.
+
+    few : True if its cells have room for their numbers
+    """
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
-    mean, void = over["mean"].values, over["void"].values
+    mean = over["mean"].values
+    void = over["void"].values
     y, x = (np.arange(1, size + 1) for size in mean.shape)
     ax.grid(False)
     ax.set_facecolor("0.87")

@@ -1,4 +1,4 @@
-"""What the scripts of the page draw: quantities over heights and the sweep, and kept histories of moving buildings."""
+"""The data that the scripts of a page draw: quantities over heights and the sweep, histories of moving buildings."""
 
 from __future__ import annotations
 
@@ -12,161 +12,244 @@ import xarray as xr
 
 from pounding_cli.laws import link_symbol
 from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
-from pounding_cli.report.style import for_page, looks
-from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
+from pounding_cli.report.style import looks, to_page_look
+from pounding_cli.report.sweep import SweptAxis, find_meaningless, list_swept_axes
 from pounding_cli.results.columns import column_of
 from pounding_cli.study.display import key_words
 from pounding_cli.variables import RESPONSE_VARIABLES
 
 if TYPE_CHECKING:
+    from pounding_cli.results.histories import History
     from pounding_cli.results.results import ResultTables
 
 MOST_VALUES = 120_000
 """Numbers that a page carries; of more only means and the largest over the height, then fewer quantities."""
 MEAN = "mean"
-"""What stands for all motions in the list of motions."""
+"""Entry for all motions in the list of motions."""
 MOST_BYTES = 12_000_000
-"""What all series together may take on the page, as text."""
+"""Size of all series of a page together, as text."""
 
 
-def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
-    """Axes and quantities; none of these where none has room or a number.
+def build_explorer_data(results: ResultTables, shown: Evidence) -> dict[str, Any]:
+    """Return axes and quantities; no quantities where none has room or a number.
 
     `mean`, `low`, `high` of a quantity: over case, motion, analysis, building or pair, level and the points of the
     sweep, the last fastest; None where there is nothing; low and high have one motion, the mean. Its `levels` are
-    storeys or floors, [0] where only the largest over the height is here. `void`: over case, analysis and points how
-    many motions have numbers without meaning. `cut`: what the page leaves out, in words.
+    storeys or floors, [0] where only the largest over the height is here. `void`: over case, analysis and points the
+    count of motions whose numbers are not meaningful. `cut`: a sentence on what the page leaves out.
     """
-    axes, data, cut = swept_axes(results), results.data.sel(case=shown.cases[:MOST_CASES]), list[str]()
-    dims, arrays, motions = [axis.keys[0] for axis in axes], dict[str, xr.DataArray](), shown.names("record")
-    for variable in sorted((v for v in RESPONSE_VARIABLES if v.charts and v.name in data), key=lambda v: not v.ratio):
-        values = by_floor(data, variable.name) if variable.dims[-1] == "link" else data[variable.name]
+    axes = list_swept_axes(results)
+    data = results.data.sel(case=shown.cases[:MOST_CASES])
+    dims = [axis.keys[0] for axis in axes]
+    motions = shown.names("record")
+    arrays = _select_arrays(data)
+    size = sum(values.size for values in arrays.values()) * (3 / len(motions) + (len(motions) > 1))
+    is_whole = size <= MOST_VALUES
+    quantity_count = len(arrays)
+    if not is_whole:
+        sizes = np.cumsum([3 * values.size / values.shape[-1] / len(motions) for values in arrays.values()])
+        names = [name for name, end in zip(arrays, sizes.tolist(), strict=True) if end <= MOST_VALUES]
+        arrays = {name: arrays[name] for name in names}
+    void = find_meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
+    return {
+        "axes": [_pack_axis(axis) for axis in axes],
+        "quantities": [_pack_quantity(name, values, is_whole, dims, results) for name, values in arrays.items()],
+        "cases": data["case"].values.tolist(),
+        "looks": [to_page_look(look) for look in looks(data["case"].values.tolist()).values()],
+        "analyses": shown.analyses,
+        "motions": [MEAN, *(motions if is_whole and len(motions) > 1 else [])],
+        "void": void.values.ravel().tolist(),
+        "cut": _describe_cut(is_whole, len(arrays), quantity_count),
+        "heights": is_whole,
+        "building": shown.main,
+        "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
+    }
+
+
+def _select_arrays(data: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return the quantities that the explorer offers and that have a number, ratios first."""
+    variables = [variable for variable in RESPONSE_VARIABLES if variable.charts and variable.name in data]
+    arrays = {}
+    for variable in sorted(variables, key=lambda variable: not variable.ratio):
+        is_of_links = variable.dims[-1] == "link"
+        values = group_links_by_floor(data, variable.name) if is_of_links else data[variable.name]
         if (values.fillna(0.0) != 0).any():
             arrays[variable.name] = values
-    size = sum(values.size for values in arrays.values()) * (3 / len(motions) + (len(motions) > 1))
-    whole = size <= MOST_VALUES
-    if not whole:
-        cut = ["only the largest over the height", "only means over the motions"]
-        sizes = np.cumsum([3 * a.size / a.shape[-1] / len(motions) for a in arrays.values()])
-        names = [name for name, end in zip(arrays, sizes.tolist(), strict=True) if end <= MOST_VALUES]
-        cut += [f"{len(names)} of {len(arrays)} quantities"] * (len(names) < len(arrays))
-        arrays = {name: arrays[name] for name in names}
-    said = "" if arrays else "Nothing to draw: no time history of this study ended."
-    if cut:
-        said = f"This sweep is large: the page has {', '.join(cut)}; tables/ has all."
-    if cut and not arrays:
-        said = "The sweep is too large to look around here; tables/ has all numbers."
-    looked = [for_page(look) for look in looks(data["case"].values.tolist()).values()]
-    void = meaningless(data["flags"]).sum("record").transpose("case", "analysis", *dims)
-    return {
-        "axes": [
-            {
-                "label": axis_words(axis), "numeric": axis.numeric, "names": axis.names,
-                "values": [rounded(value) for value in axis.coordinates.tolist()],
-            }
-            for axis in axes
-        ],
-        "quantities": [_quantity(name, values, whole, dims, results) for name, values in arrays.items()],
-        "cases": data["case"].values.tolist(), "looks": looked, "analyses": shown.analyses,
-        "motions": [MEAN, *(motions if whole and len(motions) > 1 else [])], "void": void.values.ravel().tolist(),
-        "cut": said, "heights": whole, "building": shown.main,
-        "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
-    }  # fmt: skip
+    return arrays
 
 
-def axis_words(axis: SweptAxis) -> str:
-    """What the keys of an axis are, with their units, and the keys in brackets."""
-    return ", ".join(f"{u.label(key_words(key))} ({key})" for key, u in zip(axis.keys, axis.units, strict=True))
+def _describe_cut(is_whole: bool, drawn_count: int, quantity_count: int) -> str:
+    """Return a sentence on the quantities that a page leaves out; "" where it has all."""
+    if not quantity_count:
+        return "Nothing to draw: no time history of this study ended."
+    if is_whole:
+        return ""
+    if not drawn_count:
+        return "The sweep is too large to look around here; tables/ has all numbers."
+    parts = ["only the largest over the height", "only means over the motions"]
+    if drawn_count < quantity_count:
+        parts.append(f"{drawn_count} of {quantity_count} quantities")
+    return f"This sweep is large: the page has {', '.join(parts)}; tables/ has all."
 
 
-def _quantity(name: str, values: xr.DataArray, whole: bool, dims: list[str], results: ResultTables) -> dict[str, Any]:
-    """One quantity, in the unit it is shown in."""
+def _pack_axis(axis: SweptAxis) -> dict[str, Any]:
+    """Return an axis as the explorer reads it."""
+    values = [round_for_page(value) for value in axis.coordinates.tolist()]
+    return {"label": format_axis(axis), "numeric": axis.numeric, "names": axis.names, "values": values}
+
+
+def format_axis(axis: SweptAxis) -> str:
+    """Return the meaning of the keys of an axis with their units, and the keys in brackets."""
+    parts = [f"{unit.label(key_words(key))} ({key})" for key, unit in zip(axis.keys, axis.units, strict=True)]
+    return ", ".join(parts)
+
+
+def _pack_quantity(
+    name: str, values: xr.DataArray, is_whole: bool, dims: list[str], results: ResultTables
+) -> dict[str, Any]:
+    """Return a quantity as the explorer reads it, in the unit of its label."""
     *_, where, level = map(str, values.dims)
-    how = column_of(name, results.units)
-    values = values.reset_coords(drop=True) / how.unit.factor
-    found = {"mean": values.mean("record"), "low": values.min("record"), "high": values.max("record")}
-    if not whole:
-        place = abs(found["mean"]).fillna(-1.0).argmax(level)
-        found = {key: of.isel({level: place}).drop_vars(level).expand_dims(level) for key, of in found.items()}
-    found = {key: of.expand_dims(record=[MEAN]) for key, of in found.items()}
-    if whole and values.sizes["record"] > 1:
-        found["mean"] = xr.concat([found["mean"], values], "record")
+    column = column_of(name, results.units)
+    values = values.reset_coords(drop=True) / column.unit.factor
+    spread = {"mean": values.mean("record"), "low": values.min("record"), "high": values.max("record")}
+    if not is_whole:
+        largest = abs(spread["mean"]).fillna(-1.0).argmax(level)
+        for kind, numbers in spread.items():
+            spread[kind] = numbers.isel({level: largest}).drop_vars(level).expand_dims(level)
+    spread = {kind: numbers.expand_dims(record=[MEAN]) for kind, numbers in spread.items()}
+    if is_whole and values.sizes["record"] > 1:
+        spread["mean"] = xr.concat([spread["mean"], values], "record")
     order = ("case", "record", "analysis", where, level, *dims)
-    packed = {key: [rounded(v) for v in of.transpose(*order).values.ravel().tolist()] for key, of in found.items()}
-    levels = values[level].values.tolist() if whole else [0]
-    about = {"key": name, "label": how.head, "text": how.text or how.label, "level": level, "levels": levels}
-    return about | {"where": where, "places": values[where].values.tolist()} | packed
+    packed = {}
+    for kind, numbers in spread.items():
+        packed[kind] = [round_for_page(number) for number in numbers.transpose(*order).values.ravel().tolist()]
+    return {
+        "key": name,
+        "label": column.head,
+        "text": column.text or column.label,
+        "level": level,
+        "levels": values[level].values.tolist() if is_whole else [0],
+        "where": where,
+        "places": values[where].values.tolist(),
+        **packed,
+    }
 
 
-def by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
-    """A variable of the links over pair and floor: of several links between the same floors the largest."""
-    values, floors = data[name], data["link_floor"].values.tolist()
+def group_links_by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
+    """Return a variable of the links over pair and floor: of several links between the same floors the largest."""
+    values = data[name]
+    floors = data["link_floor"].values.tolist()
     levels = sorted(set(floors))  # 0 is a base
-    pairs = [f"{one} | {other}" for one, other in zip(data["link_left"].values, data["link_right"].values, strict=True)]
+    neighbours = zip(data["link_left"].values, data["link_right"].values, strict=True)
+    pairs = [f"{left} | {right}" for left, right in neighbours]
     places = list(dict.fromkeys(pairs))
-    found = np.full((*values.shape[:-1], len(places), len(levels)), np.nan)
+    largest = np.full((*values.shape[:-1], len(places), len(levels)), np.nan)
     for number, (pair, floor) in enumerate(zip(pairs, floors, strict=True)):
         at = (..., places.index(pair), levels.index(floor))
-        found[at] = np.fmax(found[at], values.values[..., number])
+        largest[at] = np.fmax(largest[at], values.values[..., number])
     coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": levels}
-    return xr.DataArray(found, coords, (*values.dims[:-1], "pair", "floor"))
+    return xr.DataArray(largest, coords, (*values.dims[:-1], "pair", "floor"))
 
 
-def rounded(value: float) -> float | int | None:
-    """A number with six digits; None where there is none, a whole one as an integer."""
+def round_for_page(value: float) -> float | int | None:
+    """Return a number with six digits, a whole one as an integer; None where there is none."""
     if not math.isfinite(value):
         return None
     short = float(f"{value:.6g}")
     return int(short) if short.is_integer() and abs(short) < 1e15 else short
 
 
-def players(results: ResultTables) -> list[dict[str, Any]]:
-    """The kept scenes as the player reads them, as many as a page has room for: first those with contacts, of these the
-    inelastic."""
-    scenes, left = list[dict[str, Any]](), MOST_BYTES
+def build_player_scenes(results: ResultTables) -> list[dict[str, Any]]:
+    """Return the kept time histories as the player reads them, as many as a page has room for.
+
+    Those with contacts come first, of these the inelastic ones.
+    """
+    scenes: list[dict[str, Any]] = []
+    room = MOST_BYTES
     for row in results.histories().to_dict("records"):
-        at = {keys[0]: points_of(results, keys).index(tuple(row[key] for key in keys)) for keys in results.swept}
-        scene = _scene(at_point(results, at), {name: row[name] for name in ("case", "analysis", "record")})
-        if len(scene["series"]) <= left:  # of those that do not fit a shorter one may
-            left -= len(scene["series"])
+        index = {}
+        for keys in results.swept:
+            index[keys[0]] = points_of(results, keys).index(tuple(row[key] for key in keys))
+        place = {name: row[name] for name in ("case", "analysis", "record")}
+        scene = _pack_scene(at_point(results, index), place)
+        size = len(scene["series"])
+        if size <= room:  # of those that do not fit a shorter one may
+            room -= size
             scenes.append(scene)
     return sorted(scenes, key=lambda scene: (not scene["contact"], scene["analysis"] != "inelastic"))
 
 
-def _scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
-    """One scene: `series` has the ground, of every building its floors, and its sway and rocking where its foundation
-    moves, and the force of every link."""
+def _pack_scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
+    """Return a time history as the player reads it.
+
+    `series` has the ground, of every building its floors, and its sway and rocking where its foundation moves, and the
+    force of every link.
+    """
     history = evidence.results.history(*place.values(), **evidence.point)
-    series, buildings, links = [history.ground_acceleration], [], []
+    buildings, motions = _pack_buildings(evidence, history)
+    links, forces = _pack_links(evidence, history, place["case"])
+    series = np.ascontiguousarray([history.ground_acceleration, *motions, *forces], dtype="<f4")
+    strikes = [force.any() for link, force in zip(links, forces, strict=True) if link["drawn"] != "bar"]
+    unit = evidence.unit("acceleration")
+    return {
+        **place,
+        "label": ", ".join(filter(None, (evidence.label, *place.values()))),
+        "dt": float(history.time[1] - history.time[0]) if history.time.size > 1 else 1.0,
+        "count": series.shape[1],
+        "acceleration": {"unit": unit.name, "factor": 1 / unit.factor},
+        "buildings": buildings,
+        "links": links,
+        "contact": any(strikes),
+        "series": base64.b64encode(series.tobytes()).decode("ascii"),
+    }
+
+
+def _pack_buildings(evidence: Evidence, history: History) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
+    """Return the buildings of a time history, and the series of their floors and foundations [m], [rad]."""
+    buildings = []
+    series: list[np.ndarray] = []
     for number, (name, rows) in enumerate(evidence.buildings.groupby("building", sort=False)):
         foundation = [history.sway[:, number], history.rocking[:, number]]
-        moves = any(np.any(each != 0) for each in foundation)
-        floors = history.displacement[:, number, : len(rows)].T
-        series += [*floors, *(foundation if moves else ())]
-        buildings.append({
-            "name": name, "period": rounded(float(rows["period"].iloc[0])), "slab": float(rows["slab"].iloc[0]),
-            "wall": bool(evidence.of_study(str(name)).get("wall")),
-            "heights": [rounded(height) for height in rows["height"]],
-            "yield": [rounded(drift) for drift in rows["yield_shear"] / rows["stiffness"]], "foundation": moves,
-        })  # fmt: skip
-    rows = evidence.link[evidence.link["case"] == place["case"]].drop_duplicates("link")
-    known = dict(zip(rows["link"], rows.to_dict("records"), strict=True))
+        moves = any(np.any(motion != 0) for motion in foundation)
+        series += list(history.displacement[:, number, : len(rows)].T)
+        if moves:
+            series += foundation
+        yield_drifts = rows["yield_shear"] / rows["stiffness"]
+        buildings.append(
+            {
+                "name": name,
+                "period": round_for_page(float(rows["period"].iloc[0])),
+                "slab": float(rows["slab"].iloc[0]),
+                "wall": bool(evidence.of_study(str(name)).get("wall")),
+                "heights": [round_for_page(height) for height in rows["height"]],
+                "yield": [round_for_page(drift) for drift in yield_drifts],
+                "foundation": moves,
+            }
+        )
+    return buildings, series
+
+
+def _pack_links(evidence: Evidence, history: History, case: str) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
+    """Return the links of a time history, and their forces [N]."""
+    rows = evidence.link[evidence.link["case"] == case].drop_duplicates("link")
+    row_of = dict(zip(rows["link"], rows.to_dict("records"), strict=True))
+    links = []
+    forces = []
     for number, name in enumerate(history.links):
-        if row := known.get(name):
-            series.append(history.link_force[:, number])
-            links.append({
-                "left": history.buildings.index(row["left"]), "right": history.buildings.index(row["right"]),
-                "floor": int(row["floor"]), "right_floor": int(row["right_floor"]), "drawn": link_symbol(row["kind"]),
-                "gap": float(row["gap"]), "left_at": float(row.get("left_at", 1.0)),
+        row = row_of.get(name)
+        if row is None:
+            continue
+        forces.append(history.link_force[:, number])
+        links.append(
+            {
+                "left": history.buildings.index(row["left"]),
+                "right": history.buildings.index(row["right"]),
+                "floor": int(row["floor"]),
+                "right_floor": int(row["right_floor"]),
+                "drawn": link_symbol(row["kind"]),
+                "gap": float(row["gap"]),
+                "left_at": float(row.get("left_at", 1.0)),
                 "right_at": float(row.get("right_at", 1.0)),
-            })  # fmt: skip
-    unit = evidence.unit("acceleration")
-    packed = np.ascontiguousarray(series, dtype="<f4")
-    forces = packed[len(packed) - len(links) :]
-    return {
-        **place, "label": ", ".join(filter(None, (evidence.label, *place.values()))),
-        "dt": float(history.time[1] - history.time[0]) if history.time.size > 1 else 1.0, "count": packed.shape[1],
-        "acceleration": {"unit": unit.name, "factor": 1 / unit.factor}, "buildings": buildings, "links": links,
-        "contact": any(force.any() for link, force in zip(links, forces, strict=True) if link["drawn"] != "bar"),
-        "series": base64.b64encode(packed.tobytes()).decode("ascii"),
-    }  # fmt: skip
+            }
+        )
+    return links, forces

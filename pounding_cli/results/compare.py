@@ -1,44 +1,52 @@
-"""What changed between two results files: study, versions, scenes, and the numbers beyond the error both carry."""
+"""Differences between two results files: study, versions, rows, and the numbers beyond the error that both carry."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from pounding_cli.results.changes import changed_keys
 from pounding_cli.results.results import ResultTables
-from pounding_cli.variables import COORDINATE_VARIABLES, ITSELF, NO_DIFFERENCE, RESPONSE_VARIABLES, SCENE_DIMS
+from pounding_cli.variables import (
+    COORDINATE_VARIABLES,
+    ITSELF,
+    NO_DIFFERENCE,
+    RESPONSE_VARIABLES,
+    SCENE_DIMS,
+    Variable,
+)
 
 ROUNDING = 1e-12
 """Relative difference [-] that two machines may show in the same computation."""
 
 SOFTWARE = ("pounding_cli", "solver", "python", "numpy", "scipy", "numba", "h5py", "platform", "machine")
+"""Software and machine whose versions are compared."""
 
 CHANGE = ["table", "column", "place", "before", "after", "difference", "carried"]
-"""What is told of a number that changed."""
+"""Columns of the numbers that changed."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What changed from a first results file to a second.
+    """The differences of a second results file from a first one.
 
     Attributes
     ----------
     lines : of the study as written, "-" gone and "+" new
     keys : of the study with every default filled in: key, before, after
     software : name, before, after
-    removed, added : scenes that only the first or only the second has, in words
-    outcomes : scene, status before, status after
+    removed, added : rows that only the first or only the second file has, in words
+    outcomes : row, status before, status after
     changes : numbers that differ beyond the error carried, worst first: table, column, place, before, after,
         difference and carried (relative [-])
-    compared : how many numbers were compared
-    unestimated : scenes with no error estimate in one of the files
+    compared : count of the numbers that were compared
+    unestimated : count of the rows with no error estimate in one of the files
     """
 
     lines: list[str]
@@ -52,88 +60,210 @@ class Comparison:
     unestimated: int
 
     @property
-    def same_numbers(self) -> bool:
-        """Whether both files hold the same scenes with the same outcomes and the same numbers."""
+    def has_same_numbers(self) -> bool:
+        """True if both files hold the same rows with the same outcomes and the same numbers."""
         return not (self.removed or self.added or self.outcomes or len(self.changes))
 
     @property
-    def same(self) -> bool:
-        """Whether, beyond that, both studies come to the same; words, comments and versions do not count."""
-        return self.same_numbers and not self.keys
+    def is_same(self) -> bool:
+        """True if both studies are equal too; words, comments and versions do not count."""
+        return self.has_same_numbers and not self.keys
 
 
 def compare(first: ResultTables, second: ResultTables) -> Comparison:
-    """Compare two results files, scene by scene and number by number.
+    """Return the differences of two results files, row by row and number by number.
 
     A peak storey shear, drift or ductility has changed where it differs, relative to itself, by more than the two
-    estimated errors of its scene together.  Numbers near zero (accelerations, residual drifts, link forces ...) are
-    judged against the largest of their kind in the scene, by the larger of the estimate and the accuracy asked;
-    so are the peaks of buildings alone.  Where there is no estimate the accuracy asked stands in; a fixed-step method
-    has none, and is compared to rounding.  Counts are compared exactly.
+    estimated errors of its row together. Numbers near zero (accelerations, residual drifts, link forces ...) are judged
+    against the largest of their kind in the row, by the larger of the estimate and the accuracy asked; so are the peaks
+    of buildings alone. Where there is no estimate the accuracy asked stands in; a fixed-step method has none, and is
+    compared to rounding. Counts are compared exactly. A number that only one of the files has is a change.
     """
-    before, after = _scenes(first), _scenes(second)
-    both = before.index.intersection(after.index, sort=False)
-    one, other = before.loc[both], after.loc[both]
-    failed = one["status"] != other["status"]
-    changes, compared = _changes(first.data, second.data) if len(both) else (pd.DataFrame(columns=CHANGE), 0)
+    before = _Rows(first)
+    after = _Rows(second)
+    common = [place for place in before.number_of if place in after.number_of]
+    pair = _CommonRows(before, after, common)
+    statuses = zip(common, pair.read(before, "status"), pair.read(after, "status"), strict=True)
     lines = difflib.unified_diff(first.study_text.splitlines(), second.study_text.splitlines(), lineterm="", n=0)
-    old, new = ({name: str(each.attrs.get(f"software_{name}", "-")) for name in SOFTWARE} for each in (first, second))
+    changes, compared = _find_changes(pair)
+    errors = [pair.read(rows, "error_estimate") for rows in (before, after)]
     return Comparison(
-        [line for line in lines if not line.startswith(("---", "+++", "@@"))],
-        changed_keys(first.resolved, second.resolved),
-        [(name, old[name], new[name]) for name in SOFTWARE if old[name] != new[name]],
-        before.index.difference(after.index, sort=False).tolist(),
-        after.index.difference(before.index, sort=False).tolist(),
-        list(zip(both[failed], one["status"][failed], other["status"][failed], strict=True)),
-        changes,
-        compared,
-        int((one["error_estimate"].isna() | other["error_estimate"].isna()).sum()),
+        lines=[line for line in lines if not line.startswith(("---", "+++", "@@"))],
+        keys=changed_keys(first.resolved, second.resolved),
+        software=_compare_software(first.attrs, second.attrs),
+        removed=[place for place in before.number_of if place not in after.number_of],
+        added=[place for place in after.number_of if place not in before.number_of],
+        outcomes=[(place, old, new) for place, old, new in statuses if old != new],
+        changes=changes,
+        compared=compared,
+        unestimated=int(np.isnan(errors).any(axis=0).sum()),
     )
 
 
-def _scenes(results: ResultTables) -> pd.DataFrame:
-    """The table of accuracy by scene in words."""
-    frame, place = results.accuracy(), [*results.axes, *SCENE_DIMS]
-    return frame.set_index(pd.Index([_words(place, at) for at in frame[place].itertuples(index=False, name=None)]))
+def _compare_software(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    """Return name, version before and after of the software that differs."""
+    versions = [(name, *(str(attrs.get(f"software_{name}", "-")) for attrs in (before, after))) for name in SOFTWARE]
+    return [(name, old, new) for name, old, new in versions if old != new]
 
 
-def _changes(first: xr.Dataset, second: xr.Dataset) -> tuple[pd.DataFrame, int]:
-    """The numbers that changed, of scenes that both files have, worst first; and how many were compared."""
-    bare = (each.reset_coords(drop=True) for each in (first, second))  # motions differ in more than their names
-    one, other = xr.align(*bare, join="outer", fill_value={"status": ""})
-    here, compared, found = (one["status"] != "") & (other["status"] != ""), 0, []
-    accuracies = [(each, each["accuracy"].fillna(0.0)) for each in (one, other)]  # none is asked of fixed steps
-    pairs = [(each["error_estimate"].fillna(accuracy).clip(ROUNDING / 2), accuracy) for each, accuracy in accuracies]
-    estimated, asked = sum(estimate for estimate, _ in pairs), sum(np.fmax(*pair) for pair in pairs)
-    for v in RESPONSE_VARIABLES:
-        if not (v.difference_scale and v.name in one and v.name in other):
+class _Rows:
+    """The rows of a results file: the points of its sweep, cases, analyses and motions that were solved."""
+
+    def __init__(self, results: ResultTables) -> None:
+        self.results = results
+        self.arrays = results.arrays
+        self.dims = self.arrays["status"].dims
+
+    @cached_property
+    def number_of(self) -> dict[str, int]:
+        """Row in words -> its number among all that the dimensions allow."""
+        statuses = self.arrays["status"].values
+        places = [self._list_places(dim) for dim in self.dims]
+        rows = np.argwhere(statuses != "").tolist()
+        names = [", ".join(where[number] for where, number in zip(places, row, strict=True)) for row in rows]
+        numbers = np.ravel_multi_index(np.transpose(rows), statuses.shape).tolist() if rows else []
+        return dict(zip(names, numbers, strict=True))
+
+    def _list_places(self, dim: str) -> list[str]:
+        """Return the places along a dimension in words; keys that move together are one dimension."""
+        if dim in SCENE_DIMS:
+            return self.results.names(dim)
+        (keys,) = [keys for keys in self.results.swept if keys[0] == dim]
+        columns = [self.arrays[key].values.tolist() for key in keys]
+        return [_format_place(keys, values) for values in zip(*columns, strict=True)]
+
+    def list_labels(self, dim: str) -> list[Any]:
+        """Return the labels along a dimension of buildings, storeys, floors or links."""
+        return list(self.arrays[dim].values.tolist())
+
+
+@dataclass(frozen=True)
+class _CommonRows:
+    """The rows that two files have both.
+
+    places : in words
+    """
+
+    before: _Rows
+    after: _Rows
+    places: Sequence[str]
+
+    def labels(self, dim: str) -> list[Any]:
+        """Return the labels along a dimension of either file."""
+        return list(dict.fromkeys([*self.before.list_labels(dim), *self.after.list_labels(dim)]))
+
+    def read(self, rows: _Rows, name: str) -> np.ndarray:
+        """Return a variable of one of the files: a row each, over the labels of both; NaN where it has none."""
+        array = rows.arrays[name]
+        dims = array.dims[len(rows.dims) :]
+        shape = array.shape[len(rows.dims) :]
+        numbers = [rows.number_of[place] for place in self.places]
+        values = array.values.reshape(-1, *shape)[numbers]
+        if values.dtype.kind not in "iuf":
+            return values
+        labels = [self.labels(dim) for dim in dims]
+        spread = np.full((len(numbers), *map(len, labels)), np.nan)
+        known = [
+            [every.index(label) for label in rows.list_labels(dim)] for dim, every in zip(dims, labels, strict=True)
+        ]
+        spread[np.ix_(range(len(numbers)), *known)] = values
+        return spread
+
+
+def _find_changes(pair: _CommonRows) -> tuple[pd.DataFrame, int]:
+    """Return the numbers that changed, of rows that both files have, worst first; and the count of those compared."""
+    if not pair.places:
+        return pd.DataFrame(columns=CHANGE), 0
+    accuracies = [np.nan_to_num(pair.read(rows, "accuracy")) for rows in (pair.before, pair.after)]
+    estimates = [
+        np.fmax(np.where(np.isnan(estimate), accuracy, estimate), ROUNDING / 2)
+        for estimate, accuracy in zip(
+            [pair.read(rows, "error_estimate") for rows in (pair.before, pair.after)], accuracies, strict=True
+        )
+    ]
+    estimated = estimates[0] + estimates[1]
+    allowed = np.fmax(estimates[0], accuracies[0]) + np.fmax(estimates[1], accuracies[1])
+    frames = []
+    compared = 0
+    for variable in RESPONSE_VARIABLES:
+        if not variable.difference_scale:
             continue
-        a, b = one[v.name], other[v.name]
-        size: Any = np.fmax(abs(a), abs(b))
-        error, is_known = asked, (np.isfinite(a) | np.isfinite(b)) & here
-        if v.difference_scale == NO_DIFFERENCE:
-            error = 0.0 * asked
-        elif (
-            v.difference_scale == ITSELF
-        ):  # the estimate of a building alone stands in no table: it is no worse than asked
-            error = asked if v.alone else estimated
-        else:  # near zero it has no relative error
-            whole: Any = np.fmax(abs(one[v.difference_scale]), abs(other[v.difference_scale]))
-            size = whole.max(v.dims[len(SCENE_DIMS) :])
-        with np.errstate(invalid="ignore", divide="ignore"):
-            difference = (abs(a - b) / size).where(a != b, 0.0).fillna(np.inf).where(is_known, 0.0)
-        compared += int(is_known.sum())
-        numbers = xr.Dataset({"before": a, "after": b, "difference": difference, "carried": error})
-        frame = numbers.to_dataframe(dim_order=list(a.dims))
-        frame = frame[frame["difference"] > frame["carried"]]
-        place = [_words(a.dims, each) for each in frame.index]
-        found.append(frame.assign(table=str(a.dims[-1]), column=v.name, place=place).reset_index(drop=True))
-    changes = pd.concat(found, ignore_index=True)
-    worst = np.argsort(-(changes["difference"] / changes["carried"]).to_numpy(float), kind="stable")
-    return changes.iloc[worst].reset_index(drop=True), compared
+        if variable.name not in pair.before.arrays or variable.name not in pair.after.arrays:
+            continue
+        carried = _choose_error(variable, estimated, allowed)
+        frame, count = _compare_variable(pair, variable, carried)
+        frames.append(frame)
+        compared += count
+    if not frames:
+        return pd.DataFrame(columns=CHANGE), 0
+    changes = pd.concat(frames, ignore_index=True)
+    with np.errstate(divide="ignore"):
+        excess = changes["difference"].to_numpy(float) / changes["carried"].to_numpy(float)
+    return changes.iloc[np.argsort(-excess, kind="stable")].reset_index(drop=True), compared
 
 
-def _words(dims: Iterable[Any], place: Iterable[Any]) -> str:
-    """A place of the tables: "cases.gap.gap = 0.05, gap, elastic, elcentro"."""
+def _choose_error(variable: Variable, estimated: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+    """Return the relative error that a variable carries in every row [-].
+
+    estimated : by the estimates of both files
+    allowed : by the larger of estimate and accuracy; for numbers near zero and for buildings alone, without estimates
+    """
+    if variable.difference_scale == NO_DIFFERENCE:
+        return np.zeros_like(allowed)
+    if variable.difference_scale == ITSELF and not variable.alone:
+        return estimated
+    return allowed
+
+
+def _compare_variable(pair: _CommonRows, variable: Variable, carried: np.ndarray) -> tuple[pd.DataFrame, int]:
+    """Return the values of a variable that changed, and the count of those that were compared.
+
+    carried : relative error of every row [-]
+    """
+    before = pair.read(pair.before, variable.name)
+    after = pair.read(pair.after, variable.name)
+    # A value that only one of the files has is compared too: its difference is infinite.
+    is_known = np.isfinite(before) | np.isfinite(after)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        difference = np.abs(before - after) / _find_scale(pair, variable, before, after)
+    difference[before == after] = 0.0
+    difference[np.isnan(difference)] = np.inf
+    error = carried.reshape(-1, *[1] * (before.ndim - 1))
+    changed = np.argwhere(is_known & (difference > error))
+    dims = pair.before.arrays[variable.name].dims[len(pair.before.dims) :]
+    labels = [pair.labels(dim) for dim in dims]
+    at = tuple(changed.T)
+    places = []
+    for row, *numbers in changed.tolist():
+        within = [every[number] for every, number in zip(labels, numbers, strict=True)]
+        places.append(", ".join([pair.places[row], _format_place(dims, within)]))
+    frame = pd.DataFrame(
+        {
+            "table": variable.dims[-1],
+            "column": variable.name,
+            "place": places,
+            "before": before[at],
+            "after": after[at],
+            "difference": difference[at],
+            "carried": carried[changed[:, 0]],
+        },
+        columns=CHANGE,
+    )
+    return frame, int(is_known.sum())
+
+
+def _find_scale(pair: _CommonRows, variable: Variable, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Return the values that differences are relative to: the larger value itself, or the largest of another variable
+    in the row, where the values may be near zero."""
+    if variable.difference_scale in (ITSELF, NO_DIFFERENCE):
+        return np.fmax(np.abs(before), np.abs(after))
+    scales = [np.abs(pair.read(rows, variable.difference_scale)) for rows in (pair.before, pair.after)]
+    larger = np.fmax(*scales).reshape(len(before), -1)
+    largest = np.fmax.reduce(larger, axis=1, initial=0.0)
+    return largest.reshape(-1, *[1] * (before.ndim - 1))
+
+
+def _format_place(dims: Iterable[Any], place: Iterable[Any]) -> str:
+    """Return a place of the tables in words: "cases.gap.gap = 0.05, gap, elastic, elcentro"."""
     named = zip(dims, place, strict=True)
     return ", ".join(str(value) if dim in COORDINATE_VARIABLES else f"{dim} = {value}" for dim, value in named)

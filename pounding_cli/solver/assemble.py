@@ -1,7 +1,7 @@
 """From a scene to the records of its run.
 
 What scenes of the same buildings, links and analysis share is laid out once (`Layout`); their runs get copies of it and
-their motions (`solve.Prepared`)."""
+their motions (`solve.SceneRun`)."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from pounding_cli.solver import records
 from pounding_cli.solver.assemble import run_time, segments
 from pounding_cli.solver.outcome import ENDS, stored_in_storeys
 from pounding_cli.solver.response import OUTCOMES
-from pounding_cli.solver.solve import Prepared, prepare
+from pounding_cli.solver.solve import SceneRun, prepare_run
 
 EVERY = 0.002
 """Output step unless asked otherwise [s]: contacts last some 5 to 20 ms."""
@@ -65,7 +65,7 @@ def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) ->
     """
     if not (np.isfinite(every) and every > 0):
         raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
-    run = prepare([scene], accuracy, times=output_times(scene, every))
+    run = prepare_run([scene], accuracy, times=output_times(scene, every))
     run.integrate()
     outcome, advice = ENDS[int(run.data.run["status"][0])]
     if outcome not in OUTCOMES:
@@ -85,7 +85,7 @@ def _ground(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return acceleration, moved[at] + (velocity[at] + (starts[at] / 2 + slopes[at] * since / 6) * since) * since
 
 
-def _evaluated(run: Prepared) -> History:
+def _evaluated(run: SceneRun) -> History:
     """What is wanted, from what a run kept."""
     scene, layout, watch = run.scenes[0], run.layout, run.data.watch
     kept = slice(0, int(run.data.run["output"][0]))  # a collapse ends it before the last time

@@ -35,7 +35,7 @@ from pounding_cli.solver.outcome import forces_now
 from pounding_cli.solver.records import Data, Room
 
 if TYPE_CHECKING:
-    from pounding_cli.solver.solve import Prepared
+    from pounding_cli.solver.solve import SceneRun
 
 STILL = 5e-4
 """Reach of a storey over its drift at rest [-] at which it counts as at rest although its branch may still end."""
@@ -94,7 +94,7 @@ class Rest:
     max_closing: np.ndarray
 
 
-def find_rest(run: Prepared, is_done: np.ndarray) -> Rest:
+def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`): 0 without any
     cost where nothing holds a storey away from where it was, else where they are asked for."""
     layout, n, links = run.layout, run.layout.number, run.data.elements[:, run.layout.of_links]
@@ -156,7 +156,7 @@ def _copy_scenes(data: Data, rows: np.ndarray) -> Data:
     )  # fmt: skip
 
 
-def _go_on(run: Prepared, data: Data, places: np.ndarray, period: float, length: float) -> float:
+def _go_on(run: SceneRun, data: Data, places: np.ndarray, period: float, length: float) -> float:
     """Let scenes vibrate freely for about `length` [s]; return for how long they did [s]."""
     dt = run.scenes[0].motion.dt if run.method.takes_step else period / STEPS_A_PERIOD
     longest_step = data.run["most_h"] / data.run["dt"]  # part of a segment

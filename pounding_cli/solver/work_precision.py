@@ -16,9 +16,9 @@ import numpy as np
 
 from pounding_cli.methods import METHODS, get_method
 from pounding_cli.model.scene import Scene
-from pounding_cli.numbers import pluralize
+from pounding_cli.numbers import count_histories
 from pounding_cli.solver.response import DONE, Response
-from pounding_cli.solver.solve import refusal_of, solve
+from pounding_cli.solver.solve import explain_refusal, solve
 
 QUANTITIES = ("V", "mu", "acceleration", "force")
 """Peak storey shear, peak ductility, peak floor acceleration, peak link force."""
@@ -98,11 +98,11 @@ def measure(
     ended = "the budget ended (--budget gives more)"
     for number, (place, scene) in enumerate(order):
         if number and spent >= budget:
-            left_out.append(f"{len(order) - number} of {pluralize(len(order), 'scene')}: {ended}")
+            left_out.append(f"{len(order) - number} of {count_histories(len(order))}: {ended}")
             break
         tell(", ".join(place.values()))
         begin = time.perf_counter()
-        able = [name for name in methods if not refusal_of(METHODS[name], scene)]
+        able = [name for name in methods if not explain_refusal(METHODS[name], scene)]
         short = dataclasses.replace(scene, motion=scene.motion.cut_to(WARM_UP * scene.motion.dt))
         for name in {*able, REFERENCE[0], SECOND[0]}:
             _solved(short, name, 1e-4)
@@ -123,7 +123,7 @@ def measure(
         spent += time.perf_counter() - compiled
         compiling += compiled - begin
     for (name, setting), count in skipped.items():
-        left_out.append(f"{name} at {METHODS[name].setting.text(setting)} on {pluralize(count, 'scene')}: {ended}")
+        left_out.append(f"{name} at {METHODS[name].setting.text(setting)} on {count_histories(count)}: {ended}")
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 from pathlib import Path
 
@@ -26,11 +27,32 @@ cases:
   connected: {link: connector, gap: 1 mm, floors: [2], stiffness: 1 kN/mm}
 analyses: [elastic, inelastic]
 """
+SWEEP = "estimate: none\nsweep: {cases.gap.gap: [5 mm, 6 mm, 7 mm], impact.restitution: [0.4, 0.6]}\n"
+ONE = STUDY[: STUDY.index("  infill:")] + "analyses: [inelastic]\nestimate: none\n"
+UNCERTAIN = (
+    "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.7}}, "
+    "buildings.soft.period: {normal: {mean: 0.5 s, sd: 0.03 s}}}\n"
+)
 STUDIES = {
-    "kept": STUDY + "keep: {histories: {cases: [touching], records: [elcentro]}}\n",
-    "swept": STUDY + "estimate: none\nsweep: {cases.gap.gap: [5 mm, 6 mm, 7 mm], impact.restitution: [0.4, 0.6]}\n",
-    "failed": STUDY + "method: central-difference\ntime_step: 20 ms\n",
+    "kept": ("run", STUDY + "keep: {histories: {cases: [touching], records: [elcentro]}}\n"),
+    "swept": ("run", STUDY + SWEEP),
+    "failed": ("run", STUDY + "method: central-difference\ntime_step: 20 ms\n"),
+    "gap": ("gap", STUDY + SWEEP),
+    "fragility": (
+        "fragility",
+        ONE + "sweep: {records.scale.pga: [0.1 g, 0.2 g, 0.4 g]}\nfragility: {limits: [mu > 2]}\n",
+    ),
+    "sensitivity": (
+        "sensitivity",
+        ONE + UNCERTAIN + "sensitivity: {outputs: [largest V_ratio], samples: 16, draws: 100}\n",
+    ),
+    "optimise": (
+        "optimise",
+        ONE + "optimise: {generations: 2, population: 8, slice_points: 5, least: largest drift,"
+        " over: {cases.gap.gap: {from: 1 mm, to: 3 cm}}}\n",
+    ),
 }
+"""Command and study of every page."""
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = [
@@ -47,12 +69,16 @@ def reports(tmp_path_factory):
     def make(name: str) -> tuple[pounding_cli.Results, Path]:
         if name not in made:
             folder = tmp_path_factory.mktemp(name)
-            (folder / "study.yaml").write_text(STUDIES[name])
-            results = pounding_cli.run(folder / "study.yaml", folder / "study.h5", engine="serial")
+            command, study = STUDIES[name]
+            (folder / "study.yaml").write_text(study)
             figures = ["--format", "svg"] if name == "kept" else ["--no-figures"]
-            arguments = ["report", str(results.path), "-o", str(folder / "page"), "-q", *figures]
-            CliRunner().invoke(cli, arguments, catch_exceptions=False)
-            made[name] = results, folder / "page" / "report.html"
+            for arguments in (
+                [command, "study.yaml", "-o", "study.h5", "-q", "--engine", "serial"],
+                ["report", "study.h5", "-o", "page", "-q", *figures],
+            ):
+                with contextlib.chdir(folder):
+                    CliRunner().invoke(cli, arguments, catch_exceptions=False)
+            made[name] = pounding_cli.open_results(folder / "study.h5"), folder / "page" / "report.html"
         return made[name]
 
     return make

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 
 import numpy as np
@@ -67,7 +68,7 @@ def test_the_explorer_draws_the_numbers_of_the_tables(visit, reports):
 
 def test_the_first_table_gives_the_largest_values(visit, reports):
     page, (results, _) = visit("kept"), reports("kept")
-    table = cells(page, "[aria-label='Largest of all time histories, and where']")
+    table = cells(page, "[aria-label^='Peak responses and where they occur']")
     rows = [row for row in table if row[1] == "elastic"]
     assert [row[0].split()[0] for row in rows] == CASES
     elastic = results.storey().query("analysis == 'elastic'")
@@ -115,6 +116,62 @@ def test_a_study_of_which_no_linked_scene_ended_opens(visit):
     assert page.evaluate("document.documentElement.scrollWidth") <= 400
 
 
+# the page as a whole
+
+
+@pytest.mark.parametrize("name", ["kept", "swept", "gap", "fragility", "sensitivity", "optimise"])
+def test_no_table_is_scrolled_sideways(visit, name):
+    """At 1400 pixels, closed tables too. Fails if a table is wider than the page, or cells are cut."""
+    page = visit(name, 1400)
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    script = "all => all.filter(one => one.scrollWidth > one.clientWidth + 1).map(one => one.ariaLabel)"
+    assert page.eval_on_selector_all(".scroll", script) == []
+    assert page.locator(".grid").count() >= 6
+    assert page.evaluate("document.documentElement.scrollWidth") <= 1400
+
+
+def test_columns_without_room_are_named_with_their_file(visit, reports):
+    """Fails if a column vanishes unsaid, or if one is left out that has room."""
+    page, (results, path) = visit("kept", 1400), reports("kept")
+    page.locator("summary", has_text="Means over the motions").click()
+    opened = page.locator("details[open]")
+    heads = opened.locator("th[scope=col]").all_inner_texts()
+    shared, left_out = (note.partition(": ")[2].rstrip(".") for note in opened.locator(".note").all_inner_texts())
+    told_above = [text.rpartition(" ")[0] for text in shared.split("; ")]
+    assert told_above == ["records used", "records collapsed"]
+    assert "Further columns in tables/summary.csv: " in opened.inner_text()
+    table = [results.column("summary", str(name)).head for name in results.table("summary")]
+    assert sorted([*heads, *told_above, *left_out.split(", ")]) == sorted(table)
+    assert {"V ratio mean", "V ratio max", "acceleration ratio max"} <= set(heads)
+    header = (path.parent / "tables" / "summary.csv").read_text().splitlines()[0]
+    assert header.split(",") == list(results.table("summary"))
+
+
+def test_the_group_is_drawn_once_and_a_title_stands_once(visit, reports):
+    """Figures in files of their own have title, caption and group; on the page these stand once, as text."""
+    page, (_, path) = visit("kept", 1400), reports("kept")
+    sources = page.eval_on_selector_all("figure img", "all => all.map(one => one.src)")
+    figures = [base64.b64decode(source.partition("base64,")[2]).decode() for source in sources]
+    saved = [file.read_text() for file in path.parent.glob("*.svg")]
+    assert len(figures) == len(saved) == 4
+    for texts, is_saved in ((figures, False), (saved, True)):
+        for svg in texts:
+            text = " ".join(re.sub("<[^>]+>", " ", svg.partition("</metadata>")[2]).split())
+            assert ("Two buildings" in text) == is_saved
+            assert ("T = 0.30 s" in text) == is_saved  # below the drawing of the group
+            assert ("Motions: stand-in" in text) == is_saved
+    assert page.locator("img.sketch").count() == 1
+    captions = page.locator("figcaption").all_inner_texts()
+    assert len(captions) == len(figures)
+    assert all("Motions: stand-in: elcentro, taft." in caption for caption in captions)
+
+
+def test_sentences_come_before_the_figure_and_the_tables(visit):
+    page = visit("kept", 1400)
+    tops = [page.locator(f"header {part}").first.bounding_box()["y"] for part in ("h1", ".lead + p", "figure", ".grid")]
+    assert tops == sorted(tops)
+
+
 # the player
 
 
@@ -126,7 +183,7 @@ def readout(page) -> dict[str, str]:
 def test_the_player_shows_the_history(visit, reports):
     """It opens at the hardest impact; every number is that of the history at its time."""
     page, (results, _) = visit("kept"), reports("kept")
-    choose(page, "Scene", "touching, elastic, elcentro", "#player")
+    choose(page, "Time history", "touching, elastic, elcentro", "#player")
     history = results.history(case="touching", analysis="elastic", record="elcentro")
     hardest, floor = np.unravel_index(np.argmax(history.link_force), history.link_force.shape)
 

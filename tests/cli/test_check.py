@@ -102,7 +102,7 @@ def test_a_check_beside_a_run_says_so(folder, pound):
     study = Path("two.yaml")
     study.write_text(study.read_text().replace("1 cm", "12 mm"))
     with contextlib.closing(Cache(Path("results/two.h5.cache"))):
-        assert standing() == "16 time histories; another run is at work on these results"
+        assert standing() == "16 time histories; another run is using these results"
 
 
 def test_what_failed_is_solved_again(folder, pound):
@@ -125,14 +125,14 @@ def test_times_are_by_rates_of_earlier_runs(folder, pound, monkeypatch, tmp_path
     assert set(rates) == {"the solver, taylor, linked", "the solver, taylor, alone"}
     plan = make_plan(load_study(Path("two.yaml")))
     every = np.arange(len(plan))
-    kinds, work = forecast.kinds_and_work(plan)
+    kinds, work = forecast.classify_histories(plan)
     seconds = np.array([open_results("again.h5").attrs["solver_seconds"]])
     by_rates = sum(rates[kind] * each for kind, each in zip(kinds, work, strict=True))
     assert by_rates == pytest.approx(seconds[0], rel=1e-6)
     longer = replace(plan, estimate="none")
-    one = forecast.expected_duration(longer, every, len(every), rates).seconds
-    twice = forecast.expected_duration(longer, every, 2 * len(every), rates).seconds
-    assert twice - forecast.TIME_BESIDE_SCENES == pytest.approx(2 * (one - forecast.TIME_BESIDE_SCENES))
+    one = forecast.estimate_duration(longer, every, len(every), rates).seconds
+    twice = forecast.estimate_duration(longer, every, 2 * len(every), rates).seconds
+    assert twice - forecast.RUN_OVERHEAD == pytest.approx(2 * (one - forecast.RUN_OVERHEAD))
 
 
 INCHES = """\
@@ -315,6 +315,6 @@ def test_only_effects_that_a_scene_has_or_a_reader_may_expect_have_a_line(folder
     names = [re.split(r"  +", line)[0] for line in lines[:-1]]
     assert {"yielding storeys", "foundation motions", "P-Delta", "pounding links"} <= set(names)
     assert not [name for name in names if name in ("collapse", "hertz links", "viscous links")]
-    assert re.match(r"all others +left out in \d+: nothing in the study calls for: collapse", lines[-1])
+    assert re.match(r"all others +left out in \d+: not used in this study: collapse", lines[-1])
     for law in ("infill", "connector", "hertz-damp", "bilinear"):
         assert law in lines[-1]

@@ -5,11 +5,17 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
+import pounding_cli
 from pounding_cli import open_results
+from pounding_cli.numbers import format_number
+from pounding_cli.questions.reports import build_report
+from pounding_cli.results.results import ResultTables
 from pounding_cli.study import load_study_file
+from pounding_cli.tables import Table
 
 STUDY = """\
 title: Two small buildings
@@ -40,18 +46,22 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     assert code == 0
     table = open_results(tmp_path / "results" / "two-optimise.h5").table("optimise")
     row = table.iloc[0]
-    assert f"Least of largest V_ratio: {row['optimum']:.5g} ± {row['error']:.1g}" in out
+    text = " ".join(out.split())
+    assert text.startswith("Two small buildings The best values are stiffness of joined ")
+    assert f": largest V/V₀ {format_number(row['optimum'], 5)} ± {row['error']:.1g} in place of " in text
+    assert "% lower (mean of 2 motions)." in text
     assert 0 < row["error"] < 1e-5
-    assert f"with the study as written: {row['as_written']:.5g}" in out  # though the file says no e
+    assert f" in place of {format_number(row['as_written'], 5)} as written" in text  # though the file says no e
     assert f"{row['value']:.4g}" in out
-    assert "cases.joined.links.1.stiffness [x mean storey of A]" in out
+    assert "\n cases.joined.links.1.stiffness " in out
+    assert "\n [x mean storey of A]" in out
     assert "The search ended before the points of a generation were nearly as good" in out
     assert re.search(r"Time histories: \d+ solved, 0 reused, 0 failed", out)
     code, out, _ = pound("report", "results/two-optimise.h5", "-q", "--format", "png")
     assert code == 0
     folder = tmp_path / "results" / "two-optimise"
     assert (folder / "optimise.png").stat().st_size > 10_000
-    assert "Least of largest V_ratio" in (folder / "report.html").read_text(encoding="utf-8")
+    assert "The best values are stiffness of joined" in (folder / "report.html").read_text(encoding="utf-8")
     assert sorted(path.name for path in (folder / "tables").iterdir()) == [
         "optimise.csv", "optimise_design.csv", "optimise_points.csv", "records.csv",
     ]  # fmt: skip
@@ -65,7 +75,7 @@ def test_the_study_as_written_stands_beside(pound, tmp_path):
     assert code == 0
     row = open_results(tmp_path / "results" / "two-optimise.h5").table("optimise").iloc[0]
     assert row["as_written"] >= row["optimum"]
-    assert f"with the study as written: {row['as_written']:.5g}" in out
+    assert f" in place of {format_number(row['as_written'], 5)} as written" in " ".join(out.split())
 
 
 def test_a_range_without_a_unit_is_refused_at_its_place(pound, tmp_path):
@@ -131,16 +141,16 @@ def test_the_best_study_runs_to_the_numbers_that_were_told(pound):
     code, out, err = pound("check", "best.yaml")
     assert (code, err) == (0, "")
     results = open_results("results/two-optimise.h5")
-    told = results.table("optimise").iloc[0]
+    optimum = results.table("optimise").iloc[0]
     design = results.table("optimise_design").set_index("quantity")
-    assert design.loc["largest V_ratio", "optimum"] == told["optimum"]
-    assert design.loc["largest V_ratio", "as_written"] == told["as_written"]
+    assert design.loc["largest V_ratio", "optimum"] == optimum["optimum"]
+    assert design.loc["largest V_ratio", "as_written"] == optimum["as_written"]
     for study, column in (("best", "optimum"), ("two", "as_written")):
         assert pound("run", f"{study}.yaml", "-q", "-o", f"{study}.h5")[0] == 0
         run = open_results(f"{study}.h5")
         storey, floor, link = run.storey(), run.floor(), run.link()
         shear = storey.groupby(["building", "storey"])["V_ratio"].mean()
-        assert told[column] == shear.max()
+        assert optimum[column] == shear.max()
         for name in "AB":
             here, moved = storey[storey["building"] == name], floor[floor["building"] == name]
             assert design.loc[f"largest V_ratio in {name}", column] == here["V_ratio"].max()
@@ -150,11 +160,11 @@ def test_the_best_study_runs_to_the_numbers_that_were_told(pound):
             assert design.loc[f"largest {name}", column] == link[name].max()
         assert design.loc["contacts, all motions", column] == link["impacts"].sum()
         contact = link.groupby("record")["impacts"].sum() > 0
-        assert design.loc["scenes with contact", column] == contact.sum()
-        assert design.loc["scenes with contact", "of"] == len(contact) == 2
+        assert design.loc["time histories with contact", column] == contact.sum()
+        assert design.loc["time histories with contact", "of"] == len(contact) == 2
         flagged = run.flagged()
         for flag, rows in flagged.groupby("flag"):
-            assert design.loc[f"scenes flagged: {flag}", column] == len(rows)
+            assert design.loc[f"time histories flagged: {flag}", column] == len(rows)
         assert (design.loc[[name for name in design.index if "flagged" in name], column] > 0).sum() == flagged[
             "flag"
         ].nunique()
@@ -168,9 +178,9 @@ def test_only_a_variable_itself_is_told_in_its_unit(pound, sought, unit):
     text = few("impact.restitution", "0.4", "0.65").replace("least: largest drift", f"least: {sought}")
     Path("few.yaml").write_text(text)
     out = pound("optimise", "few.yaml")[1]
-    told = re.search(r"^Least of .*: ([\d.]+)(?: ± [-\d.e]+)?(?: (\w+))?;", out, re.MULTILINE)
+    number = re.search(r": [^:]*?([\d.]+)(?: ± [-\d.e]+)?(?: (\w+))? in place of ", " ".join(out.split()))
     value = open_results("results/few-optimise.h5").table("optimise")["optimum"].iloc[0]
-    assert (float(told[1]), told[2] or "") == (pytest.approx(1e3 * value if unit else value, rel=1e-4), unit)
+    assert (float(number[1]), number[2] or "") == (pytest.approx(1e3 * value if unit else value, rel=1e-4), unit)
 
 
 STRUCK = """\
@@ -193,6 +203,12 @@ optimise:
 """
 
 
+def in_words(name: str) -> str:
+    """Return a quantity of the design as people read it."""
+    words = {"V_ratio": "V/V₀", "mu": "μ", "peak_force": "peak force", "shear_demand": "column shear over strength"}
+    return " ".join(words.get(word, word) for word in name.split(" "))
+
+
 def test_the_largest_is_the_largest_and_what_is_worse_is_said(pound):
     """Fails if a mean over the motions stands under "largest", if struck columns are left out, if a wall has rows, or
     if a demand that the optimum raises is passed over."""
@@ -202,7 +218,11 @@ def test_the_largest_is_the_largest_and_what_is_worse_is_said(pound):
     design = open_results("results/struck-optimise.h5").table("optimise_design").set_index("quantity")
     assert not [name for name in design.index if "moat" in name]
     assert design["over_motions"].tolist() == ["mean"] + [""] * (len(design) - 1)
-    assert "largest peak_force, mean of 3 motions " in out
+    table = out[out.index("What the buildings do (largest of 3 motions, unless said otherwise)") :]
+    assert re.search(
+        r"\n largest peak force .*\n mean of 3 motions\n depends on the contact stiffness\n contacts, all motions ",
+        table,
+    )
     for study, column in (("best", "optimum"), ("struck", "as_written")):
         assert pound("run", f"{study}.yaml", "-q", "-o", f"{study}.h5")[0] == 0
         run = open_results(f"{study}.h5")
@@ -211,13 +231,11 @@ def test_the_largest_is_the_largest_and_what_is_worse_is_said(pound):
         assert design.loc["largest shear_demand in high", column] == demand > 1
         assert design.loc["largest max_closing", column] == link["max_closing"].max()
         assert design.loc["largest max_closing", column] > link["gap"].min()  # there are contacts
-    told = re.search(
-        r"The optimum makes worse: (.*?)\. At|The optimum makes worse: (.*?)\. The ", " ".join(out.split())
-    )
-    said = {each.partition(",")[0] for each in (told[1] or told[2]).split("; ")}
+    sentence = re.search(r"The optimum makes worse: (.*?)\. The optimum ", " ".join(out.split()))[1]
+    losses = {re.split(r",| \(", each)[0] for each in sentence.split("; ")}
     others = design.iloc[1:].drop(index=["contacts, all motions", "largest max_closing"])
     grown = others[others["optimum"] > 1.01 * others["as_written"]]
-    assert said == set(grown.index) != set()
+    assert losses == {in_words(name) for name in grown.index} != set()
 
 
 def test_the_page_says_what_is_left(pound, tmp_path):
@@ -225,10 +243,10 @@ def test_the_page_says_what_is_left(pound, tmp_path):
     code, out, _ = pound("optimise", "few.yaml")
     assert code == 0
     design = open_results("results/few-optimise.h5").table("optimise_design").set_index("quantity")
-    left = int(design.loc["scenes with contact", "optimum"])
-    said = f"contact is left in {left} of 2 scenes" if left else "no contact is left"
+    left = int(design.loc["time histories with contact", "optimum"])
+    said = f"contact is left in {left} of 2 time histories" if left else "no contact is left"
     assert f"At the optimum {said}; nothing is flagged." in out
-    assert re.search(r"^ scenes with contact +\d of 2 +\d of 2 *$", out, re.MULTILINE)
+    assert re.search(r"^ time histories with contact +\d of 2 +\d of 2 *$", out, re.MULTILINE)
     pound("report", "results/few-optimise.h5", "-q", "--format", "png")
     page = Path("results/few-optimise/report.html").read_text(encoding="utf-8")
     assert f"At the optimum {said}" in page
@@ -306,7 +324,7 @@ def test_over_a_sweep(pound, over):
         assert design.loc["largest drift in B", column] == largest
         link = run.link().query("case == 'joined' and analysis == 'inelastic'")
         contact = link.groupby([*keys, "record"])["impacts"].sum() > 0
-        assert design.loc["scenes with contact", [column, "of"]].tolist() == [contact.sum(), 8]
+        assert design.loc["time histories with contact", [column, "of"]].tolist() == [contact.sum(), 8]
 
 
 def test_many_buildings_and_no_links(pound):
@@ -343,8 +361,8 @@ def test_flags_are_counted_on_both_sides(pound):
     flagged = open_results("few.h5").flagged().query("case == 'joined' and analysis == 'inelastic'")
     assert len(flagged) >= 1
     for flag, rows in flagged.groupby("flag"):
-        assert design.loc[f"scenes flagged: {flag}", ["optimum", "as_written"]].tolist() == [0, len(rows)]
-        assert re.search(rf"scenes flagged: {flag} +0 of 2 +{len(rows)} of 2", out)
+        assert design.loc[f"time histories flagged: {flag}", ["optimum", "as_written"]].tolist() == [0, len(rows)]
+        assert re.search(rf"time histories flagged +0 of 2 +{len(rows)} of 2\n {flag}\n", out)
     assert "nothing is flagged" in out
     assert "gap: 9 m   # narrow" in Path("best.yaml").read_text()
 
@@ -411,7 +429,9 @@ def test_a_study_with_an_anchor_at_a_value_is_written_anew(pound):
 def test_a_study_whose_best_is_written_is_read_once(pound, monkeypatch):
     """So that what is written is what was solved, whatever has become of the file meanwhile."""
     read = []
-    monkeypatch.setattr("pounding_cli.study.load_study_file", lambda path: read.append(path) or load_study_file(path))
+    monkeypatch.setattr(
+        "pounding_cli.study.load_study_file", lambda path, *model: read.append(path) or load_study_file(path, *model)
+    )
     Path("few.yaml").write_text(few("impact.restitution", "0.4", "0.65"))
     assert pound("optimise", "few.yaml", "-q", "--write", "best.yaml")[0] == 0
     assert read == [Path("few.yaml")]
@@ -424,3 +444,246 @@ def test_no_optimum_writes_no_study(pound):
     assert code == 1
     assert "best.yaml is not written: there is no optimum" in err
     assert not Path("best.yaml").exists()
+
+
+# Sentences, figures and notes, from tables with chosen numbers
+
+
+def build_study(**changes) -> dict:
+    """Return a study; keys of `optimise` among the changes are added to its section."""
+    section = {
+        "least": "largest drift in B",
+        "over": {
+            "cases.near.gap": {"from": "1 mm", "to": "9 mm"},
+            "impact.restitution": {"choice": [0.4, 0.65]},
+        },
+        "population": 5, "generations": 1, "slice_points": 5,
+    }  # fmt: skip
+    study = {
+        "title": "Two small buildings",
+        "records": {"use": ["elcentro", "taft"], "duration": "3 s"},
+        "buildings": {"A": {"storeys": 2, "period": "0.3 s"}, "B": {"like": "A", "storeys": 1, "period": "0.5 s"}},
+        "group": ["A", "B"],
+        "cases": {"near": {"link": "pounding", "gap": "3 mm"}},
+        "impact": {"restitution": 0.65},
+        "analyses": ["inelastic"],
+        "estimate": "none",
+    }
+    study |= {key: value for key, value in changes.items() if key in study or key == "sweep"}
+    further = {key: value for key, value in changes.items() if key not in study}
+    return study | {"optimise": section | further}
+
+
+@pytest.fixture(scope="module")
+def shared_folder(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("optimise")
+
+
+def ask(folder: Path, **changes) -> ResultTables:
+    """Return the results of a study; time histories of those before are reused."""
+    return pounding_cli.run(build_study(**changes), folder / "r.h5", workflow="optimise", engine="serial")
+
+
+@pytest.fixture(scope="module")
+def results(shared_folder) -> ResultTables:
+    return ask(shared_folder)
+
+
+def change(results: ResultTables, **edits) -> ResultTables:
+    """Return results with other tables: name -> edit(frame) -> frame."""
+    tables = []
+    for name in results.answers:
+        table = results.answer(name)
+        frame = edits[name](table.frame.copy()) if name in edits else table.frame
+        tables.append(Table(name, frame, table.columns, table.caption))
+    return ResultTables(results.path, results.arrays, tables)
+
+
+def set_optimum(results: ResultTables, direction: str, optimum: float, written: float) -> ResultTables:
+    numbers = {"sought": f"{direction} largest drift in B", "optimum": optimum, "as_written": written, "error": np.nan}
+    return change(results, optimise=lambda frame: frame.assign(**numbers, value=[0.004, np.nan], option=["", "0.4"]))
+
+
+def first_sentence(results: ResultTables) -> str:
+    return build_report(results).answer.sentences[0]
+
+
+BETTER = "the study as written, outside what was searched, is better"
+
+
+@pytest.mark.parametrize(
+    ("direction", "optimum", "written", "words"),
+    [
+        ("least", 0.01, 0.02, "10.000 mm in place of 20.000 mm as written, 50 % lower"),
+        ("most", 0.02, 0.01, "20.000 mm in place of 10.000 mm as written, 100 % higher"),
+        ("least", 0.02, 0.01, f"20.000 mm in place of 10.000 mm as written, 100 % higher: {BETTER}"),
+        ("most", 0.01, 0.02, f"10.000 mm in place of 20.000 mm as written, 50 % lower: {BETTER}"),
+        ("least", 0.01, 0.01, "10.000 mm, as good as the study as written"),
+        ("least", 0.01, np.nan, "10.000 mm; the study as written has no value"),
+    ],
+)  # fmt: skip
+def test_the_first_sentence_compares_the_optimum_with_the_study_as_written(results, direction, optimum, written, words):
+    """Fails if lower is said for higher, if the two numbers are swapped, or if a better study as written is hidden."""
+    said = first_sentence(set_optimum(results, direction, optimum, written))
+    best = "The best values are gap of near 4 mm, restitution 0.4"
+    assert said == f"{best}: largest drift in B {words} (mean of 2 motions)."
+
+
+def test_the_best_value_of_one_key_is_told_by_its_name(shared_folder):
+    single = ask(shared_folder, over={"cases.near.gap": {"from": "1 mm", "to": "9 mm"}})
+    edit = {"value": 0.0042, "optimum": 0.0105, "as_written": 0.0138, "error": 2e-6}
+    said = first_sentence(change(single, optimise=lambda frame: frame.assign(**edit)))
+    assert said == (
+        "The best gap of near is 4.2 mm: largest drift in B 10.500 ± 0.002 mm in place of 13.800 mm as written, "
+        "24 % lower (mean of 2 motions)."
+    )
+
+
+def set_design(results: ResultTables, **rows: tuple[float, float]) -> ResultTables:
+    """Return results in which quantities have these values at the optimum and as written, all others 1 and 1."""
+
+    def edit(frame):
+        frame[["optimum", "as_written"]] = 1.0
+        for name, values in rows.items():
+            frame.loc[frame["quantity"] == name.replace("__", " "), ["optimum", "as_written"]] = values
+        return frame
+
+    return change(results, optimise_design=edit)
+
+
+def test_what_the_optimum_makes_worse_is_larger_than_as_written(results):
+    """Fails if what falls is called worse, or if the numbers are swapped."""
+    rows = {
+        "largest__drift__in__A": (0.02, 0.01),
+        "largest__mu__in__B": (2.0, 5.0),
+        "largest__V_ratio__in__B": (2.0, 2.01),
+    }
+    said = build_report(set_design(results, **rows)).answer.sentences[-1]
+    assert said == "The optimum makes worse: largest drift in A, 20 mm in place of 10 mm."
+    mirrored = {name: values[::-1] for name, values in rows.items()}
+    said = build_report(set_design(results, **mirrored)).answer.sentences[-1]
+    assert said == "The optimum makes worse: largest μ in B, 5 in place of 2."
+    said = build_report(set_design(results)).answer.sentences[-1]
+    assert "makes worse" not in said
+
+
+@pytest.mark.parametrize(
+    ("optimum", "written", "words"),
+    [
+        (0.0, 2.0, "no contact is left"), (2.0, 0.0, "contact is left in 2 of 2 time histories"),
+        (1.0, 2.0, "contact is left in 1 of 2 time histories"),
+        (np.nan, 2.0, "contacts are not known, since a run failed"),
+    ],
+)  # fmt: skip
+def test_contacts_left_are_those_of_the_optimum(results, optimum, written, words):
+    said = build_report(set_design(results, time__histories__with__contact=(optimum, written))).answer.sentences[1]
+    assert said == f"At the optimum {words}; nothing is flagged."
+
+
+def test_flags_are_those_of_the_optimum(results):
+    def edit(frame, values):
+        row = frame.iloc[0].to_dict() | {"quantity": "time histories flagged: slipped", "of": 2}
+        frame.loc[len(frame)] = row | dict(zip(("optimum", "as_written"), values, strict=True))
+        return frame
+
+    for values, words in (((1, 0), "flagged: slipped."), ((0, 1), "nothing is flagged.")):
+        flagged = change(results, optimise_design=lambda frame, values=values: edit(frame, values))
+        assert build_report(flagged).answer.sentences[1].endswith(f"; {words}")
+
+
+def test_the_figure_shows_optimum_points_and_line_in_their_units(results):
+    """Fails if optimum and study as written are swapped, or if numbers in m stand on an axis in mm."""
+
+    def edit_keys(frame):
+        return frame.assign(
+            value=[0.004, np.nan], option=["", "0.4"], written=[0.003, np.nan], written_option=["", "0.65"],
+            good_from=[0.0035, np.nan], good_to=[0.005, np.nan], optimum=0.01, as_written=0.02,
+        )  # fmt: skip
+
+    def edit_points(frame):
+        frame = frame.head(4)
+        keys = {"cases.near.gap": [0.003, 0.004, 0.002, 0.004], "impact.restitution": ["0.65", "0.4", "0.4", "0.65"]}
+        return frame.assign(**keys, value=[0.02, 0.01, 0.015, 0.012])
+
+    drawn = change(results, optimise=edit_keys, optimise_points=edit_points)
+    gap, restitution = build_report(drawn).figures()[0].draw().axes
+    assert gap.get_ylabel().replace("\n", " ") == "largest drift in B [mm]"
+    assert gap.get_xlabel().startswith("gap of near [mm]")
+
+    def line(ax, label):
+        (one,) = [each for each in ax.lines if each.get_label() == label]
+        return [pytest.approx(np.asarray(each, float)) for each in (one.get_xdata(), one.get_ydata())]
+
+    assert line(gap, "optimum") == [[4], [10]]
+    assert line(gap, "as written") == [[3], [20]]
+    assert line(gap, "through the optimum") == [[2, 4], [15, 10]]
+    assert line(gap, "point tried") == [[3, 4, 2, 4], [20, 10, 15, 12]]
+    (span,) = [patch for patch in gap.patches if patch.get_label() == "as good"]
+    assert [span.get_x(), span.get_x() + span.get_width()] == pytest.approx([3.5, 5])
+    options = [label.get_text() for label in restitution.get_xticklabels()]
+    assert options == ["0.65", "0.4"]
+    assert line(restitution, "optimum") == [[1], [10]]
+    assert line(restitution, "as written") == [[0], [20]]
+    assert sorted(zip(*(each.expected for each in line(restitution, "through the optimum")), strict=True)) == [
+        (0, pytest.approx(12)), (1, pytest.approx(10))
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [80, 120, 200])
+def test_tables_and_sentences_fit_the_terminal(results, width):
+    text = "\n".join(build_report(results).summary.iter_lines(width))
+    assert max(map(len, text.splitlines())) <= width
+    assert "…" not in text
+    assert re.search(r"^ quantity +at the optimum +as written$", text, re.MULTILINE)
+    assert re.search(r"^ key +best +as written", text, re.MULTILINE)
+
+
+CONTACT = "depend on the contact stiffness, which is unknown"
+FAR = {"near": {"link": "pounding", "gap": "5 m"}}
+ONE = {"records": {"use": ["taft"], "duration": "3 s"}}
+GAP = {"cases.near.gap": {"from": "1 mm", "to": "9 mm"}}
+JOINED = {"near": {"link": "connector", "gap": "3 mm", "stiffness": "1/5 mean storey of A"}}
+
+NOTES = [
+    ("The number sought is the mean of 2 motions, storey by storey", {}, ONE),
+    ("The number sought is the largest of 2 motions", {"over_motions": "largest"}, {}),
+    ("The numerical error is not known: no run near the optimum was assessed", {}, {"estimate": "all"}),
+    (CONTACT, {}, {"cases": FAR, "over": {"buildings.B.mass": {"choice": ["100 t", "101 t"]}}}),
+    (CONTACT, {}, {"over": {"impact.stiffness": {"choice": ["10 x stiffest storey", "20 x stiffest storey"]}}}),
+    ("cases.near.gap is best at the end of its range", {"over": GAP, "least": "impacts - 1000 * max_closing"},
+     {"over": {"impact.restitution": {"choice": [0.4, 0.65]}}}),
+    ("write more `generations:`", {"over": GAP}, {"over": {"impact.restitution": {"choice": [0.4, 0.65]}}}),
+    ("2 of 2 points have no value: a run failed or the quantity is undefined",
+     {"least": "sqrt(0 - mu)", "over": {"impact.restitution": {"choice": [0.4, 0.65]}}}, {}),
+    ("1 of 2 points was excluded: a link left the range in which its law has a meaning",
+     {"cases": JOINED, "over": {"cases.near.gap": {"choice": ["3 mm", "9 m"]}}},
+     {"cases": JOINED, "over": {"cases.near.gap": {"choice": ["8 m", "9 m"]}}}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("words", "raising", "other"), NOTES, ids=[f"{number}" for number in range(len(NOTES))])
+def test_notes_stand_where_they_belong(shared_folder, words, raising, other):
+    notes = [build_report(ask(shared_folder, **each)).answer.notes for each in (raising, other)]
+    assert [any(words in note for note in each) for each in notes] == [True, False]
+
+
+def test_more_keys_than_are_drawn_are_counted(results):
+    import pandas as pd
+
+    for count, is_said in ((8, False), (9, True)):
+        many = change(
+            results, optimise=lambda frame, count=count: pd.concat([frame.head(1)] * count, ignore_index=True)
+        )
+        assert any(f"Figures show 8 of {count} keys" in note for note in build_report(many).answer.notes) == is_said
+
+
+def test_only_contacts_make_numbers_depend_on_the_contact_stiffness(shared_folder):
+    """Fails if a building whose floors do not strike carries the words, or an acceleration beside a blow lacks them."""
+    words = "depends on the contact stiffness"
+    three = {"buildings": build_study()["buildings"] | {"C": {"like": "A"}}, "group": ["A", "B", "C"]}
+    links = [{"link": "pounding", "pair": 1}, {"link": "pounding", "pair": 2, "gap": "5 m"}]
+    report = build_report(ask(shared_folder, **three, cases={"near": {"gap": "3 mm", "links": links}}, over=GAP))
+    cells = {row[0].split("\n")[0]: words in row[0] for row in report.answer.tables[1].cells()}
+    marked = {name for name, is_marked in cells.items() if is_marked}
+    assert marked == {"largest acceleration in A", "largest acceleration in B", "largest peak force"}
+    assert "largest acceleration in C" in cells

@@ -14,7 +14,7 @@ SOLVED = "from tests.warm import compiled; print(compiled('taylor'))"
 
 @pytest.mark.parametrize("suffix", [".nbc", ".nbi"])
 def test_damaged_kernels_are_compiled_anew(suffix, tmp_path):
-    """Cut short, or other bytes. Fails if a run ends with an error of pickle."""
+    """Cut short, or other bytes. Fails if a run ends with an error of pickle, or takes its time without a word."""
     if "POUND_NIGHTLY" not in os.environ:
         pytest.skip("the solver is compiled twice for it: make reference runs it every night")
     words = [sys.executable, "-c", SOLVED]
@@ -27,3 +27,4 @@ def test_damaged_kernels_are_compiled_anew(suffix, tmp_path):
         file.write_bytes(file.read_bytes()[:2000] if suffix == ".nbc" else b"damaged")
     again = subprocess.run(words, env=environment, cwd=root, capture_output=True, text=True)
     assert again.stdout == "done\n", again.stderr
+    assert "are damaged: compiling the solver again" in again.stderr

@@ -23,10 +23,10 @@ PAIR = ({"storeys": 2, "period": "0.3 s"}, {"storeys": 2, "period": "0.5 s"})
 )
 def test_a_kernel_holds_no_array_of_a_run_that_ended(link, settings):
     """numba holds an array by a reference of Python; one that it forgets to give back would keep the array for ever."""
-    prepared = solver.prepare([Scene(PAIR, shake(1.0), 0.02, {**link, "gap": 0.0}).built], **settings)
+    prepared = solver.prepare_run([Scene(PAIR, shake(1.0), 0.02, {**link, "gap": 0.0}).built], **settings)
     arrays = [each for each in prepared.data if hasattr(each, "dtype")]
     assert len(arrays) >= 6
     before = [sys.getrefcount(each) for each in arrays]
     prepared.integrate()
-    assert prepared.responses()[0].status == "done"
+    assert prepared.build_responses()[0].status == "done"
     assert [sys.getrefcount(each) for each in arrays] == before

@@ -16,7 +16,7 @@ def refused(tmp_path, monkeypatch):
     """Gives the one problem of a run on a scheduler."""
 
     def of(address: str, patience: float = 2.0, progress=None):
-        monkeypatch.setitem(work.THRESHOLDS, "pounding_cli.batch.pool.PATIENCE", patience)
+        monkeypatch.setitem(work.THRESHOLDS, "pounding_cli.batch.pool.DASK_TIMEOUT", patience)
         study = work.written("run", tmp_path)
         with pytest.raises(pound.InputError) as caught:
             work.answered("run", "dask", study, tmp_path / "r.h5", address, progress)

@@ -36,9 +36,9 @@ STUDIES = {
 }
 
 THRESHOLDS = {
-    "pounding_cli.batch.solve.WORTH_WORKERS": 1e-9,
+    "pounding_cli.batch.solve.MIN_PARALLEL_SECONDS": 1e-9,
     "pounding_cli.batch.solve.GROUP_SECONDS": 0.005,
-    "pounding_cli.batch.pool.PATIENCE": 180.0,
+    "pounding_cli.batch.pool.DASK_TIMEOUT": 180.0,
 }
 """What the program keeps to one process and off the disk unless it takes long: here nothing, for these studies take no
 time; and how long a busy machine may take to answer [s]. Nothing else of the inside is named in these tests."""
@@ -50,7 +50,7 @@ class Interrupting:
     def __init__(self, scenes: int, action: Callable[[], Any]) -> None:
         self.left, self.action = scenes, action
 
-    def step(self, done: int, failed: int) -> None:
+    def count_solved(self, done: int, failed: int) -> None:
         before, self.left = self.left, self.left - done - failed
         if before > 0 >= self.left:
             self.action()

@@ -104,7 +104,7 @@ def test_a_second_run_on_the_same_results_is_refused(tmp_path):
     output = tmp_path / "r.h5"
     other = sqlite3.connect(output.with_name("r.h5.cache"), isolation_level=None)
     other.execute("BEGIN EXCLUSIVE")
-    with pytest.raises(pound.InputError, match="another run is at work"):
+    with pytest.raises(pound.InputError, match="another run is using"):
         pound.run(STUDY, output)
     other.close()
     assert pound.run(STUDY, output).attrs["scenes"] == 6

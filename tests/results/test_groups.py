@@ -15,9 +15,10 @@ import pytest
 
 import pounding_cli as pound
 from pounding_cli.batch import solve as batch
-from pounding_cli.batch.attempt import Task
+from pounding_cli.batch.apart import ApartResponses
+from pounding_cli.batch.attempt import GroupSolver, Task
 from pounding_cli.batch.cache import Cache
-from pounding_cli.batch.pool import pool
+from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.model.effects import DroppedEffect, effects_of, summarize_effects
 from pounding_cli.model.links import Link, link_places
@@ -45,6 +46,22 @@ def scenes():
     ]
     row = made[0].buildings  # scenes of a study share them
     return [replace(scene, buildings=row) if len(scene.buildings) == 2 else scene for scene in made]
+
+
+def sweep_of_gaps(gaps):
+    """Return a study of two buildings on two motions."""
+    return {
+        "records": {"use": ["elcentro", "taft"], "duration": "10 s"},
+        "buildings": {"a": {"storeys": 5, "period": "0.36 s"}, "b": {"like": "a", "period": "0.6 s"}},
+        "group": ["a", "b"],
+        "cases": {"near": {"link": "pounding", "gap": "0 cm"}},
+        "sweep": {"cases.near.gap": gaps},
+    }
+
+
+def solve_group(task, scenes):
+    """Return the responses of scenes that are solved together."""
+    return GroupSolver(task, ApartResponses()).solve(task.list_attempts(scenes))
 
 
 def numbers(response):
@@ -78,7 +95,7 @@ def test_a_scene_that_fails_takes_no_other_of_its_group_with_it(monkeypatch):
         return usual(scenes, *of, **settings)
 
     monkeypatch.setattr(solver, "solve_all", solve_all)
-    found = Task(1e-6, "taylor")(some)
+    found = solve_group(Task(1e-6, "taylor"), some)
     assert [each.status for each in found] == ["done", "error: ZeroDivisionError: of a motion", "done"]
     assert np.isnan(found[1].buildings[0].shear).all()
     assert found[2].peaks.tobytes() == pound.solve(some[2]).peaks.tobytes()
@@ -87,8 +104,8 @@ def test_a_scene_that_fails_takes_no_other_of_its_group_with_it(monkeypatch):
 def test_neighbours_with_nothing_between_them_answer_whatever_group_a_scene_is_in():
     """A gap of 50 cm never closes; nor does one of 40 cm of the same scene otherwise, which is not run."""
     wide, other = (pound.scene([STIFF, SOFT], STRONG, gap=gap) for gap in (0.5, 0.4))
-    together = Task(1e-6, "taylor", "all")([*scenes(), wide, other])
-    alone = Task(1e-6, "taylor", "all", harder=True)([other])
+    together = solve_group(Task(1e-6, "taylor", "all"), [*scenes(), wide, other])
+    alone = solve_group(Task(1e-6, "taylor", "all", retry_failed_finer=True), [other])
     assert together[-1].peaks.tobytes() == alone[0].peaks.tobytes()
     assert together[-1].error_estimate == alone[0].error_estimate < 1e-6
     assert together[-1].seconds == 0.0
@@ -97,13 +114,107 @@ def test_neighbours_with_nothing_between_them_answer_whatever_group_a_scene_is_i
     assert last.reason.startswith("the gap never closes, ")
 
 
+def test_neighbours_solved_for_one_group_answer_those_after_it_in_any_process():
+    """Fails if a worker does not get what others found, or does not give back what it found; and if scenes that answer
+    no scene of its group are sent to it."""
+    task = Task(1e-6, "taylor")
+    wide = pound.scene([STIFF, SOFT], STRONG, gap=0.5)
+    on_weak_motion = pound.scene([STIFF, SOFT], WEAK, gap=0.5)
+    known = ApartResponses()
+    digests = []
+    for scene in (wide, on_weak_motion):
+        found = task.run(task.list_attempts([scene]), ApartResponses()).apart_responses
+        digests += found
+        known.add(found)
+    (attempt,) = task.list_attempts([pound.scene([STIFF, SOFT], STRONG, gap=0.6)])
+    sent = pickle.loads(pickle.dumps(known.select([attempt.apart.scene])))
+    assert [known.find(digest) is None for digest in digests] == [False, False]
+    assert [sent.find(digest) is None for digest in digests] == [False, True]
+    second = task.run([attempt], sent)
+    assert second.apart_responses == {}
+    assert second.rows[0][1] == task.run([attempt], known).rows[0][1]
+    assert GroupSolver(task, sent).solve([attempt])[0].seconds == 0.0
+
+
+def test_links_between_the_same_floors_have_the_closing_of_these():
+    """Fails if a link gets the closing of another, where two of three have the same ends."""
+    ends = ((1, 0.5), (2, 0.5), (2, 0.7))
+    links = [Link(0, floor, floor, pound.Pounding(gap, 1e9, 0.0)) for floor, gap in ends]
+    scene = pound.scene([STIFF, SOFT], STRONG, links=links)
+    (response,) = solve_group(Task(1e-6, "taylor"), [scene])
+    closings = response.links.max_closing
+    assert closings == pytest.approx(pound.solve(scene).links.max_closing, rel=1e-5)
+    assert closings[0] < 0.9 * closings[1] == 0.9 * closings[2]
+
+
+def test_the_oldest_responses_of_neighbours_are_forgotten_before_they_become_too_many(monkeypatch):
+    monkeypatch.setattr("pounding_cli.batch.apart.MAX_REMEMBERED", 2)
+    known = ApartResponses()
+    for digest in "abc":
+        known.add({digest: digest})
+    assert [known.find(digest) for digest in "abc"] == [None, None, "c"]
+
+
+@pytest.mark.parametrize("engine", ["serial", "threads", "processes"])
+def test_neighbours_with_nothing_between_them_are_solved_once_in_a_run(engine, tmp_path, monkeypatch):
+    """Of a sweep of gaps that stay open, one scene an analysis takes time. Fails if a group forgets what one before
+    found."""
+    monkeypatch.setattr(batch, "MIN_PARALLEL_SECONDS", 0.0)
+    monkeypatch.setattr(batch, "GROUP_SECONDS", 0.0)
+    monkeypatch.setattr(batch, "TIMED_SCENES", 1)
+    plan = make_plan(study_of(sweep_of_gaps([f"{gap} cm" for gap in range(50, 70)])))
+    with contextlib.closing(Cache(tmp_path / "cache")) as cache:
+        solver_of_run = batch.Solver(cache, open_pool(engine, 1), Progress())
+        with contextlib.closing(solver_of_run):
+            solved = solver_of_run.solve_plan(plan)
+        assert solver_of_run.engine == ("processes" if engine == "processes" else "serial")
+    seconds = solved.values["seconds"][:-1][plan.first[1] == 0]
+    assert np.count_nonzero(seconds) == 4 < len(seconds)  # two motions, two analyses
+
+
+class Notes(Progress):
+    """Progress that keeps its notes."""
+
+    def __init__(self):
+        super().__init__()
+        self.notes = []
+
+    def write_note(self, sentence):
+        self.notes.append(sentence)
+
+
+@pytest.mark.parametrize(
+    ("keys", "compiled", "kernels"),
+    [
+        ({}, (), ["the solver"]),
+        (
+            {"impact": {"law": "hertz", "hertz_stiffness": "1 GN/m^1.5"}},
+            (),
+            ["the solver for smooth laws", "the solver"],
+        ),
+        ({}, ("the solver",), []),
+        ({"method": "newmark", "time_step": "1 ms"}, (), ["the methods of fixed time steps", "the solver"]),
+        ({"method": "newmark", "time_step": "1 ms", "estimate": "none"}, (), ["the methods of fixed time steps"]),
+        ({"method": "dop853"}, (), ["the solver for smooth laws"]),
+    ],
+)
+def test_kernels_that_a_run_compiles_are_told_once(keys, compiled, kernels, tmp_path, monkeypatch):
+    """Fails if a kernel is left out that solves or assesses a scene, or one is told that none needs."""
+    monkeypatch.setattr(batch, "is_compiled", lambda kernel: kernel in compiled)
+    plan = make_plan(study_of(sweep_of_gaps(["0 mm", "5 mm"]) | keys))
+    progress = Notes()
+    with contextlib.closing(Cache(tmp_path / "cache")) as cache:
+        batch.Solver(cache, open_pool("serial"), progress).solve_plan(plan)
+    assert [note.split(", ")[0] for note in progress.notes] == [f"compiling {kernel}" for kernel in kernels]
+
+
 def test_links_that_never_act_are_named_by_their_neighbours_and_are_no_effect():
     """In a row of three one pair strikes, whose gap is closed; the other, whose names look like sentences, does not.
     Fails if a name is taken for an effect, or a pair that strikes hides one that does not."""
     names = "P-Delta: the gap never closes", "links: b"
     row = [STIFF, *(replace(SOFT, name=name) for name in names)]
     links = [Link(left, 2, 2, pound.Pounding(gap, 1e9, 0.0)) for left, gap in ((0, 0.0), (1, 0.5))]
-    (response,) = Task(1e-6, "taylor")([pound.scene(row, STRONG, links=links)])
+    (response,) = solve_group(Task(1e-6, "taylor"), [pound.scene(row, STRONG, links=links)])
     assert [each.links for each in response.dropped if each.links] == [" | ".join(names)]
     assert [DroppedEffect.parse(str(each)) for each in response.dropped] == list(response.dropped)
     rows = summarize_effects(Counter(response.effects), Counter(response.dropped))
@@ -121,7 +232,7 @@ def test_links_that_never_act_are_named_by_their_neighbours_and_are_no_effect():
     ],
 )
 def test_an_effect_that_is_asked_for_is_not_said_to_be_uncalled_for(keys, analysis, effect, is_called_for):
-    """Fails if "nothing in the study calls for" an effect that only the analysis leaves out."""
+    """Fails if an effect is "not used in this study" that only the analysis leaves out."""
     frames = [pound.building(name, storeys=2, period=t, **keys) for name, t in (("a", 0.2), ("b", 0.5))]
     effects = effects_of(pound.scene(frames, WEAK, gap=0.01, analysis=analysis))
     rows = {name: reason for name, *_, reason in summarize_effects(Counter(effects.kept), Counter(effects.dropped))}
@@ -135,30 +246,23 @@ def test_a_scene_takes_as_much_room_in_a_group_as_alone():
         pound.building(name, storeys=3, period=t, storey_law="bouc-wen") for name, t in (("a", 0.2), ("b", 0.5))
     ]
     scene = pound.scene(yielding, WEAK, gap=0.001)
-    alone, among_six = (solver.prepare([scene] * count).data.room.states for count in (1, 6))
+    alone, among_six = (solver.prepare_run([scene] * count).data.room.states for count in (1, 6))
     assert among_six[0].nbytes == alone[0].nbytes
 
 
 def test_workers_are_taken_after_a_round_of_few_scenes(tmp_path, monkeypatch):
     """Of a question whose first round is one scene. Fails if the time that a scene takes is not learned from it; or if
     the next round opens other workers."""
-    study = {
-        "records": {"use": ["elcentro", "taft"], "duration": "10 s"},
-        "buildings": {"a": {"storeys": 5, "period": "0.36 s"}, "b": {"like": "a", "period": "0.6 s"}},
-        "group": ["a", "b"],
-        "cases": {"near": {"link": "pounding", "gap": "0 cm"}},
-        "sweep": {"cases.near.gap": [f"{gap} mm" for gap in range(8)]},
-    }
-    monkeypatch.setattr(batch, "WORTH_WORKERS", 10 * batch.BESIDE)
-    plan = make_plan(study_of(study))
+    monkeypatch.setattr(batch, "MIN_PARALLEL_SECONDS", 10 * batch.HISTORY_OVERHEAD)
+    plan = make_plan(study_of(sweep_of_gaps([f"{gap} mm" for gap in range(8)])))
     with contextlib.closing(Cache(tmp_path / "cache")) as cache:
-        asked = batch.Solver(cache, pool("threads", 2), Progress())
+        asked = batch.Solver(cache, open_pool("threads", 2), Progress())
         with contextlib.closing(asked):
-            asked.responses(plan, np.arange(1))
+            asked.solve_plan(plan, np.arange(1))
             assert asked.engine == "serial"
-            asked.responses(plan, np.arange(9))
+            asked.solve_plan(plan, np.arange(9))
             first = asked._executor
-            asked.responses(plan)
+            asked.solve_plan(plan)
             assert (asked.engine, asked._executor) == ("threads", first)
         assert asked._executor is None
 

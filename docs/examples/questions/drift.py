@@ -49,7 +49,7 @@ class Drift(StudyQuestion):
 
     def answer(self, solver: Solver) -> Answer:
         """Return the largest drift of every building, and the storey in which it occurs."""
-        arrays = solver.contents(self.plan)
+        arrays = solver.solve_arrays(self.plan)
         storeys = ResultTables(Path(self.study.path), arrays).storey("drift_ratio")
         place = [*storeys.columns[: list(storeys.columns).index("record")], "building"]
         rows = storeys.loc[

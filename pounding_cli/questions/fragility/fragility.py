@@ -145,8 +145,8 @@ class Fragility(StudyQuestion):
         """Return the curves, the capacities or demands of all motions and, with a hazard curve, annual rates."""
         places = list(self._iter_places())
         asked = self._hunt(places, solver) if self.spec.method == "ida" else np.arange(len(self.plan))
-        solved = solver.responses(self.plan, asked)
-        return Answer(self.plan, solver.contents(self.plan, asked), build_tables(self, places, solved))
+        solved = solver.solve_plan(self.plan, asked)
+        return Answer(self.plan, solver.solve_arrays(self.plan, asked), build_tables(self, places, solved))
 
     def _iter_places(self) -> Iterator[CurvePlace]:
         """Yield the place of every curve with its time histories."""
@@ -172,7 +172,7 @@ class Fragility(StudyQuestion):
         new = np.unique([histories[:, 0] for place in places for histories in place.histories.values()])
         asked = new
         while new.size:
-            solved = solver.responses(self.plan, asked)
+            solved = solver.solve_plan(self.plan, asked)
             wanted: set[int] = set()
             for place in places:
                 for state, histories in place.histories.items():

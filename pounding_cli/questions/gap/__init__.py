@@ -1,4 +1,4 @@
-"""`pound gap`."""
+"""`pound gap`: how wide must a gap be, and are the gaps of the cases enough?"""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.questions.gap.spec import GapSpec
+from pounding_cli.questions.gap.tables import COLUMNS_BY_TABLE
 from pounding_cli.questions.question import Question, StudyQuestion
 from pounding_cli.study.schema import Section
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _ask(study: Study) -> StudyQuestion:
-    from pounding_cli.questions.gap.separations import Gap
+    from pounding_cli.questions.gap.question import Gap
 
     return Gap(study)
 
@@ -61,9 +62,11 @@ QUESTION = Question(
         "settings of `pound gap`; gaps stand in cases, `cases: {near: {link: pounding, gap: 5 cm}}`",
         {"percentiles": "84 %"},
     ),
+    tables=COLUMNS_BY_TABLE,
     sentences=_sentences,
     shown_tables=_shown_tables,
     notes=_notes,
     figures=_figures,
     cite=_cite,
 )
+"""`pound gap`."""

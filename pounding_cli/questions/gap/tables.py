@@ -1,59 +1,173 @@
-"""The columns of the tables of `pound gap`."""
+"""The tables of `pound gap` and their columns."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from pounding_cli.numbers import Unit
+from pounding_cli.questions.bootstrap import MIN_MOTIONS
+from pounding_cli.questions.frames import NUMBER, list_estimate_columns
 from pounding_cli.tables import Column
+from pounding_cli.variables import COORDINATE_VARIABLES
 
-NUMBER = Unit("", 1.0, "1")
+GAP_TABLE = "gap"
+"""What two floors that face each other require, over the motions."""
 
-GAP_COLUMNS = (
-    Column("left", "building left of the gap"),
-    Column("right", "building right of the gap"),
-    Column("floor", "floor, of the left building where two face each other", unit=NUMBER),
-    Column("right_floor", "floor of the right building", unit=NUMBER),
+CASES_TABLE = "gap_cases"
+"""Whether the gaps of the cases are enough."""
+
+LINE_TABLE = "property_line"
+"""How far every floor moves towards a property line, over the motions."""
+
+RATE_TABLE = "gap_rate"
+"""The gap for an annual rate of contact."""
+
+EXACT = "exact"
+"""Rule of what the motions require: the largest closing over time, located within the step that it lies in."""
+
+MOTION_RULES = (EXACT, "ABS", "SRSS", "DDC")
+"""Rules that depend on the motions."""
+
+FACING_KEYS = ("left", "right", "floor", "right_floor", "columns")
+"""Columns that say which floors face each other."""
+
+YES = "yes"
+NO = "no"
+UNKNOWN = "unknown"
+"""Values of the column `enough`."""
+
+CONFIDENCE = 0.90
+"""Confidence of the intervals [-]."""
+
+LENGTH = Unit("m", 1.0, "m")
+
+_ANALYSIS = Column("analysis", COORDINATE_VARIABLES["analysis"][1])
+_RULE = Column("rule", "exact, or the name of the rule")
+_LEFT = Column("left", "building left of the gap")
+_RIGHT = Column("right", "building right of the gap")
+
+FACING_COLUMNS = (
+    _LEFT,
+    _RIGHT,
+    Column("floor", "floor of the left building", NUMBER, digits=0),
+    Column("right_floor", "floor of the right building", NUMBER, "floor right", digits=0),
     Column(
         "columns",
-        "building whose columns, in the storey below its floor, a slab of the other faces: left or right; empty where two slabs face each other",
+        "building whose columns, in the storey below its floor, a slab of the other faces: left or right; empty where "
+        "two slabs face each other",
     ),
-    Column("side", "of the building that faces the line"),
-    Column("height", "of the slabs, or the floor, above the ground", unit=Unit("m", 1.0, "m")),
-    Column("rule", "exact, or the rule"),
-    Column("motions", "number of motions behind the row; 0 where the rule depends on none", unit=NUMBER),
-    Column("mean", "mean over the motions", unit=Unit("m", 1.0, "m")),
-    Column("std", "standard deviation over the motions (n - 1)", unit=Unit("m", 1.0, "m")),
-    Column("mean_plus_std", "mean plus one standard deviation", unit=Unit("m", 1.0, "m")),
-    Column("largest", "largest of the motions", unit=Unit("m", 1.0, "m")),
-    Column("median", "median of the lognormal fit", unit=Unit("m", 1.0, "m")),
-    Column("dispersion", "standard deviation of the logarithm (n - 1)", unit=NUMBER),
+)
+
+STATISTIC_COLUMNS = (
+    Column("motions", "number of motions behind the row; 0 where the rule depends on none", NUMBER, digits=0),
+    Column("mean", "mean over the motions", LENGTH),
+    Column("std", "standard deviation over the motions (n - 1)", LENGTH, "σ"),
+    Column("mean_plus_std", "mean plus one standard deviation", LENGTH, "mean + σ"),
+    Column("largest", "largest of the motions", LENGTH),
+    Column("median", "median of the lognormal fit", LENGTH),
+    Column("dispersion", "standard deviation of the logarithm (n - 1)", NUMBER),
     Column(
         "error",
         "largest numerical error of a motion's separation; no statistic but those of the fit exceeds it",
-        unit=Unit("m", 1.0, "m"),
+        LENGTH,
+        digits=2,
     ),
-    Column("over_exact", "mean over the mean of the exact separations", unit=NUMBER),
-    Column("gap", "of the case at these floors", unit=Unit("m", 1.0, "m")),
-    Column(
-        "required",
-        "by the rule at these floors, which lack most or have least to spare; largest of the motions",
-        unit=Unit("m", 1.0, "m"),
-    ),
-    Column(
-        "enough",
-        "whether the gap is wide enough at all floors of the pair, under all motions; unknown where scenes failed",
-    ),
-    Column("enough_for", "motions for which it is", unit=NUMBER),
+    Column("over_exact", "mean over the mean of the exact separations", NUMBER, "mean over exact"),
 )
 
-GAP_RATE_COLUMNS = (
-    Column("analysis", "elastic or inelastic storeys"),
-    Column("left", "building left of the gap"),
-    Column("right", "building right of the gap"),
-    Column("motions", "motions at every intensity", unit=NUMBER),
-    Column("intensities", "intensities", unit=NUMBER),
-    Column("rate", "annual rate of contact that is allowed", unit=Unit("1/year", 1.0, "1/year")),
-    Column("probability", "probability of contact within 50 years at this rate", unit=NUMBER),
-    Column("gap", "gap with this rate of contact at any floor of the pair", unit=Unit("m", 1.0, "m")),
-    Column("gap_low", "lower end of its bootstrap interval", unit=Unit("m", 1.0, "m")),
-    Column("gap_high", "upper end of its bootstrap interval", unit=Unit("m", 1.0, "m")),
+GAP_COLUMNS = (
+    _ANALYSIS,
+    *FACING_COLUMNS,
+    Column("height", "height of the slab above the ground", LENGTH),
+    _RULE,
+    *STATISTIC_COLUMNS,
 )
+"""Columns of GAP_TABLE, besides those of `list_share_columns`."""
+
+LINE_COLUMNS = (
+    _ANALYSIS,
+    Column("building", COORDINATE_VARIABLES["building"][1]),
+    Column("side", "side of the building that faces the line: left or right"),
+    Column("floor", COORDINATE_VARIABLES["floor"][1], NUMBER, digits=0),
+    Column("height", "height of the floor above the ground", LENGTH),
+    _RULE,
+    *STATISTIC_COLUMNS,
+)
+"""Columns of LINE_TABLE, besides those of `list_share_columns`."""
+
+CASES_COLUMNS = (
+    Column("case", COORDINATE_VARIABLES["case"][1]),
+    _ANALYSIS,
+    *FACING_COLUMNS,
+    Column("gap", "gap of the case at the governing floors", LENGTH),
+    _RULE,
+    Column("required", "gap required by the rule at the governing floors, the largest of the motions", LENGTH),
+    Column(
+        "enough",
+        "whether the gap is wide enough at all floors of the pair, under all motions; unknown where runs failed",
+    ),
+    Column("enough_for", "motions for which it is; 0 of a rule that depends on none", NUMBER, digits=0),
+    Column("motions", "motions whose runs did not fail; 0 of a rule that depends on none", NUMBER, digits=0),
+)
+"""Columns of CASES_TABLE. The governing floors lack most, or have least to spare."""
+
+GAP_RATE_COLUMNS = (
+    _ANALYSIS,
+    _LEFT,
+    _RIGHT,
+    Column("motions", "motions at every intensity", NUMBER, digits=0),
+    Column("intensities", "number of intensities", NUMBER, digits=0),
+    Column("rate", "annual rate of contact that is allowed", Unit("1/year", 1.0, "1/year")),
+    Column("probability", "probability of contact within 50 years at this rate", NUMBER),
+    *list_estimate_columns(
+        Column("gap", "gap with this rate of contact at any floor of the pair", LENGTH, digits=3), "bootstrap interval"
+    ),
+)
+"""Columns of RATE_TABLE."""
+
+COLUMNS_BY_TABLE = {
+    GAP_TABLE: GAP_COLUMNS,
+    CASES_TABLE: CASES_COLUMNS,
+    LINE_TABLE: LINE_COLUMNS,
+    RATE_TABLE: GAP_RATE_COLUMNS,
+}
+"""Columns of every table; those of `list_share_columns` and of swept keys depend on the study."""
+
+
+def name_percentile(share: float) -> str:
+    """Return the column of a percentile over the motions: "percentile_84"."""
+    return f"percentile_{100 * share:g}"
+
+
+def name_contact(probability: float) -> str:
+    """Return the column of the gap for a probability of contact: "contact_10"."""
+    return f"contact_{100 * probability:g}"
+
+
+def list_share_columns(table: str, percentiles: Sequence[float], contact: Sequence[float]) -> list[Column]:
+    """Return the columns of GAP_TABLE or LINE_TABLE that a study decides.
+
+    percentiles : shares of the motions [-]
+    contact : probabilities that floors touch, or that a floor reaches the line [-]
+    """
+    event = "reached" if table == LINE_TABLE else "contact"
+    meaning = "distance that the floor reaches" if table == LINE_TABLE else "gap"
+    of_contact = "" if table == LINE_TABLE else " of contact"
+    columns = [
+        Column(
+            name_percentile(share), f"{100 * share:g} % of the motions need no more, interpolated", LENGTH,
+            f"{100 * share:g} %",
+        )
+        for share in percentiles
+    ]  # fmt: skip
+    interval = f"{CONFIDENCE:.0%} confidence interval, from {MIN_MOTIONS} motions on"
+    for share in contact:
+        text = f"{meaning} with a probability{of_contact} of {100 * share:g} % by the lognormal fit"
+        column = Column(name_contact(share), text, LENGTH, f"{event} {100 * share:g} %", digits=3)
+        columns += list_estimate_columns(column, interval)
+    return columns
+
+
+def is_length(column: Column) -> bool:
+    """Return whether people read a column in the unit that the study writes gaps in."""
+    return column.unit.si == LENGTH.si and column.name != "height"

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.questions.optimise.spec import OptimiseSpec
+from pounding_cli.questions.optimise.tables import TABLES
 from pounding_cli.questions.question import Question, StudyQuestion
 from pounding_cli.study.schema import Section
 
@@ -56,6 +57,7 @@ QUESTION = Question(
     name="optimise",
     ask=_ask,
     section=Section("optimise", OptimiseSpec, "settings of `pound optimise`"),
+    tables=TABLES,
     sentences=_sentences,
     shown_tables=_shown_tables,
     notes=_notes,

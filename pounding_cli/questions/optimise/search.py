@@ -1,4 +1,4 @@
-"""The least of a function over the unit cube.
+"""Search for the least value of a function over the unit cube.
 
 Differential evolution (Storn, R. and Price, K. (1997). Differential evolution. Journal of Global Optimization 11,
 341-359) finds the valley, the simplex method (Nelder, J. A. and Mead, R. (1965). A simplex method for function
@@ -35,7 +35,7 @@ _DIGITS = 9
 """Of a coordinate: points closer than that are one."""
 
 _MAX_COMBINATIONS = 200
-"""So many combinations of choices are all looked at."""
+"""Combinations of choices that are all evaluated."""
 
 _SPREAD = 1e-3
 """Standard deviation of the values of a population over their mean [-]: below, it has found its valley."""
@@ -62,90 +62,101 @@ def evaluate_kink(points: list[Point], rough: bool) -> np.ndarray:
 
 
 class Search:
-    """A search, and what it found.
+    """A search for the point of the least value.
 
     Parameters
     ----------
-    function : what is minimised
+    function : the function that is minimised
     options : of every coordinate how many values it chooses from; 0 where it is continuous
-    spec : how the search goes
-    written : the point from which the user comes; None for none
+    spec : settings of the search
+    written_point : the point that the study stands for as written; None for none
 
     Attributes
     ----------
-    tried : the value of every point that was looked at, in that order; infinite where it has none
-    stages : for which stage each was looked at
-    best : the point of the least value, the first of several; None where no point has a value
+    values : the value of every point that was evaluated, in that order; infinite where it has none
+    stages : the stage for which each was evaluated
+    best_point : the point of the least value, the first of several; None where no point has a value
     is_converged : whether the population came together before its generations were spent
     """
 
     def __init__(
-        self, function: Function, options: Sequence[int], spec: OptimiseSpec | None = None, written: Point | None = None
+        self,
+        function: Function,
+        options: Sequence[int],
+        spec: OptimiseSpec | None = None,
+        written_point: Point | None = None,
     ) -> None:
-        self.function, self.options, self.spec = function, tuple(options), spec or OptimiseSpec()
-        self.written = None if written is None else self.snap(written)
-        self.continuous = [number for number, many in enumerate(options) if not many]
-        self.tried: dict[Point, float] = {}
+        self.function = function
+        self.options = tuple(options)
+        self.spec = spec or OptimiseSpec()
+        self.written_point = None if written_point is None else self.snap(written_point)
+        self.continuous = [place for place, count in enumerate(options) if not count]
+        self.values: dict[Point, float] = {}
         self.stages: list[str] = []
-        self.best: Point | None = None
+        self.best_point: Point | None = None
         self.is_converged = True
 
     def snap(self, point: Sequence[float]) -> Point:
-        """The point as it is known: choices in the middle of their share."""
+        """Return the point under which a point is known: rounded, choices in the middle of their share."""
         return tuple(
             (min(int(u * options), options - 1) + 0.5) / options if options else round(float(u), _DIGITS)
             for u, options in zip(np.clip(point, 0.0, 1.0).tolist(), self.options, strict=True)
         )
 
     def run(self) -> None:
-        """Search."""
-        if self.written is not None:
-            self._evaluate([self.written], WRITTEN)
-        every = [  # values of the coordinates: every choice, or points from end to end
+        """Search for the best point."""
+        if self.written_point is not None:
+            self._evaluate([self.written_point], WRITTEN)
+        slices = [  # values of the coordinates: every choice, or points from end to end
             [(each + 0.5) / options for each in range(options)] or np.linspace(0, 1, self.spec.slice_points).tolist()
             for options in self.options
         ]
         if not self.continuous and np.prod(self.options) <= _MAX_COMBINATIONS:
-            self._evaluate(list(product(*every)), SEARCH)
+            self._evaluate(list(product(*slices)), SEARCH)
             self._take_lowest()
             return
         self._evolve()
         self._take_lowest()
         for _ in range(_RETURNS):
-            if self.best is None:
+            if self.best_point is None:
                 return
             if self.continuous:
-                self._polish(self.best)
+                self._polish(self.best_point)
                 self._take_lowest()
-            self._evaluate(
-                [self._with_coordinates(self.best, {n: u}) for n, across in enumerate(every) for u in across], SLICES
-            )
+            best = self.best_point
+            along = [self._with_coordinates(best, {place: u}) for place, line in enumerate(slices) for u in line]
+            self._evaluate(along, SLICES)
             if not self._take_lowest(_SAME):
                 return
 
-    def _take_lowest(self, least: float = 0.0) -> bool:
-        """Make the lowest point the best one where it is lower by more than a share of its value; whether it is."""
-        lowest, best = min(self.tried, key=self.tried.__getitem__), self.best
-        is_lower = best is None or self.tried[best] - self.tried[lowest] > least * abs(self.tried[best])
-        if is_lower and np.isfinite(self.tried[lowest]):
-            self.best = lowest
+    def _take_lowest(self, min_gain: float = 0.0) -> bool:
+        """Make the lowest point the best one where it is lower than that; return whether it is.
+
+        min_gain : share of the value by which it must be lower [-]
+        """
+        lowest = min(self.values, key=self.values.__getitem__)
+        best = self.best_point
+        is_lower = best is None or self.values[best] - self.values[lowest] > min_gain * abs(self.values[best])
+        if is_lower and np.isfinite(self.values[lowest]):
+            self.best_point = lowest
         return is_lower
 
     def _evaluate(self, points: Sequence[Sequence[float]], stage: str) -> np.ndarray:
-        """The values at points, worked out where they are not known; infinite where there is none."""
+        """Return the values at points, computed where they are not known; infinite where there is none."""
         keys = [self.snap(point) for point in points]
-        if new := [key for key in dict.fromkeys(keys) if key not in self.tried]:
+        new = [key for key in dict.fromkeys(keys) if key not in self.values]
+        if new:
             values = self.function(new, stage == SEARCH and bool(self.continuous))
-            self.tried |= zip(new, np.where(np.isnan(values), np.inf, values).tolist(), strict=True)
+            self.values |= zip(new, np.where(np.isnan(values), np.inf, values).tolist(), strict=True)
             self.stages += [stage] * len(new)
-        return np.array([self.tried[key] for key in keys])
+        return np.array([self.values[key] for key in keys])
 
     def _with_coordinates(self, point: Point, moves: dict[int, float]) -> Point:
-        """A point with other values of some coordinates."""
-        return self.snap([moves.get(number, u) for number, u in enumerate(point)])
+        """Return a point with other values of some coordinates."""
+        return self.snap([moves.get(place, u) for place, u in enumerate(point)])
 
     def _evolve(self) -> None:
-        """Differential evolution until all points of a generation are nearly as good."""
+        """Run differential evolution until all points of a generation are nearly as good."""
         size = len(self.options)
         population = qmc.LatinHypercube(size, rng=self.spec.seed).random(self.spec.population or max(20, 12 * size))
 
@@ -154,19 +165,20 @@ class Search:
                 raise StopIteration  # no point has a value
 
         try:
-            found = differential_evolution(
+            evolution = differential_evolution(
                 lambda x: self._evaluate(x.T, SEARCH), [(0.0, 1.0)] * size, init=population,
                 maxiter=self.spec.generations, tol=_SPREAD, polish=False, updating="deferred", vectorized=True,
                 callback=callback, rng=self.spec.seed,
             )  # fmt: skip
         except RuntimeError as error:  # SciPy takes every ValueError for a fault of its own caller's
             raise error.__cause__ if isinstance(error.__cause__, InputError) else error from None
-        self.is_converged = bool(found.success)
+        self.is_converged = bool(evolution.success)
 
     def _polish(self, best: Point) -> None:
-        """The simplex method from the best point, choices kept."""
+        """Run the simplex method from the best point, choices kept."""
         for edge in _SIMPLEX:
-            before, begin = self.tried[best], np.array([best[place] for place in self.continuous])
+            before = self.values[best]
+            begin = np.array([best[place] for place in self.continuous])
             corners = begin + np.vstack([np.zeros(begin.size), edge * np.diag(np.where(begin + edge > 1, -1.0, 1.0))])
             options = {
                 "initial_simplex": corners, "xatol": 1e-4, "fatol": max(1e-7 * abs(before), 1e-300),
@@ -178,6 +190,6 @@ class Search:
                 return float(self._evaluate([self._with_coordinates(best, moves)], POLISH)[0])
 
             minimize(evaluate_corner, begin, method="Nelder-Mead", bounds=[(0.0, 1.0)] * begin.size, options=options)
-            best = min(self.tried, key=self.tried.__getitem__)
-            if before - self.tried[best] <= _GAIN * abs(before):
+            best = min(self.values, key=self.values.__getitem__)
+            if before - self.values[best] <= _GAIN * abs(before):
                 return

@@ -1,55 +1,73 @@
-"""The columns of the tables of `pound optimise`."""
+"""The tables of `pound optimise` and their columns."""
 
 from __future__ import annotations
 
-from pounding_cli.numbers import Unit
+from pounding_cli.questions.frames import NUMBER
 from pounding_cli.tables import Column
 
-NUMBER = Unit("", 1.0, "1")
+OPTIMUM = "optimise"
+DESIGN = "optimise_design"
+POINTS = "optimise_points"
+"""Names of the tables."""
 
-OPTIMISE_COLUMNS = (
-    Column("sought", "number that is optimised"),
-    Column("optimum", "its best value"),  # in the unit that the study decides
-    Column("error", "numerical error of the number sought, at most"),  # in the unit that the study decides
-    Column("tolerance", "its error, or 1 % of it"),  # in the unit that the study decides
-    Column("as_written", "value of the file as written"),  # in the unit that the study decides
+OPTIMUM_COLUMNS = (
+    Column("sought", "number that is optimised: `least` or `most`, and the expression"),
+    Column("optimum", "best value of this number", digits=5),
+    Column("error", "numerical error of this number, at most", digits=1),
+    Column("tolerance", "its error, or 1 % of it", digits=2),
+    Column("as_written", "value of this number with the study as written", digits=5),
     Column("outcome", "outcome, or why there is no answer"),
-    Column("points", "points that were tried", unit=NUMBER),
-    Column("failed", "points without a number", unit=NUMBER),
+    Column("points", "points that were tried", NUMBER, digits=0),
+    Column("failed", "points that have no value: a run failed or the quantity is undefined", NUMBER, digits=0),
     Column(
-        "meaningless", "points whose number has no meaning: a link left the range in which its law has one", unit=NUMBER
+        "meaningless",
+        "points whose number has no meaning: a link left the range in which its law has one",
+        NUMBER,
+        digits=0,
     ),
     Column("key", "key that varies"),
-    Column("unit", "its unit"),
-    Column("value", "of the key at the optimum; NaN of a choice"),
-    Column("place", "of the optimum in what was searched, 0 to 1", unit=NUMBER),
-    Column("option", "chosen at the optimum; empty of a number"),
-    Column("good_from", "lower end of what is as good: within the tolerance, among all points that were tried"),
-    Column("good_to", "upper end of what is as good"),
+    Column("unit", "SI unit of the key, or the storey's stiffness that it is a multiple of"),
+    Column("value", "value of the key at the optimum; NaN of a choice"),
+    Column("place", "place of the optimum in what was searched, 0 to 1", NUMBER),
+    Column("option", "option chosen at the optimum; empty of a number"),
+    Column("good_from", "lowest value among the points tried whose number is as good, within the tolerance"),
+    Column("good_to", "highest value among these points"),
     Column("range_from", "lower end of what was searched"),
     Column("range_to", "upper end of what was searched"),
     Column("spacing", "linear or log; empty of a choice"),
-    Column("written", "of the key as written"),
+    Column("written", "value of the key as written"),
     Column("written_option", "option as written"),
 )
+"""The number that is optimised and its columns are in the unit that the study decides, keys in SI."""
 
-OPTIMISE_DESIGN_COLUMNS = (
+DESIGN_COLUMNS = (
     Column(
         "quantity",
-        "what is compared: first the number sought, then the largest over all motions, points of a sweep, storeys, floors and links",
+        "what is compared: first the number sought, then the largest over all motions, points of a sweep, storeys, "
+        "floors and links",
     ),
-    Column("unit", "its unit"),
+    Column("unit", "SI unit; 1 of a pure number"),
     Column(
         "over_motions", "mean or largest, of the number sought over several motions, storey by storey; otherwise empty"
     ),
-    Column("optimum", "at the optimum"),
-    Column("as_written", "with the study as it is written"),
-    Column("of", "scenes, where scenes are counted; otherwise 0", unit=NUMBER),
+    Column("optimum", "at the optimum, in SI", digits=5),
+    Column("as_written", "with the study as written, in SI", digits=5),
+    Column("of", "time histories, where these are counted; otherwise 0", NUMBER, digits=0),
+    Column(
+        "on_contact",
+        "1 where floors strike on which the number rests, so that it depends on the contact stiffness",
+        NUMBER,
+        digits=0,
+    ),
 )
 
-OPTIMISE_POINTS_COLUMNS = (
-    Column("point", "number of the point", unit=NUMBER),
-    Column("stage", "what it was tried for"),
-    Column("value", "of the number sought; NaN where it has none or no meaning"),  # in the unit that the study decides
-    Column("meaningless", "1 where a link left the range in which its law has a meaning", unit=NUMBER),
+POINT_COLUMNS = (
+    Column("point", "number of the point", NUMBER, digits=0),
+    Column("stage", "what the point was tried for"),
+    Column("value", "value of the number sought; NaN where it has none or no meaning", digits=5),
+    Column("error", "numerical error of this number, at most", digits=1),
+    Column("meaningless", "1 where a link left the range in which its law has a meaning", NUMBER, digits=0),
 )
+"""Beside those of the keys, which the study decides; a swept key stands between stage and value."""
+
+TABLES = {OPTIMUM: OPTIMUM_COLUMNS, DESIGN: DESIGN_COLUMNS, POINTS: POINT_COLUMNS}

@@ -31,7 +31,7 @@ class Run(StudyQuestion):
 
     def answer(self, solver: Solver) -> Answer:
         """Return what all time histories did."""
-        return Answer(self.plan, solver.contents(self.plan), ())
+        return Answer(self.plan, solver.solve_arrays(self.plan), ())
 
 
 def _sentences(results: ResultTables) -> Sequence[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.questions.question import Question, StudyQuestion
 from pounding_cli.questions.sensitivity.spec import SensitivitySpec
+from pounding_cli.questions.sensitivity.tables import TABLES
 from pounding_cli.study.schema import Section
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ QUESTION = Question(
     name="sensitivity",
     ask=_ask,
     section=Section("sensitivity", SensitivitySpec, "settings of `pound sensitivity`"),
+    tables=TABLES,
     sentences=_sentences,
     shown_tables=_shown_tables,
     notes=_notes,

@@ -1,4 +1,7 @@
-"""`pound sensitivity`: what a study asks, checked; indices (SALib), distributions, probabilities, and the samples."""
+"""`pound sensitivity`: the question, its samples, and their statistics (SALib).
+
+Tables: indices of every key, distributions of the outputs, probabilities of statements, and the samples themselves.
+"""
 
 from __future__ import annotations
 
@@ -11,46 +14,56 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
+from pounding_cli.numbers import Unit
 from pounding_cli.questions.expressions import (
+    Values,
+    build_key_frame,
+    depends_on_contact,
     evaluate_expression,
     find_distinct_points,
-    key_columns,
+    find_struck_buildings,
     parse_all,
     study_at_points,
 )
-from pounding_cli.questions.frames import swept, tabled
+from pounding_cli.questions.frames import NUMBER, build_swept_frame, list_swept_columns
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.sensitivity.spec import SensitivitySpec
+from pounding_cli.questions.sensitivity.tables import (
+    INDEX_COLUMNS,
+    INDICES,
+    OUTPUT_COLUMNS,
+    OUTPUTS,
+    PERCENTILES,
+    PROBABILITIES,
+    PROBABILITY_COLUMNS,
+    SAMPLE_COLUMNS,
+    SAMPLES,
+)
+from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.expression import Expression, Statement, parse_expression, parse_statement
 from pounding_cli.study.vary import MOTION, MotionInput, choose_option, read_uncertain
-from pounding_cli.tables import Table
+from pounding_cli.tables import Column, Table, build_table
 
 if TYPE_CHECKING:
-    from pounding_cli.batch.solve import Solver
+    import xarray as xr
 
-INDICES, OUTPUTS, PROBABILITIES, SAMPLES = (
-    "sensitivity", "sensitivity_outputs", "sensitivity_probabilities", "sensitivity_samples",
-)  # fmt: skip
-"""Names of the tables."""
+    from pounding_cli.batch.solve import Solver
 
 FOUND = "found"
 CONSTANT = "the output does not change"
-"""Outcomes; another one says how many scenes failed."""
+"""Outcomes; another one says how many samples have no value."""
 
-PERCENTILES = (5, 50, 95)
-
-SHARE = 0.2
+END_SHARE = 0.2
 """Lowest and highest part of a key's distribution that a tornado compares [-]."""
 
 BASE_SAMPLES = {"sobol": 256, "morris": 32}
 """Base samples unless the study says how many."""
 
-MOST_POINTS = 200_000
+MAX_POINTS = 200_000
 
-_LEAST_LEVELS = 4
+_MIN_LEVELS = 4
 
 _OF_METHOD = {
     "sobol": ["first", "first_low", "first_high", "total", "total_low", "total_high", "mean", "at_low", "at_low_error",
@@ -61,13 +74,14 @@ _OF_METHOD = {
 
 
 class Series(NamedTuple):
-    """A number looked at, over all samples.
+    """An output, or whether a statement holds, over all samples.
 
-    point : number on every other swept axis, from 0
+    point : place on every other swept axis, from 0
     case, analysis : where it is; "" where it rests on all of them
     name : of the output
     unit : SI
-    values : NaN where a sample gave none, shape (samples,)
+    values : NaN where a sample has none, shape (samples,)
+    on_contact : whether they depend on the contact stiffness, since floors strike
     """
 
     point: tuple[int, ...]
@@ -76,6 +90,7 @@ class Series(NamedTuple):
     name: str
     unit: str
     values: np.ndarray
+    on_contact: bool = False
 
 
 Judge = Callable[["Plan", "xr.Dataset", "Sensitivity"], "Iterable[Series]"]
@@ -83,16 +98,16 @@ Judge = Callable[["Plan", "xr.Dataset", "Sensitivity"], "Iterable[Series]"]
 
 
 class Sensitivity(StudyQuestion):
-    """Which of the uncertain keys matter most, and how uncertain the outputs are.
+    """The question which uncertain keys are most influential, and how uncertain the outputs are.
 
     Raises InputError: no key that varies, no output, or one that is not understood.
 
-    judge : says whether the claims of the paper hold
-    inputs : what varies, the choice of motions among it
-    outputs : the numbers looked at
-    statements : what may hold of such numbers, and how likely
+    judge : decides whether the claims of a figure hold
+    inputs : keys that vary, and the choice of motions
+    outputs : expressions whose indices are computed
+    statements : comparisons whose probabilities are computed
     motions : names of the motions
-    sets : the motions that a sample may rest on, by number, shape (options, motions of a sample); None: all of them
+    motion_sets : motions that a sample may rest on, by number, shape (options, motions of a sample); None: all of them
     """
 
     name = "sensitivity"
@@ -100,12 +115,14 @@ class Sensitivity(StudyQuestion):
 
     def __init__(self, study: Study, judge: Judge | None = None) -> None:
         super().__init__(study)
-        spec, problems, root = self.spec, self.problems, study.tree
+        spec = self.spec
+        problems = self.problems
+        root = study.tree
         self.judge = judge
         self.motions = tuple(study.motion_uses(study.first_point))
         inputs = read_uncertain(root, problems, len(self.motions)) if root.get("uncertain") is not None else []
         self.inputs = tuple(inputs)
-        self.sets: np.ndarray | None = None
+        self.motion_sets: np.ndarray | None = None
         if len(inputs) < 2 and not problems.found:
             hint = "write two keys or more, e.g. `uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.65}}}`"
             problems.at(root, ("uncertain",), "fewer than two keys are uncertain", hint, key=True)
@@ -114,7 +131,7 @@ class Sensitivity(StudyQuestion):
                 if each.motion_count < 2:
                     hint = "name more under `records:`"
                     problems.add(each.mark, "the study has one motion: there is nothing to choose", hint)
-                self.sets = each.draw_sets(spec.seed)
+                self.motion_sets = each.draw_sets(spec.seed)
         self.refuse_histories("samples")
         if spec.claims and study.spec.claims is None:
             hint = "write `claims: fig6` or `claims: fig7` at the top of the study: the figure that it reproduces"
@@ -125,27 +142,27 @@ class Sensitivity(StudyQuestion):
         self.outputs = parse_all(parse_expression, self, "outputs", spec.outputs)
         self.statements = parse_all(parse_statement, self, "probabilities", spec.probabilities)
         points = self.samples * (len(inputs) + (2 if spec.method == "sobol" else 1))
-        if points > MOST_POINTS:
-            what = f"{self.samples} samples make {points} points"
-            self.add_problem(("samples",), what, f"keep it to {MOST_POINTS}: write fewer")
+        if points > MAX_POINTS:
+            message = f"{self.samples} samples make {points} points"
+            self.add_problem(("samples",), message, f"keep it to {MAX_POINTS}: write fewer")
         problems.check()
 
     # The samples
 
     @property
     def samples(self) -> int:
-        """Base samples."""
+        """Number of base samples."""
         return self.spec.samples or BASE_SAMPLES[self.spec.method]
 
     @property
     def levels(self) -> int:
-        """Levels of the method of Morris: even, and as many as the longest choice has options."""
-        most = max(_LEAST_LEVELS, *(each.option_count for each in self.inputs))
-        return most + most % 2
+        """Number of levels of the method of Morris: even, and at least the options of the longest choice."""
+        count = max(_MIN_LEVELS, *(each.option_count for each in self.inputs))
+        return count + count % 2
 
     @property
     def problem(self) -> dict[str, Any]:
-        """The unit cube, as SALib has it."""
+        """The unit cube as SALib describes it."""
         names = [each.key for each in self.inputs]
         return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
@@ -171,16 +188,19 @@ class Sensitivity(StudyQuestion):
         return (np.rint(self.grid * (self.levels - 1)) + 0.5) / self.levels
 
     @property
-    def independent(self) -> np.ndarray:
-        """Numbers of the samples of Sobol that are independent of each other, his matrices A and B, shape (2 x base
-        samples,); of Morris the first of every trajectory."""
+    def independent_samples(self) -> np.ndarray:
+        """The numbers of the samples that are independent of each other.
+
+        Of Sobol's method those of his matrices A and B, shape (2 x base samples,); of Morris's the first sample of
+        every trajectory, shape (base samples,).
+        """
         block = len(self.cube) // self.samples
         begins = np.arange(self.samples) * block
         return np.concatenate([begins, begins + block - 1]) if self.spec.method == "sobol" else begins
 
     @cached_property
     def _distinct_points(self) -> tuple[np.ndarray, np.ndarray]:
-        """The samples at which keys of the study differ, shape (points, inputs); of every sample its point."""
+        """The samples at which keys of the study differ, shape (points, inputs), and the point of every sample."""
         return find_distinct_points(self.inputs, self.cube)
 
     @property
@@ -189,133 +209,174 @@ class Sensitivity(StudyQuestion):
         return self._distinct_points[1]
 
     @cached_property
-    def drawn(self) -> np.ndarray | None:
+    def motions_of_samples(self) -> np.ndarray | None:
         """The motions that every sample rests on, by number, shape (samples, motions of a sample); None: all."""
-        if self.sets is None:
+        if self.motion_sets is None:
             return None
-        number = next(n for n, each in enumerate(self.inputs) if isinstance(each, MotionInput))
-        return self.sets[choose_option(self.cube[:, number], len(self.sets))]
+        place = next(place for place, each in enumerate(self.inputs) if isinstance(each, MotionInput))
+        return self.motion_sets[choose_option(self.cube[:, place], len(self.motion_sets))]
 
     @cached_property
     def plan(self) -> Plan:
-        """The scenes of all samples.  Raises InputError: a sample at which the study is not sound."""
+        """The time histories of all samples.  Raises InputError: the study is not sound at a sample."""
         points, point_of_sample = self._distinct_points
         sampled = study_at_points(self.study, self.inputs, points)
         row_filter = None
-        if self.drawn is not None:
-            pairs = np.broadcast(point_of_sample[:, None], self.drawn)
+        if self.motions_of_samples is not None:
+            pairs = np.broadcast(point_of_sample[:, None], self.motions_of_samples)
             needed = {(point, self.motions[number]) for point, number in pairs}
             row_filter = lambda point, _case, _analysis, name: (point[-1], name) in needed  # noqa: E731
         return dataclasses.replace(make_plan(sampled, row_filter=row_filter), workflow="sensitivity", harder=True)
 
     def answer(self, solver: Solver) -> Answer:
-        """Indices of every key, distributions of the outputs, probabilities of statements and of what `judge` says, the
-        samples."""
-        plan, method = self.plan, self.spec.method
-        contents = solver.contents(plan)
-        data = contents.dataset()
-        outputs = list(_series(plan, data, self, self.outputs))
-        holds = list(_series(plan, data, self, self.statements))
-        claims = list(self.judge(plan, data, self)) if self.judge and self.spec.claims else []
-        every = [*outputs, *holds, *claims]
-        each = [indices(self, one.values) for one in every]
-        where = _where(plan, every)
-        rows = where.loc[np.repeat(where.index, len(self.inputs))].reset_index(drop=True)
-        found = pd.concat(each, ignore_index=True)
-        columns = ["key", "outcome", "failed", "samples", *_OF_METHOD[method]]
-        tables = [tabled(INDICES, rows.join(found.reindex(columns=columns)), plan.axes)]
-        if outputs and method == "sobol":
-            numbers = pd.DataFrame([distribution(self, one.values) for one in outputs])
-            tables.append(tabled(OUTPUTS, _where(plan, outputs).join(numbers), plan.axes))
-        if said := [*holds, *claims]:
-            parts = zip(said, each[len(outputs) :], strict=True)
-            numbers = pd.DataFrame([probability(self, one.values) | _decided(method, part) for one, part in parts])
-            frame = _where(plan, said).drop(columns="unit").rename(columns={"output": "statement"})
-            tables.append(tabled(PROBABILITIES, frame.join(numbers), plan.axes))
-        if outputs or holds:
-            tables.append(_samples(plan, self, [*outputs, *holds]))
-        return Answer(plan, contents, tables)
+        """Return indices, distributions of outputs, probabilities of statements and claims, and the samples."""
+        plan = self.plan
+        arrays = solver.solve_arrays(plan)
+        outputs = list(_iter_series(plan, arrays, self, self.outputs))
+        statements = list(_iter_series(plan, arrays, self, self.statements))
+        claims: list[Series] = []
+        if self.judge is not None and self.spec.claims:
+            claims = list(self.judge(plan, arrays.to_dataset(), self))
+        every = [*outputs, *statements, *claims]
+        indices = [compute_indices(self, one.values) for one in every]
+        swept = list_swept_columns(plan.axes[:-1])
+        tables = [build_table(INDICES, _build_index_frame(plan, self, every, indices), [*swept, *INDEX_COLUMNS])]
+        if outputs and self.spec.method == "sobol":
+            distributions = pd.DataFrame([describe_distribution(self, one.values) for one in outputs])
+            frame = _build_places(plan, outputs).join(distributions)
+            tables.append(build_table(OUTPUTS, frame, [*swept, *OUTPUT_COLUMNS]))
+        if statements or claims:
+            frame = _build_probability_frame(plan, self, [*statements, *claims], indices[len(outputs) :])
+            tables.append(build_table(PROBABILITIES, frame, [*swept, *PROBABILITY_COLUMNS]))
+        if outputs or statements:
+            tables.append(_build_sample_table(plan, self, [*outputs, *statements]))
+        return Answer(plan, arrays, tables)
 
 
-def _series(
-    plan: Plan, data: xr.Dataset, question: Sensitivity, asked: Sequence[Expression | Statement]
+def _iter_series(
+    plan: Plan, arrays: ResultArrays, question: Sensitivity, asked: Sequence[Expression | Statement]
 ) -> Iterator[Series]:
-    """Expressions, or whether statements hold, at all samples: by point, case, analysis and what is asked."""
-    *others, samples = (axis.names[0] for axis in plan.axes)
-    wanted = {part.name for one in asked for part in one.quantities}
-    wanted |= {"status", "drift", "mu", "acceleration", "max_closing"}
-    data = data[[name for name in data if name in wanted]].drop_vars([samples, "record"])
-    data = data.isel({samples: xr.DataArray(question.point_of_sample, dims=samples)})
-    if question.drawn is not None:
-        data = data.isel(record=xr.DataArray(question.drawn, dims=(samples, "record")))
-    data = data.transpose(*others, samples, "case", "analysis", "record", ...)
-    found = []
+    """Yield expressions, or whether statements hold, at all samples: by point, case, analysis and expression."""
+    values = _values_of_samples(arrays, question, {part.name for one in asked for part in one.quantities})
+    samples_axis = len(plan.axes) - 1
+    series: list[tuple[Expression | Statement, Expression, np.ndarray, str]] = []
     for one in asked:
         expression = one.expression if isinstance(one, Statement) else one
-        values = np.moveaxis(evaluate_expression(expression, data, question.spec.over_motions), len(others), -1)
-        found.append((one.holds(values), "") if isinstance(one, Statement) else (values, one.unit))
-    for *point, case, analysis in np.ndindex(*plan.shape[: len(others)], len(plan.cases), len(plan.analyses)):
-        for one, (values, unit) in zip(asked, found, strict=True):
-            here = values[(*point, case, analysis)]
-            yield Series(tuple(point), plan.cases[case], plan.analyses[analysis], str(one), unit, here)
+        of_samples = evaluate_expression(expression, values, question.spec.over_motions)
+        of_samples = np.moveaxis(of_samples, samples_axis, -1)
+        if isinstance(one, Statement):
+            series.append((one, expression, one.holds(of_samples), ""))
+        else:
+            series.append((one, expression, of_samples, one.unit))
+    points = range(plan.shape[samples_axis])
+    struck = {
+        (case, analysis): find_struck_buildings(plan, arrays, case, analysis, points)
+        for case, analysis in np.ndindex(len(plan.cases), len(plan.analyses))
+    }
+    for *point, case, analysis in np.ndindex(*plan.shape[:samples_axis], len(plan.cases), len(plan.analyses)):
+        for one, expression, of_samples, unit in series:
+            yield Series(
+                tuple(point),
+                plan.cases[case],
+                plan.analyses[analysis],
+                str(one),
+                unit,
+                of_samples[(*point, case, analysis)],
+                depends_on_contact(expression, struck[case, analysis]),
+            )
 
 
-# Numbers of one output; y : of every sample, NaN where it gave none, shape (samples,)
+def _values_of_samples(arrays: ResultArrays, question: Sensitivity, names: set[str]) -> Values:
+    """Return variables at all samples, shape (other swept axes, samples, case, analysis, motions of a sample, ...)."""
+    samples_axis = len(question.plan.axes) - 1
+    motions_axis = samples_axis + 3  # behind case and analysis
+    values = {}
+    for name in names | {"status", "drift", "mu", "acceleration", "max_closing"}:
+        if name not in arrays:  # no case has a link
+            continue
+        of_points = arrays[name].values
+        of_samples = of_points.take(question.point_of_sample, axis=samples_axis)
+        if question.motions_of_samples is not None:
+            shape = [1] * of_samples.ndim
+            shape[samples_axis], shape[motions_axis] = question.motions_of_samples.shape
+            of_samples = np.take_along_axis(of_samples, question.motions_of_samples.reshape(shape), axis=motions_axis)
+        values[name] = of_samples
+    return values
 
 
-def indices(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
-    """Sensitivity indices of an output by every key, Sobol's or those of Morris, with their intervals; a row a key."""
-    failed, is_constant = int(np.isnan(y).sum()), np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0)
-    outcome = f"refused: {failed} of {y.size} samples gave no number" if failed else CONSTANT if is_constant else FOUND
+# Numbers of one output; y : of every sample, NaN where it has none, shape (samples,)
+
+
+def compute_indices(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
+    """Return the sensitivity indices of an output by the method of the study, with their intervals; a row a key."""
+    failed = int(np.isnan(y).sum())
+    is_constant = np.ptp(y) <= 1e-12 * np.abs(y).max(initial=0.0)
+    outcome = FOUND
+    if failed:
+        outcome = f"{failed} of {y.size} samples have no value"
+    elif is_constant:
+        outcome = CONSTANT
     keys = [each.key for each in question.inputs]
-    found = pd.DataFrame({"key": keys, "outcome": outcome, "failed": failed, "samples": y.size})
+    frame = pd.DataFrame({"key": keys, "outcome": outcome, "failed": failed, "samples": y.size})
     if outcome != FOUND:
-        return found
+        return frame
     if question.spec.method == "morris":
-        return found.join(_morris(question, y))
-    return found.join([_sobol(question, y), _ends(question, y)])
+        return frame.join(_compute_morris(question, y))
+    return frame.join([_compute_sobol(question, y), _compute_ends(question, y)])
 
 
-def _sobol(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
-    """First-order and total indices with their percentile intervals, drawn base sample by base sample."""
+def _compute_sobol(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
+    """Return first-order and total indices with their percentile intervals, drawn base sample by base sample."""
     from SALib.analyze import sobol
 
-    spec, tails = question.spec, 50 * (1 - question.spec.confidence)
+    spec = question.spec
+    tails = 50 * (1 - spec.confidence)
     with np.errstate(invalid="ignore", divide="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of a draw in which the output does not change
-        found = sobol.analyze(
+        indices = sobol.analyze(
             question.problem, y, calc_second_order=False, num_resamples=spec.draws, conf_level=spec.confidence,
             keep_resamples=True, seed=spec.seed,
         )  # fmt: skip
     columns: dict[str, np.ndarray] = {}
     for name, key in (("first", "S1"), ("total", "ST")):
-        low, high = np.nanpercentile(found[f"{key}_conf_all"], [tails, 100 - tails], axis=0)
-        columns |= {name: np.asarray(found[key]), f"{name}_low": low, f"{name}_high": high}
+        low, high = np.nanpercentile(indices[f"{key}_conf_all"], [tails, 100 - tails], axis=0)
+        columns |= {name: np.asarray(indices[key]), f"{name}_low": low, f"{name}_high": high}
     return pd.DataFrame(columns)
 
 
-def _morris(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
+def _compute_morris(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
+    """Return the elementary effects: their mean size with its interval, their mean, their standard deviation."""
     from SALib.analyze import morris
 
     spec = question.spec
-    found = morris.analyze(
+    effects = morris.analyze(
         question.problem, question.grid, y, num_resamples=spec.draws, conf_level=spec.confidence,
         num_levels=question.levels, seed=spec.seed,
     )  # fmt: skip
-    mean, width, mu, sigma = (np.asarray(found[name], float) for name in ("mu_star", "mu_star_conf", "mu", "sigma"))
-    ends = {"mu_star": mean, "mu_star_low": mean - width, "mu_star_high": mean + width}
-    return pd.DataFrame(ends | {"mu": mu, "sigma": sigma})
+    mean = np.asarray(effects["mu_star"], float)
+    width = np.asarray(effects["mu_star_conf"], float)
+    return pd.DataFrame(
+        {
+            "mu_star": mean,
+            "mu_star_low": mean - width,
+            "mu_star_high": mean + width,
+            "mu": np.asarray(effects["mu"], float),
+            "sigma": np.asarray(effects["sigma"], float),
+        }
+    )
 
 
-def _ends(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
-    """Means of the output at both ends of every key, of a choice at the options where it is least and most, each with
-    its standard error; none of sets of motions, which have no ends."""
-    y = y[question.independent]
-    cube = question.cube[question.independent]
+def _compute_ends(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
+    """Return the means of the output at both ends of every key, each with its standard error.
+
+    Of a choice they are those at the options where the output is least and most; sets of motions have no ends.
+    """
+    y = y[question.independent_samples]
+    cube = question.cube[question.independent_samples]
     rows = []
     for each, u in zip(question.inputs, cube.T, strict=True):
         row = {"mean": y.mean()}
-        ends = each.split_at_ends(u, y, SHARE)
+        ends = each.split_at_ends(u, y, END_SHARE)
         if ends is not None:
             for name, values in zip(("at_low", "at_high"), ends, strict=True):
                 row[name] = values.mean() if values.size else np.nan
@@ -324,77 +385,142 @@ def _ends(question: Sensitivity, y: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _decided(method: str, found: pd.DataFrame) -> dict[str, Any]:
-    """The key that decides most, and its total index or mean elementary effect with the interval.
+def _find_most_influential(method: str, indices: pd.DataFrame) -> dict[str, Any]:
+    """Return the most influential key, and its total index or mean elementary effect with the interval.
 
-    found : `indices`
+    indices : of `compute_indices`
     """
     name = "total" if method == "sobol" else "mu_star"
-    if name not in found or not (found[name] > 0).any():
-        return {"decided_by": "", "share": np.nan, "share_low": np.nan, "share_high": np.nan}
-    most = found.iloc[int(np.argmax(found[name]))]
-    return {"decided_by": most["key"], "share": most[name], "share_low": most[f"{name}_low"],
-            "share_high": most[f"{name}_high"]}  # fmt: skip
+    if name not in indices or not (indices[name] > 0).any():
+        return {"most_influential": "", "influence": np.nan, "influence_low": np.nan, "influence_high": np.nan}
+    row = indices.iloc[int(np.argmax(indices[name]))]
+    return {
+        "most_influential": row["key"],
+        "influence": row[name],
+        "influence_low": row[f"{name}_low"],
+        "influence_high": row[f"{name}_high"],
+    }
 
 
-def distribution(question: Sensitivity, y: np.ndarray) -> dict[str, float]:
-    """Mean, standard deviation and percentiles of an output, with bootstrap intervals, over the independent samples;
-    NaN where some sample gave no number."""
-    some, spec = y[question.independent], question.spec
+def describe_distribution(question: Sensitivity, y: np.ndarray) -> dict[str, float]:
+    """Return mean, standard deviation and percentiles of an output with bootstrap intervals, over independent samples.
+
+    They are NaN where some sample has no value.
+    """
+    spec = question.spec
+    independent = y[question.independent_samples]
     names = ("mean", "deviation", *(f"percentile_{share}" for share in PERCENTILES))
-    random, tails = np.random.default_rng(spec.seed), 50 * (1 - spec.confidence)
-    drawn = _statistics(some[random.integers(some.size, size=(some.size, spec.draws))])
-    numbers = np.array([_statistics(some), *np.percentile(drawn, [tails, 100 - tails], axis=1)])
+    random = np.random.default_rng(spec.seed)
+    tails = 50 * (1 - spec.confidence)
+    draws = _compute_statistics(independent[random.integers(independent.size, size=(independent.size, spec.draws))])
+    numbers = np.array([_compute_statistics(independent), *np.percentile(draws, [tails, 100 - tails], axis=1)])
     failed = int(np.isnan(y).sum())
     if failed:
         numbers[:] = np.nan
-    each = zip(names, numbers.T.tolist(), strict=True)
-    rows = {name + end: value for name, ends in each for end, value in zip(("", "_low", "_high"), ends, strict=True)}
-    return {"failed": failed, "samples": some.size, **rows}
+    row: dict[str, float] = {"failed": failed, "samples": independent.size}
+    for name, (value, low, high) in zip(names, numbers.T.tolist(), strict=True):
+        row |= {name: value, f"{name}_low": low, f"{name}_high": high}
+    return row
 
 
-def _statistics(y: np.ndarray) -> np.ndarray:
-    """Mean, standard deviation, percentiles; samples first."""
+def _compute_statistics(y: np.ndarray) -> np.ndarray:
+    """Return mean, standard deviation and percentiles; samples first."""
     return np.stack([y.mean(axis=0), y.std(axis=0, ddof=1), *np.percentile(y, PERCENTILES, axis=0)])
 
 
-def probability(question: Sensitivity, holds: np.ndarray) -> dict[str, Any]:
-    """How likely something holds (1, 0, NaN where it is not known) over the independent samples, with the exact
-    interval of Clopper and Pearson; NaN where it is known of none."""
+def compute_probability(question: Sensitivity, holds: np.ndarray) -> dict[str, Any]:
+    """Return the probability of a statement over the independent samples, with the interval of Clopper and Pearson.
+
+    It is NaN where of no sample it is known whether the statement holds.
+
+    holds : 1 or 0, NaN where it is not known, shape (samples,)
+    """
     from scipy.stats import binomtest
 
-    known = holds[question.independent]
+    known = holds[question.independent_samples]
     known = known[np.isfinite(known)]
-    low, high, share = np.nan, np.nan, np.nan
+    share = np.nan
+    low = np.nan
+    high = np.nan
     if known.size:
         share = float(known.mean())
         low, high = binomtest(int(known.sum()), known.size).proportion_ci(question.spec.confidence, method="exact")
-    return {"failed": int(np.isnan(holds).sum()), "samples": known.size,
-            "probability": share, "probability_low": low, "probability_high": high}  # fmt: skip
+    return {
+        "failed": int(np.isnan(holds).sum()),
+        "samples": known.size,
+        "probability": share,
+        "probability_low": low,
+        "probability_high": high,
+    }
 
 
 # The tables
 
 
-def _where(plan: Plan, series: Sequence[Series]) -> pd.DataFrame:
-    """Where numbers stand: the swept values, case, analysis, output and its unit."""
-    texts = pd.DataFrame([each[1:5] for each in series], columns=["case", "analysis", "output", "unit"])
-    return swept(plan.axes[:-1], [each.point for each in series]).join(texts)
+def _build_places(plan: Plan, series: Sequence[Series]) -> pd.DataFrame:
+    """Return where outputs stand: the swept values, case, analysis, output, its unit, whether it depends on contact."""
+    return build_swept_frame(
+        plan.axes[:-1],
+        [each.point for each in series],
+        case=[each.case for each in series],
+        analysis=[each.analysis for each in series],
+        output=[each.name for each in series],
+        unit=[each.unit for each in series],
+        on_contact=[int(each.on_contact) for each in series],
+    )
 
 
-def _samples(plan: Plan, question: Sensitivity, series: Sequence[Series]) -> Table:
-    """All samples in the order of the method with their outputs; a block for each point, case and analysis."""
+def _build_index_frame(
+    plan: Plan, question: Sensitivity, series: Sequence[Series], indices: Sequence[pd.DataFrame]
+) -> pd.DataFrame:
+    """Return a row for every output and key."""
+    places = _build_places(plan, series)
+    rows = places.loc[np.repeat(places.index, len(question.inputs))].reset_index(drop=True)
+    columns = ["key", "outcome", "failed", "samples", *_OF_METHOD[question.spec.method]]
+    return rows.join(pd.concat(indices, ignore_index=True).reindex(columns=columns))
+
+
+def _build_probability_frame(
+    plan: Plan, question: Sensitivity, statements: Sequence[Series], indices: Sequence[pd.DataFrame]
+) -> pd.DataFrame:
+    """Return a row for every statement.
+
+    indices : of each statement
+    """
+    numbers = pd.DataFrame(
+        [
+            compute_probability(question, one.values) | _find_most_influential(question.spec.method, of_one)
+            for one, of_one in zip(statements, indices, strict=True)
+        ]
+    )
+    places = _build_places(plan, statements).drop(columns="unit").rename(columns={"output": "statement"})
+    return places.join(numbers)
+
+
+def _build_sample_table(plan: Plan, question: Sensitivity, series: Sequence[Series]) -> Table:
+    """Return all samples in the order of the method with their outputs; a block for each point, case and analysis."""
     count = len(question.cube)
-    keys, meant, units = key_columns(question.inputs, question.cube)
+    keys, columns = build_key_frame(question.inputs, question.cube)
     keys.insert(0, "sample", range(1, count + 1))
-    keys.insert(1, "independent", np.isin(np.arange(count), question.independent).astype(int))
-    if question.drawn is not None:
-        counts = [Counter(question.motions[number] for number in numbers) for numbers in question.drawn]
-        said = [" + ".join(name if n == 1 else f"{n} {name}" for name, n in each.items()) for each in counts]
-        keys[MOTION], meant[MOTION] = said, ("", "ground motions")
-    blocks, where = dict[tuple, pd.DataFrame](), _where(plan, series).drop(columns=["output", "unit"])
+    keys.insert(1, "independent", np.isin(np.arange(count), question.independent_samples).astype(int))
+    if question.motions_of_samples is not None:
+        keys[MOTION] = [_name_motions(question.motions, numbers) for numbers in question.motions_of_samples]
+        columns.append(Column(MOTION, "ground motions"))
+    blocks: dict[tuple, pd.DataFrame] = {}
+    places = _build_places(plan, series).drop(columns=["output", "unit", "on_contact"])
     for number, each in enumerate(series):
-        block = blocks.setdefault(each[:3], where.loc[[number] * count].reset_index(drop=True).join(keys))
-        block[f"output {each.name}"] = each.values
-        meant[f"output {each.name}"] = each.unit or "1", "output"
-    return tabled(SAMPLES, pd.concat(blocks.values(), ignore_index=True), plan.axes[:-1], units, more=meant)
+        place = each[:3]
+        if place not in blocks:
+            blocks[place] = places.loc[[number] * count].reset_index(drop=True).join(keys)
+        name = f"output {each.name}"
+        blocks[place][name] = each.values
+        unit = Unit(each.unit, 1.0, each.unit) if each.unit else NUMBER
+        columns.append(Column(name, "output", unit))
+    frame = pd.concat(blocks.values(), ignore_index=True)
+    return build_table(SAMPLES, frame, [*list_swept_columns(plan.axes[:-1]), *SAMPLE_COLUMNS, *columns])
+
+
+def _name_motions(names: Sequence[str], numbers: np.ndarray) -> str:
+    """Return the motions of a sample in words: "elcentro + 2 taft"."""
+    counts = Counter(names[number] for number in numbers)
+    return " + ".join(name if count == 1 else f"{count} {name}" for name, count in counts.items())

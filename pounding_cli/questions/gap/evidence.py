@@ -1,0 +1,230 @@
+"""What the tables of `pound gap` say at one point of the sweep, for sentences, tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from pounding_cli.model.links import BASE
+from pounding_cli.numbers import Unit
+from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
+from pounding_cli.report.evidence import Evidence, nominal
+from pounding_cli.solver.response import DONE
+from pounding_cli.study.file import parse
+from pounding_cli.tables import Row
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import ResultTables
+
+PLACE_KEYS = ["floor", "right_floor", "columns"]
+"""Columns that say which floors of two neighbours face each other."""
+
+
+@dataclass(frozen=True)
+class Need:
+    """The gap that the motions require of two neighbours in one analysis.
+
+    required : largest over the motions, at the governing floors [m]
+    mean : over the motions, at the same floors [m]
+    floors : these floors, in words
+    is_widest : whether the mean is nowhere wider than at these floors
+    motions, failed : number of motions behind it, and of those whose run failed
+    gap : of the case at these floors [m]; NaN without a case
+    enough : verdict of CASES_TABLE; "" without a case
+    """
+
+    required: float
+    mean: float
+    floors: str
+    is_widest: bool
+    motions: int
+    failed: int
+    gap: float = float("nan")
+    enough: str = ""
+
+
+@dataclass(frozen=True)
+class CaseEntry:
+    """A case with one set of gaps between two neighbours.
+
+    case : its name
+    needs : by analysis; an analysis all of whose runs failed is not there
+    is_uniform : whether all floors of the pair have the same gap
+    """
+
+    case: str
+    needs: Mapping[str, Need]
+    is_uniform: bool
+
+
+class GapEvidence:
+    """What the tables of `pound gap` say at one point of the sweep.
+
+    results : of the whole file
+    shown : the results at this point
+    unit : that people read gaps in
+    gaps, cases : rows of GAP_TABLE and CASES_TABLE at this point
+    """
+
+    def __init__(self, results: ResultTables) -> None:
+        self.results = results
+        self.shown: Evidence = nominal(results)
+        self.unit: Unit = results.answer(GAP_TABLE).column("mean").unit
+        self.gaps = self.shown.here(results.answer(GAP_TABLE).frame)
+        self.cases = self.shown.here(results.answer(CASES_TABLE).frame)
+        self._scene = self.shown.here(results.scene())
+
+    @property
+    def analyses(self) -> list[str]:
+        """All analyses, elastic first."""
+        return self.shown.analyses
+
+    @property
+    def pairs(self) -> list[tuple[str, str]]:
+        """All neighbours some floors of which face each other, left to right."""
+        facing = set(zip(self.gaps["left"], self.gaps["right"], strict=True))
+        return [pair for pair in pairwise(self.results.names("building")) if pair in facing]
+
+    def has_wall(self, pair: tuple[str, str]) -> bool:
+        """Return whether one of two neighbours is a wall."""
+        return bool(set(pair) & set(self.results.walls))
+
+    def count_failed(self, analysis: str) -> int:
+        """Return how many motions have no closings in an analysis."""
+        rows = self._scene[self._scene["analysis"] == analysis]
+        return len(select_failed(rows))
+
+    def count_motions(self) -> int:
+        """Return the number of motions."""
+        return len(self.results.names("record"))
+
+    def select_pair(self, frame: pd.DataFrame, pair: tuple[str, str]) -> pd.DataFrame:
+        """Return the rows of two neighbours."""
+        return frame[(frame["left"] == pair[0]) & (frame["right"] == pair[1])]
+
+    def find_needs(self, pair: tuple[str, str]) -> dict[str, Need]:
+        """Return by analysis what two neighbours require at the floors where one motion requires most."""
+        exact = select_exact(self.select_pair(self.gaps, pair))
+        needs = {}
+        for analysis in self.analyses:
+            rows = exact[exact["analysis"] == analysis]
+            if len(rows):
+                row = rows.iloc[int(rows["largest"].argmax())].to_dict()
+                needs[analysis] = self._build_need(rows, row, row["largest"])
+        return needs
+
+    def _build_need(
+        self, rows: pd.DataFrame, row: Row, required: float, gap: float = float("nan"), enough: str = ""
+    ) -> Need:
+        """Return a need at the floors of a row.
+
+        rows : exact ones of the pair in this analysis
+        row : of these
+        """
+        return Need(
+            required, row["mean"], describe_floors(row), bool(row["mean"] >= rows["mean"].max()),
+            int(row["motions"]), self.count_failed(row["analysis"]), gap, enough,
+        )  # fmt: skip
+
+    def list_entries(self, pair: tuple[str, str]) -> list[CaseEntry]:
+        """Return the cases of the study with every set of gaps that they have between two neighbours."""
+        exact = select_exact(self.select_pair(self.gaps, pair))
+        cases = self.select_pair(self.cases, pair)
+        cases = cases[cases["rule"] == EXACT]
+        numbers = cases.groupby(["case", "analysis"], sort=False).cumcount()
+        entries = []
+        for (case, _), rows in cases.groupby([cases["case"], numbers], sort=False):
+            needs = {}
+            is_uniform = len(list_written_gaps(self.results, str(case), pair)) <= 1
+            for judged in rows.to_dict("records"):
+                of_analysis = exact[exact["analysis"] == judged["analysis"]]
+                is_here = (of_analysis[PLACE_KEYS] == [judged[key] for key in PLACE_KEYS]).all(axis=1)
+                row = of_analysis[is_here].iloc[0].to_dict()
+                needs[judged["analysis"]] = self._build_need(
+                    of_analysis, row, judged["required"], judged["gap"], judged["enough"]
+                )
+            entries.append(CaseEntry(str(case), needs, is_uniform))
+        return entries
+
+    def iter_code_gaps(self, pair: tuple[str, str]) -> Iterator[tuple[str, float]]:
+        """Yield the rules of codes with the gap that each requires of two neighbours, the largest of all floors [m]."""
+        rows = self.select_pair(self.gaps, pair)
+        codes = rows[~rows["rule"].isin(MOTION_RULES) & rows["mean"].notna()]
+        for rule, of_rule in codes.groupby("rule", sort=False):
+            yield str(rule), float(of_rule["mean"].max())
+
+
+def list_written_gaps(results: ResultTables, case: str, pair: tuple[str, str] | None = None) -> list[str]:
+    """Return the different gaps that the study writes for the links of a case, between two neighbours or all."""
+    written = parse(results.study_text, str(results.path)).get("cases", {}).get(case)
+    if not isinstance(written, Mapping):
+        return []
+    links = written.get("links")
+    if not isinstance(links, list):
+        links = [{}]
+    of_case = written.get("gap", "")
+    pairs = list(pairwise(results.names("building")))
+    number = None if pair is None else 1 + pairs.index(pair)
+    gaps = [
+        str(link.get("gap", of_case)) if isinstance(link, Mapping) else str(of_case)
+        for link in links
+        if _is_between(link, number)
+    ]
+    return [gap for gap in dict.fromkeys(gaps) if gap]
+
+
+def _is_between(link: Any, number: int | None) -> bool:
+    """Return whether a written link stands between the neighbours of a number from 1, or of any."""
+    if not isinstance(link, Mapping):
+        return bool(link != "none")
+    return link.get("link") != "none" and (number is None or str(link.get("pair", number)) == str(number))
+
+
+def select_failed(scene: pd.DataFrame) -> pd.DataFrame:
+    """Return the runs without closings: those that failed, and those that a collapse ended."""
+    return scene[scene["status"] != DONE]
+
+
+def select_exact(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows with what the motions require, where some motion has a value."""
+    return frame[(frame["rule"] == EXACT) & frame["mean"].notna()]
+
+
+def select_widest(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """Return, of every pair or side of a building, the rows of the floors whose mean over the motions is the widest.
+
+    These are the floors with the largest exact mean of an analysis, or the largest of a code where nothing exact is
+    known.
+
+    keys : columns that tell pairs, or sides of buildings, apart
+    """
+    known = select_exact(frame)
+    if known.empty:
+        known = frame[frame["mean"].notna()]
+    by_analysis = [*keys, "analysis"]
+    places = [*by_analysis, *(name for name in PLACE_KEYS if name in frame)]
+    widest = known.loc[known.groupby(by_analysis, sort=False)["mean"].idxmax(), places]
+    return widest[keys].drop_duplicates().merge(frame.merge(widest, on=places), on=keys)
+
+
+def describe_floors(row: Row) -> str:
+    """Return which floors of two neighbours face each other: "floor 5", "floor 4 beside columns of A in storey 6"."""
+    left_floor = row["floor"]
+    right_floor = row["right_floor"]
+    side = row["columns"]
+    if side == "left":
+        return f"floor {right_floor} beside columns of {row['left']} in storey {left_floor}"
+    if side:
+        return f"floor {left_floor} beside columns of {row['right']} in storey {right_floor}"
+    if left_floor != right_floor:
+        return f"floors {left_floor} and {right_floor}"
+    return f"floor {left_floor}" if left_floor > 0 else BASE
+
+
+def describe_pair(row: Mapping[Any, Any]) -> str:
+    """Return two neighbours as tables name them: "stiff | soft"."""
+    return f"{row['left']} | {row['right']}"

@@ -1,0 +1,113 @@
+"""The question of `pound gap` asked of one study: how wide must the gaps be, and are those of the cases enough?"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pounding_cli.laws.apart import Apart
+from pounding_cli.questions.gap.apart import build_apart_study, link_all_facing
+from pounding_cli.questions.gap.cases import build_cases_table
+from pounding_cli.questions.gap.separations import build_distances, build_separations
+from pounding_cli.questions.gap.spec import GapSpec
+from pounding_cli.questions.gap.statistics import build_statistics_table
+from pounding_cli.questions.gap.tables import GAP_TABLE, LINE_TABLE
+from pounding_cli.questions.question import Answer, StudyQuestion
+from pounding_cli.study import Plan, Study, make_plan
+from pounding_cli.study.swept import sweep_map
+
+if TYPE_CHECKING:
+    from pounding_cli.batch.solve import Solver
+    from pounding_cli.questions.hazard import Hazard
+    from pounding_cli.questions.specs import Measure
+
+
+class Gap(StudyQuestion):
+    """The required separations of all neighbours over the motions.
+
+    Raises InputError: a rate of contact without an intensity, or without its hazard curve.
+
+    apart : the study with nothing between its buildings; swept keys of links are left out, those of buildings and
+        motions stay
+    intensity_axis : number of its axis that varies the intensity; None of one intensity
+    intensities : of the motions [SI], of a study that asks for a rate; empty of others
+    hazard : how often a year an intensity is exceeded; None where no rate is asked for
+    """
+
+    name = "gap"
+    spec: GapSpec
+
+    def __init__(self, study: Study) -> None:
+        super().__init__(study)
+        self.apart = build_apart_study(study)
+        self.intensity_axis: int | None = None
+        self.intensities = np.zeros(0)
+        self.hazard: Hazard | None = None
+        if self.spec.rate is not None:
+            self._read_hazard()
+
+    def _read_hazard(self) -> None:
+        """Find the intensities of the motions and how often they are exceeded.  Raises InputError."""
+        from pounding_cli.questions.hazard import build_hazard, find_intensity_axis  # with scipy: few studies need it
+
+        self.intensity_axis = find_intensity_axis(self, self.apart.axes)
+        scaled = self._find_swept_intensity() or self._find_written_intensity()
+        if scaled is None:
+            hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
+            self.add_problem(("rate",), "a rate needs motions that are scaled to an intensity", hint, key=True)
+        self.problems.check()
+        assert scaled is not None
+        measure, intensities = scaled
+        self.intensities = np.array(intensities, float)
+        self.hazard = build_hazard(self, measure)
+
+    def _find_swept_intensity(self) -> tuple[Measure, list[Any]] | None:
+        """Return the intensity measure that is swept, and its values [SI]; None where none is."""
+        from pounding_cli.questions.specs import Measure
+        from pounding_cli.study.records_spec import INTENSITY_KEYS
+
+        if self.intensity_axis is None:
+            return None
+        axis = self.apart.axes[self.intensity_axis]
+        return Measure(INTENSITY_KEYS.get(axis.names[0], "pga")), [values[0] for values in axis.values]
+
+    def _find_written_intensity(self) -> tuple[Measure, list[Any]] | None:
+        """Return the intensity measure that the motions are scaled to, and its value [SI]; None where there is none."""
+        from pounding_cli.questions.specs import Measure
+        from pounding_cli.study.records_spec import PgaSpec, PgvSpec, SaSpec
+
+        scale = self.study.spec.records.scale
+        if not isinstance(scale, PgaSpec | PgvSpec | SaSpec):
+            return None
+        name = type(scale).__name__.removesuffix("Spec").lower()
+        return Measure(name, getattr(scale, "period", 0.0)), [getattr(scale, name)]
+
+    @cached_property
+    def plan(self) -> Plan:
+        """The time histories of every motion and analysis, with nothing between the buildings."""
+        resolved = self.apart.resolved
+        links = {Apart.name: sweep_map(link_all_facing, resolved.group)}
+        plan = make_plan(self.apart, dataclasses.replace(resolved, links=links))
+        return dataclasses.replace(plan, workflow=self.name)
+
+    def answer(self, solver: Solver) -> Answer:
+        """Return what is required, what that means for the cases, and the distances to property lines."""
+        plan = self.plan
+        arrays = solver.solve_arrays(plan)
+        separations = build_separations(plan, self.spec.gb50011, arrays)
+        distances = build_distances(plan, arrays)
+        tables = [
+            build_statistics_table(plan, GAP_TABLE, self.spec, separations),
+            build_cases_table(self.study, plan, separations),
+            build_statistics_table(plan, LINE_TABLE, self.spec, distances),
+        ]
+        if self.hazard is not None and self.spec.rate is not None:
+            from pounding_cli.questions.gap.rate import build_rate_table
+
+            tables.append(
+                build_rate_table(plan, self.intensity_axis, self.intensities, self.hazard, self.spec.rate, separations)
+            )
+        return Answer(plan, arrays, tables)

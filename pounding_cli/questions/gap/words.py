@@ -1,0 +1,203 @@
+"""What `pound gap` says: its answer in sentences, its tables, and what a reader should know of the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from pounding_cli.numbers import NOTHING, join_limited, pluralize
+from pounding_cli.questions.bootstrap import MIN_MOTIONS
+from pounding_cli.questions.gap.evidence import (
+    describe_floors,
+    describe_pair,
+    select_exact,
+    select_failed,
+    select_widest,
+)
+from pounding_cli.questions.gap.sentences import describe_rate, list_sentences
+from pounding_cli.questions.gap.tables import CASES_TABLE, CONFIDENCE, EXACT, GAP_TABLE, LINE_TABLE, RATE_TABLE
+from pounding_cli.study.file import parse
+from pounding_cli.tables import Column, Row, Table
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import ResultTables
+
+__all__ = ["list_notes", "list_references", "list_sentences", "list_tables"]
+
+_PAIR = Column("left", "two neighbours, left and right of the gap", label="between", write=describe_pair)
+_FLOORS = Column("floor", "floors that face each other", label="floors", write=describe_floors)
+
+
+def list_tables(results: ResultTables) -> list[Table]:
+    """Return the tables that a terminal prints, those without rows left out."""
+    tables = [_show_separations(results), _show_cases(results), _show_distances(results)]
+    if RATE_TABLE in results.answers:
+        tables.insert(0, _show_rate(results))
+    return [table for table in tables if len(table.frame)]
+
+
+def _list_swept_keys(results: ResultTables, table: Table) -> list[str]:
+    return [key for key in results.axes if table.has(key)]
+
+
+def _move_constants(frame: pd.DataFrame, columns: Sequence[Column], caption: str) -> tuple[list[Column], str]:
+    """Return the columns whose cells differ, and the caption with the cells of the others: "Gaps: case near, A | B"."""
+    rows = frame.to_dict("records")
+    cells = {column.name: list(dict.fromkeys(column.cell(row) for row in rows)) for column in columns}
+    named = {"case": "case ", "floor": "floor "}
+    constants = [
+        f"{named.get(column.label or column.name, '')}{cells[column.name][0]}"
+        for column in columns
+        if len(cells[column.name]) == 1
+    ]
+    varying = [column for column in columns if len(cells[column.name]) > 1]
+    return varying, f"{caption}: {', '.join(constants)}" if constants else caption
+
+
+def _show_separations(results: ResultTables) -> Table:
+    """Return the required gaps of every pair at the floors that need most on average."""
+    table = results.answer(GAP_TABLE)
+    keys = _list_swept_keys(results, table)
+    rows = select_widest(table.frame, [*keys, "left", "right"])
+    caption = "Required gap at the floors whose mean over the motions is the widest"
+    places, caption = _move_constants(rows, [_PAIR, _FLOORS, table.column("analysis")], caption)
+    return table.view(*keys, *places, *_list_widths(table), frame=rows, caption=caption)
+
+
+def _show_distances(results: ResultTables) -> Table:
+    """Return how far every building moves to both sides, at the floors that move most on average."""
+    table = results.answer(LINE_TABLE)
+    keys = _list_swept_keys(results, table)
+    rows = select_widest(table.frame, [*keys, "building", "side"])
+    caption = "Distance to a property line, at the floors whose mean over the motions is the largest"
+    places = [table.column(name) for name in ("building", "side", "floor", "analysis")]
+    places, caption = _move_constants(rows, places, caption)
+    return table.view(*keys, *places, *_list_widths(table), frame=rows, caption=caption)
+
+
+def _list_widths(table: Table) -> list[str | Column]:
+    """Return rule and widths, the most important first; the others give way on narrow terminals."""
+    names = [column.name for column in table.columns]
+    contact = [name for name in names if name.startswith("contact_") and not name.endswith(("_low", "_high"))]
+    percentiles = [name for name in names if name.startswith("percentile_")]
+    optional = [*contact, *percentiles, "mean_plus_std"]
+    if set(table.frame["rule"]) != {EXACT}:
+        optional.append("over_exact")
+    columns = [replace(table.column(name), optional=True) for name in optional]
+    return ["rule", "mean", "largest", *columns]
+
+
+def _show_cases(results: ResultTables) -> Table:
+    """Return whether the gaps of the cases are enough."""
+    table = results.answer(CASES_TABLE)
+    keys = _list_swept_keys(results, table)
+    motions = Column("enough_for", "motions for which it is", label="for motions", write=_count_motions, optional=True)
+    required = replace(table.column("required"), label="required (largest)")
+    caption = "Gaps of the cases and required gaps, both at the governing floors"
+    places = [table.column("case"), _PAIR, table.column("analysis")]
+    places, caption = _move_constants(table.frame, places, caption)
+    columns: list[str | Column] = ["rule", "gap", required, "enough", motions]
+    return table.view(*keys, *places, *columns, caption=caption)
+
+
+def _count_motions(row: Row) -> str:
+    """Return for how many of the motions a gap is enough: "2 of 5"."""
+    return f"{row['enough_for']} of {row['motions']}" if row["motions"] > 0 else NOTHING
+
+
+def _show_rate(results: ResultTables) -> Table:
+    """Return the gap of every pair for the annual rate of contact."""
+    table = results.answer(RATE_TABLE)
+    keys = _list_swept_keys(results, table)
+    gap = replace(table.column("gap"), otherwise=_explain_no_gap)
+    caption = f"Gap with which a pair touches {describe_rate(table.frame.iloc[0].to_dict())}"
+    places, caption = _move_constants(table.frame, [_PAIR, table.column("analysis")], caption)
+    return table.view(*keys, *places, gap, caption=caption)
+
+
+def _explain_no_gap(row: Row) -> str:
+    """Return why there is no gap for a rate of contact."""
+    return "needs 2 motions" if row["motions"] < 2 else "no such gap"
+
+
+# Notes
+
+
+def list_notes(results: ResultTables) -> list[str]:
+    """Return what a reader should know of the numbers."""
+    exact = select_exact(results.answer(GAP_TABLE).frame)
+    if exact.empty:
+        return []
+    return list(_iter_notes(results, exact))
+
+
+def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
+    cases = results.answer(CASES_TABLE).frame
+    if RATE_TABLE in results.answers:
+        yield _describe_rate_basis(results.answer(RATE_TABLE).frame.iloc[0].to_dict())
+    scene = results.scene()
+    if failed := select_failed(scene)["status"].value_counts().to_dict():
+        outcomes = ", ".join(f"{count} {status}" for status, count in failed.items())
+        yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out."
+    yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
+    fewest = int(exact["motions"].min())
+    if fewest >= MIN_MOTIONS:
+        yield f"In brackets: {CONFIDENCE:.0%} confidence interval."
+    else:
+        motions = pluralize(fewest, "motion")
+        yield f"No confidence interval for fewer than {MIN_MOTIONS} motions: {motions} cannot tell it."
+    if len(results.names("building")) > 2:
+        yield (
+            "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
+            "side is not enough, the answer for the other side does not hold."
+        )
+    if left_out := _list_cases_left_out(results, cases):
+        yield (
+            f"Not compared: {join_limited(left_out)}. There is no link, or one that acts before the gap has closed; "
+            "`pound run` simulates them."
+        )
+
+
+def _describe_rate_basis(row: Row) -> str:
+    """Return how many intensities and motions the gap for a rate rests on."""
+    intensities = pluralize(int(row["intensities"]), "intensity", "intensities")
+    return f"The gap for a rate rests on {intensities} of {pluralize(int(row['motions']), 'motion')}."
+
+
+def _describe_error(exact: pd.DataFrame, column: Column) -> str:
+    """Return the largest numerical error of the required gaps."""
+    error = float(exact["error"].max())
+    if np.isnan(error):
+        return "The numerical error was not estimated (estimate: none)."
+    return f"Numerical error: at most {column.format(error)} {column.unit.name}."
+
+
+def _list_cases_left_out(results: ResultTables, cases: pd.DataFrame) -> list[str]:
+    """Return the cases of the study whose gaps are not compared."""
+    written = parse(results.study_text, str(results.path)).get("cases") or ()
+    compared = set(cases["case"])
+    return [case for case in written if case not in compared]
+
+
+# References
+
+
+def list_references(resolved: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return the references of the rules beside the exact separations, and what each is used for.
+
+    resolved : the study with every default filled in
+    """
+    references = [("jeng1992", "the rule DDC"), ("derkiureghian1981", "the correlation of two oscillators in DDC")]
+    buildings = [resolved["buildings"][name] for name in resolved["group"]]
+    yields = [building["yield"] for building in buildings if building["yield_shear"] is None]
+    if any(each.get("Cd") and each.get("Ie") for each in yields):
+        references.append(("asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3"))
+    if any(each.get("qd") for each in yields):
+        references.append(("en1998", "the separation of EN 1998-1, 4.4.2.7"))
+    if (resolved.get("gap") or {}).get("gb50011"):
+        references.append(("gb50011-2010", "the joint width of clause 6.1.4"))
+    return references
