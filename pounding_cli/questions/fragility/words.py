@@ -332,7 +332,7 @@ def _view_rates(rates: Table) -> Table:
         _limit_column(rates),
         STATE,
         replace(rates.column("rate"), digits=3, label="annual rate"),
-        replace(rates.column("probability"), digits=3, unit=PERCENT, label=f"in {YEARS:g} years"),
+        replace(rates.column("probability"), digits=3, unit=PERCENT, label=f"in {YEARS:g} years", optional=True),
         _ratio_column(rates.column("rate_ratio")),
         varying=_varying(rates),
         caption="Mean annual rate at which a limit is passed",
