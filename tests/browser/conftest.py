@@ -48,7 +48,7 @@ STUDIES = {
     ),
     "optimise": (
         "optimise",
-        ONE + "optimise: {generations: 2, population: 8, slice_points: 5, least: largest drift,"
+        ONE + "optimise: {case: gap, generations: 2, population: 8, slice_points: 5, least: largest drift,"
         " over: {cases.gap.gap: {from: 1 mm, to: 3 cm}}}\n",
     ),
 }
