@@ -12,8 +12,10 @@ import click
 
 from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
-from pounding_cli.report.references import method_sources
-from pounding_cli.study import building_spec, link_specs, questions, records_spec, schema
+from pounding_cli.questions import load_questions, study_model
+from pounding_cli.questions.gap.spec import Gb50011Spec
+from pounding_cli.report.references import list_method_sources
+from pounding_cli.study import building_spec, link_specs, records_spec, schema
 from pounding_cli.study.quantity import PLAUSIBLE_RANGES
 from pounding_cli.study.warnings import format_value
 
@@ -75,7 +77,7 @@ API = {
 
 
 MODELS = {
-    "The file": schema.StudySpec,
+    "The file": study_model(),
     "`records`": records_spec.RecordsSpec,
     "`records.use`: a file of your own": records_spec.RecordFileSpec,
     "`records.scale`: Arias intensity": records_spec.AriasSpec,
@@ -94,11 +96,8 @@ MODELS = {
     "`cases.NAME`": link_specs.SeveralLinks,
     "`report`": schema.ReportSpec,
     "`keep.histories`": schema.HistoriesSpec,
-    "`fragility`": questions.FragilitySpec,
-    "`gap`": questions.GapSpec,
-    "`sensitivity`": questions.SensitivitySpec,
-    "`optimise`": questions.OptimiseSpec,
-    "`gap.gb50011`": questions.Gb50011Spec,
+    **{f"`{each.name}`": each.section.spec for each in load_questions() if each.section is not None},
+    "`gap.gb50011`": Gb50011Spec,
 }
 """Headings of the page of keys, and the mapping under each."""
 
@@ -150,13 +149,13 @@ def keys_page() -> str:
 def methods_page() -> str:
     """Sources of the methods of solution."""
     about = "[What accuracy costs](../accuracy.md#the-methods) describes and compares the methods. Sources:"
-    return "\n\n".join(["# Methods", about, "\n".join(method_sources(METHODS))]) + "\n"
+    return "\n\n".join(["# Methods", about, "\n".join(list_method_sources(METHODS))]) + "\n"
 
 
 def commands_page() -> str:
     """Every command: its help, its arguments and options, and its subcommands."""
-    parts = ["# Commands", "What `pound COMMAND --help` says. Exit codes: 0 done; 1 some scenes failed, or two files "
-             "differ; 2 the input or the output was refused; 70 an internal error; 130 stopped; 141 the reader "
+    parts = ["# Commands", "What `pound COMMAND --help` says. Exit codes: 0 done; 1 some time histories failed, or two "
+             "files differ; 2 the input or the output was refused; 70 an internal error; 130 stopped; 141 the reader "
              "of the output has gone.", _help("pound", cli)]  # fmt: skip
     for name in COMMANDS:
         command = cli.get_command(click.Context(cli), name)

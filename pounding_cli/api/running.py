@@ -121,7 +121,7 @@ def run_study(
             reporter.write_note(f"{count_histories(solver.solved_count)} solved now and kept in {cache.path}")
             raise
         plan = answer.plan
-        histories = iter_kept_histories(plan, answer.arrays, reporter.write_note)
+        histories = iter_kept_histories(plan, answer.arrays, reporter.write_note, cache)
         attributes = {
             "workflow": question.name,
             "content": content,

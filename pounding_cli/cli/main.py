@@ -14,6 +14,7 @@ import click
 
 from pounding_cli import __version__
 from pounding_cli.errors import InputError
+from pounding_cli.paper import TITLES as POINT_TITLES
 from pounding_cli.questions import TITLES
 
 _QUESTIONS = {name: ("solve", title) for name, title in TITLES.items()}
@@ -30,9 +31,9 @@ COMMANDS = {
     "cite": ("study", "List the references of what a study used."),
     "schema": ("study", "Print the JSON Schema of study files, for editors."),
     "records": ("records", "List, show and import ground motions."),
-    "connector": ("solve", "Solve two connected oscillators in closed form (Figs 4 and 5)."),
-    "accuracy": ("solve", "Measure error and time of every method on a study."),
-    "wall": ("solve", "Solve an impact on a bumper wall (Fig. 8)."),
+    "connector": ("paper", POINT_TITLES["connector"]),
+    "accuracy": ("accuracy", "Measure error and time of every method on a study."),
+    "wall": ("paper", POINT_TITLES["wall"]),
 }
 """Every command with its module and the line `pound --help` shows, in the order of a user's day."""
 

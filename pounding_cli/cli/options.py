@@ -1,8 +1,8 @@
-"""Arguments and options that several commands take, and a time as they print it."""
+"""Arguments and options that several commands take, and what several commands print."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -53,3 +53,9 @@ def seconds(text: str) -> float:
     except PydanticCustomError as refused:
         said = refused.context or {}
         raise click.BadParameter(f"{said.get('message', refused)}; {said.get('hint', '')}") from None
+
+
+def print_failures(failures: Iterable[tuple[str, str, str]]) -> None:
+    """Print of every failure its place, what happened, and what to do about it."""
+    for place, status, advice in failures:
+        click.echo(f"failed: {place}: {status}" + (f"\n    {advice}" if advice else ""), err=True)

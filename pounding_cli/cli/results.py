@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import shutil
 import sys
+import textwrap
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import nullcontext, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +18,8 @@ import click
 from pounding_cli.cli.options import FILE, open_file, quiet_option, together
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, join_limited, pluralize
+from pounding_cli.report.summary import PARAGRAPH_WIDTH
+from pounding_cli.variables import COORDINATE_VARIABLES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,6 +27,7 @@ if TYPE_CHECKING:
     from pounding_cli.report.sweep import SweepChoice
     from pounding_cli.results.compare import Comparison
     from pounding_cli.results.results import ResultTables
+    from pounding_cli.tables import Table
 
 _FEW = 12
 """Lines of one kind that `pound compare` shows without --all."""
@@ -50,7 +56,9 @@ def _check_tables(results: ResultTables, names: Sequence[str]) -> None:
         if name in results.tables:
             continue
         command = next((question.name for question in load_questions() if name in question.tables), "")
-        hint = f"write it with: pound {command} STUDY" if command else f"it has: {', '.join(results.tables)}"
+        similar = difflib.get_close_matches(name, results.tables, 1)
+        meant = f"did you mean '{similar[0]}'? " if similar else ""
+        hint = f"write it with: pound {command} STUDY" if command else f"{meant}it has: {', '.join(results.tables)}"
         raise InputError(Problem(f"has no table {name}", hint, str(results.path)))
 
 
@@ -139,7 +147,6 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
     """
-    from pounding_cli.tables import Table
     from pounding_cli.texts import escape_formulas
 
     results = open_file(file)
@@ -152,13 +159,42 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
         click.echo(escape_formulas(frame).to_csv(index=False, lineterminator="\n"), nl=False)
         return
     columns = [results.column(table, str(name)) for name in frame.columns]
-    aside = [column.name for column in columns if column.optional]
-    ends = {end for column in columns for end in (column.low, column.high)}  # in the cells of their columns
-    shown = Table(table, frame, [column for column in columns if not column.optional and column.name not in ends])
+    csv_alone = [column.name for column in columns if column.optional]
+    ends = {end for column in columns for end in (column.low, column.high) if end}  # in the cells of their columns
+    shown = _table_to_print(results, table, frame, [*csv_alone, *ends])
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     click.echo(f"{results.title}\n{shown.to_text(width, max_rows=len(frame)) if len(frame) else 'no rows'}".rstrip())
-    if aside:
-        click.echo(f"{pluralize(len(aside), 'more column')} with --format csv: {', '.join(aside)}", err=True)
+    if (note := _note_on_contact(results, frame)) and len(frame):
+        click.echo("\n".join(textwrap.wrap(note, width or PARAGRAPH_WIDTH)))
+    if csv_alone:
+        more = pluralize(len(csv_alone), "more column")
+        click.echo(f"{more} with --format csv: {', '.join(csv_alone)}", err=True)
+
+
+def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame, hidden: Sequence[str]) -> Table:
+    """Return rows of a table for a terminal, which leaves out columns at the right where it is too narrow.
+
+    Columns before the first number say where a row stands, and are always printed.
+
+    hidden : columns that are not printed
+    """
+    from pounding_cli.tables import Table
+
+    names = [str(each) for each in frame.columns if each not in hidden]
+    columns = [replace(results.column(name, each), label=each) for each in names]  # the names that --where takes
+    places = {*results.axes, *COORDINATE_VARIABLES, "place"}
+    first = next((number for number, column in enumerate(columns) if column.name not in places), len(columns))
+    kept = columns[: first + 1]
+    return Table(name, frame, [*kept, *(replace(column, optional=True) for column in columns[first + 1 :])])
+
+
+def _note_on_contact(results: ResultTables, frame: pd.DataFrame) -> str:
+    """Return a note where a table has accelerations or forces of floors that strike; "" where it has none."""
+    from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
+
+    names = [str(name) for name in frame.columns]
+    has_numbers = any(name.startswith(("acceleration", "peak_force")) for name in names)
+    return CONTACT_STIFFNESS_UNKNOWN if has_numbers and len(results.struck_links()) else ""
 
 
 def _select_rows(
@@ -206,7 +242,7 @@ def report(
       pound report results/fig6.h5 results/fig7.h5 --no-figures
       pound report results/sweep.h5 --quantity mu_ratio --case touching --building soft --where storey=3
     """
-    from pounding_cli.paper.claims import list_claim_sections, verdicts
+    from pounding_cli.paper.claims import list_claim_sections, list_verdicts
     from pounding_cli.questions.reports import build_report, find_no_sweep
     from pounding_cli.report.style import OF_PAPERS, PAPER, drawing_for
 
@@ -233,7 +269,7 @@ def report(
             saved = each.save(folder, saved_formats, not paper)
         if not quiet:
             click.echo(f"{saved[-1]}: {pluralize(len(saved), 'file')}")
-            for key, verdict in verdicts(results).items():
+            for key, verdict in list_verdicts(results).items():
                 click.echo(f"  {key:22} {verdict}")
     if choices:
         for path, reason in without_sweep.items():

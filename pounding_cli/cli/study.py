@@ -75,13 +75,15 @@ def check(study: Path, output: Path | None) -> None:
     Example: pound check configs/fig6.yaml
     """
     from pounding_cli.api.studies import load_study
-    from pounding_cli.paper.points import POINT_COMMANDS, load_sweep
+    from pounding_cli.paper import TITLES as POINT_TITLES
     from pounding_cli.questions import TITLES
     from pounding_cli.reading import shorten_path
     from pounding_cli.study.file import kind_of_file
 
     name, kind = shorten_path(study), kind_of_file(study)
-    if kind in POINT_COMMANDS:
+    if kind in POINT_TITLES:
+        from pounding_cli.paper.points import load_sweep
+
         sweep = load_sweep(study, kind)
         for warning in sweep.warnings:
             click.echo(f"warning: {warning}", err=True)
@@ -266,26 +268,30 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
     """
     from pounding_cli.api.studies import load_study, open_results
     from pounding_cli.questions import load_question
-    from pounding_cli.report.references import REFERENCES, citations, motions
+    from pounding_cli.report.references import REFERENCES, iter_motion_sources, list_citations
 
     if source.suffix in (".yaml", ".yml"):
         study = load_study(source)
-        uses = list(study.motion_uses(study.first_point).values())
-        title, kind, resolved = study.title, "run", study.to_plain_data()
+        title = study.title
+        question = "run"
+        resolved = study.to_plain_data()
         methods: tuple[str, ...] = (study.spec.method,)
-        sources = {use.name: use.source for use in uses}
+        sources = {use.name: use.source for use in study.motion_uses(study.first_point).values()}
     else:
         results = open_results(source)
-        title, kind, resolved, methods = results.title, results.workflow, results.resolved, tuple(results.methods)
+        title = results.title
+        question = results.workflow
+        resolved = results.resolved
+        methods = tuple(results.methods)
         sources = dict(results.records().drop_duplicates("record").set_index("record")["source"])
-    found = citations(resolved, sources, methods, load_question(kind).cite)
+    citations = list_citations(resolved, sources, methods, load_question(question).cite)
     if form == "bibtex":
-        click.echo("\n\n".join(REFERENCES[key].bibtex for key in found))
+        click.echo("\n\n".join(REFERENCES[key].bibtex for key in citations))
         return
     click.echo(title)
-    for key, what in found.items():
-        click.echo(f"\n{REFERENCES[key].text}\n    for {'; '.join(what)}")
-    click.echo("\n".join(["\nMotions", *(f"  {line}" for line in motions(sources))]))
+    for key, purposes in citations.items():
+        click.echo(f"\n{REFERENCES[key].text}\n    for {'; '.join(purposes)}")
+    click.echo("\n".join(["\nMotions", *(f"  {line}" for line in iter_motion_sources(sources))]))
 
 
 @click.command()

@@ -25,7 +25,7 @@ EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUA
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is stated."""
 
 OVERRULING_REASONS = ("the analysis is elastic", "without a dashpot no link can pull")
-"""Reasons to leave out an effect that the study asks for: it is never counted among those that nothing calls for."""
+"""Reasons to leave out an effect that the study asks for; it is not counted among those that the study does not use."""
 
 NEVER_CLOSES = "the gap never closes"
 """The reason of links that never act, which the width that stays open follows."""
@@ -68,7 +68,7 @@ def summarize_effects(
 ) -> Iterator[tuple[str, float, float, str]]:
     """Yield every effect of many scenes, the scenes that simulate it, those that leave it out, and the reason.
 
-    Effects that nothing in the study calls for, and nobody expects, share the last row.
+    Effects that are not used in the study, and that nobody expects, share the last row.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def summarize_effects(
         others = [name for name in rest if not name.endswith(" links")]
         if kinds:
             others.append(f"links of the kinds {', '.join(kinds)}")
-        reason = f"nothing in the study calls for: {', '.join(others)}"
+        reason = f"not used in this study: {', '.join(others)}"
         yield "all others", 0, sum(without[rest[0]].values()), reason
 
 

@@ -1,12 +1,15 @@
 """The paper's statements about Figs 6 and 7, judged: the numbers that test them, their thresholds, the verdicts.
 
-A claim is a function of one Dataset that gives its numbers at all points of the sweep at once, each with its
-threshold; its docstring is printed. `evaluated` makes one DataFrame of all of them."""
+A claim is a function of one Dataset that yields its numbers at all points of the sweep at once, each with its
+threshold; its docstring is printed. `evaluate_claims` makes one DataFrame of all of them.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import chain, product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,31 +19,39 @@ import xarray as xr
 
 from pounding_cli.laws.joints import Connector
 from pounding_cli.laws.pounding import Pounding
-from pounding_cli.numbers import NOTHING, format_number
+from pounding_cli.numbers import NOTHING, format_number, pluralize
 from pounding_cli.records import load_catalogue
 from pounding_cli.report.document import Section
 from pounding_cli.report.evidence import nominal, points_of, told
 from pounding_cli.solver.response import DONE
-from pounding_cli.tables import Column, Table, table_of_texts
+from pounding_cli.tables import Column, Row, Table, build_table
 
 if TYPE_CHECKING:
     from pounding_cli.questions.sensitivity.indices import Sensitivity, Series
     from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Plan
 
-HOLDS, PARTLY, FAILS, UNTESTED = "holds", "holds partly", "does not hold", "not tested here"
+HOLDS = "holds"
+PARTLY = "holds partly"
+FAILS = "does not hold"
+UNTESTED = "not tested here"
+"""Verdicts: all numbers of a claim meet their thresholds, some do, none does, none is known."""
 
 AS_GIVEN = "as given"
-"""What stands for the only point of a study without a sweep."""
+"""The only point of a study without a sweep."""
+
 IMPLIED = ("eureka", "olympia")
-"""Stand-ins of these motions are built from Table 1's scale, so they cannot test it."""
+"""Motions whose stand-ins are built from Table 1's scale, so that they cannot test it."""
 
 RATIOS = (("V_ratio", "elastic", "V/V0, elastic"), ("mu_ratio", "inelastic", "μ/μ0, inelastic"))
-"""What Figs 6 and 7 plot: the ratio to the building alone, its analysis, its name."""
+"""Quantities of Figs 6 and 7: the ratio to the building alone, its analysis, its name."""
 
-MEAN, LARGEST = "mean over the storeys", "largest storey"
-"""The two readings of "the response" that a line of the figures over the storeys shows. A verdict rests on the first;
-where the second gives another one, that stands beside it."""
+MEAN = "mean over the storeys"
+LARGEST = "largest storey"
+"""The two readings of "the response" that a line of the figures over the storeys shows.
+
+A verdict rests on the first; where the second gives another one, that stands beside it.
+"""
 
 SAME_PERIOD = 1.0 + 1e-9
 """A period within this factor of the shortest is as short [-]."""
@@ -72,6 +83,7 @@ class Threshold(NamedTuple):
 class Finding(NamedTuple):
     """One number that tests a claim.
 
+    words : its meaning
     number : over the swept axes; NaN where the results have none
     threshold : in the unit of the number
     unit : "-" (ratio), "%", "cm" or "kN s"
@@ -92,31 +104,56 @@ class Finding(NamedTuple):
 
 Find = Callable[[xr.Dataset], Iterator[Finding]]
 
-CLAIMS: dict[str, tuple[str, str, Find]] = {}
-"""By name in the order of the report: the figure that a statement is about ("" for both), the paper's words, its
-numbers."""
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement of the paper.
+
+    figure : that it is about, "fig6" or "fig7"; "" for both
+    paper : its words
+    find : results -> numbers that test it
+    """
+
+    figure: str
+    paper: str
+    find: Find
+
+    @property
+    def meaning(self) -> str:
+        """The numbers that test it, in words."""
+        return " ".join(str(self.find.__doc__).split())
+
+
+CLAIMS: dict[str, Claim] = {}
+"""Every claim by its name, in the order of the report."""
 
 
 def claim(paper: str, figure: str = "") -> Callable[[Find], Find]:
-    """A decorator: the function gives the numbers that test what the paper says of a figure, of both unless given."""
+    """Return a decorator of the function that yields the numbers of a claim.
 
-    def noted(find: Find) -> Find:
-        CLAIMS[find.__name__.replace("_", "-")] = (figure, paper, find)
+    paper : the words of the paper
+    figure : that they are about; both unless given
+    """
+
+    def register(find: Find) -> Find:
+        CLAIMS[find.__name__.replace("_", "-")] = Claim(figure, paper, find)
         return find
 
-    return noted
+    return register
 
 
-def at(data: xr.Dataset, name: str, case: str, analysis: str) -> xr.DataArray:
-    """A variable in one case and analysis; NaN where the study lacks it."""
+def select_runs(data: xr.Dataset, name: str, case: str, analysis: str) -> xr.DataArray:
+    """Return a variable in one case and analysis; NaN where the study lacks it."""
     return data[name].reindex(case=[case], analysis=[analysis]).isel(case=0, analysis=0, drop=True)
 
 
-def responses(data: xr.Dataset, *cases: str) -> Iterator[tuple[Any, ...]]:
-    """The lines of the figures: "V/V0, elastic" and "μ/μ0, inelastic", each with its mean over the motions in every
-    case, over building and storey."""
+def iter_responses(data: xr.Dataset, *cases: str) -> Iterator[tuple[Any, ...]]:
+    """Yield the lines of the figures, each with its mean over the motions in every case, over building and storey.
+
+    The first is "V/V0, elastic", the second "μ/μ0, inelastic".
+    """
     for ratio, analysis, label in RATIOS:
-        yield label, *(at(data, ratio, case, analysis).mean("record") for case in cases)
+        yield label, *(select_runs(data, ratio, case, analysis).mean("record") for case in cases)
 
 
 def iter_measures(line: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
@@ -125,14 +162,14 @@ def iter_measures(line: xr.DataArray) -> Iterator[tuple[str, xr.DataArray]]:
     yield LARGEST, line.max("storey")
 
 
-def stiffer(data: xr.Dataset) -> xr.DataArray:
-    """Number of the building with the shortest fundamental period, of several the first from the left."""
+def find_stiffest(data: xr.Dataset) -> xr.DataArray:
+    """Return the number of the building with the shortest fundamental period, of several the first from the left."""
     return data["period"].argmin("building")
 
 
-def stiff(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
-    """Values of that building."""
-    return values.isel(building=stiffer(data))
+def select_stiffest(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
+    """Return the values of that building."""
+    return values.isel(building=find_stiffest(data))
 
 
 def is_softer(data: xr.Dataset, building: int) -> xr.DataArray:
@@ -141,7 +178,7 @@ def is_softer(data: xr.Dataset, building: int) -> xr.DataArray:
     return periods.isel(building=building) > SAME_PERIOD * periods.min("building")
 
 
-def code_separation(data: xr.Dataset) -> xr.DataArray:
+def find_code_separation(data: xr.Dataset) -> xr.DataArray:
     """Return the largest separation by the code of two neighbours with different periods [m]."""
     periods = data["period"]
     longer = np.fmax(periods, periods.shift(building=-1))
@@ -149,13 +186,13 @@ def code_separation(data: xr.Dataset) -> xr.DataArray:
     return data["separation"].where(longer > SAME_PERIOD * shorter).max("building")
 
 
-def find_links(data: xr.Dataset, name: str, kind: str) -> xr.DataArray:
+def select_links(data: xr.Dataset, name: str, kind: str) -> xr.DataArray:
     """Return a variable of the links of one kind in the case `connected`, over its other dimensions; NaN at others."""
     is_kind = data["kind"].reindex(case=["connected"]).isel(case=0, drop=True) == kind
     return data[name].reindex(case=["connected"]).isel(case=0, drop=True).where(is_kind)
 
 
-def over_runs(values: xr.DataArray) -> list[str]:
+def list_run_dims(values: xr.DataArray) -> list[str]:
     """Return the dimensions of links and runs that values have."""
     return [dim for dim in ("link", "analysis", "record") if dim in values.dims]
 
@@ -165,11 +202,12 @@ def infill_response(data: xr.Dataset) -> Iterator[Finding]:
     """V/V0 (elastic) and μ/μ0 (inelastic) of the stiffer building with the infill, over those of touching and of the
     gap."""
     for base in ("touching", "gap"):
-        for label, infill, other in responses(data, "infill", base):
-            words, threshold = f"{label}: infill over {base}", Threshold(low=0.9)
-            kept = stiff(data, infill / other).mean("storey")
+        for label, infill, other in iter_responses(data, "infill", base):
+            words = f"{label}: infill over {base}"
+            threshold = Threshold(low=0.9)
+            kept = select_stiffest(data, infill / other).mean("storey")
             yield Finding(f"{words}, {MEAN}", kept, threshold, measure=MEAN)
-            largest = stiff(data, infill).max("storey") / stiff(data, other).max("storey")
+            largest = select_stiffest(data, infill).max("storey") / select_stiffest(data, other).max("storey")
             yield Finding(f"{words}, {LARGEST}", largest, threshold, measure=LARGEST)
 
 
@@ -177,8 +215,8 @@ def infill_response(data: xr.Dataset) -> Iterator[Finding]:
 def infill_accelerations(data: xr.Dataset) -> Iterator[Finding]:
     """The fall of the largest floor accelerations of the stiffer building with the infill, against touching."""
     for analysis in data["analysis"].values.tolist():
-        infill, touching = (at(data, "acceleration", case, analysis) for case in ("infill", "touching"))
-        falls = 100 * (1 - stiff(data, (infill / touching.where(touching > 0)).mean("record")))
+        infill, touching = (select_runs(data, "acceleration", case, analysis) for case in ("infill", "touching"))
+        falls = 100 * (1 - select_stiffest(data, (infill / touching.where(touching > 0)).mean("record")))
         words = f"reduction of accelerations, infill against touching, {analysis}"
         threshold = Threshold(low=80, is_open=True)
         yield Finding(f"{words}, mean over the floors", falls.mean("floor"), threshold, "%")
@@ -189,11 +227,14 @@ def infill_accelerations(data: xr.Dataset) -> Iterator[Finding]:
 def softer_infill(data: xr.Dataset) -> Iterator[Finding]:
     """The increase of V/V0 and μ/μ0 of the stiffer building with a softer infill."""
     for case, share in (("infill_1_10", "1/10"), ("infill_1_100", "1/100")):
-        for label, softer, infill in responses(data, case, "infill"):
-            words, threshold = f"increase of {label}, infill at {share} against 1/5", Threshold(0, 15, is_open=True)
-            mean = 100 * (stiff(data, softer / infill).mean("storey") - 1)
+        for label, softer, infill in iter_responses(data, case, "infill"):
+            words = f"increase of {label}, infill at {share} against 1/5"
+            threshold = Threshold(0, 15, is_open=True)
+            mean = 100 * (select_stiffest(data, softer / infill).mean("storey") - 1)
             yield Finding(f"{words}, {MEAN}", mean, threshold, "%", MEAN)
-            largest = 100 * (stiff(data, softer).max("storey") / stiff(data, infill).max("storey") - 1)
+            largest = 100 * (
+                select_stiffest(data, softer).max("storey") / select_stiffest(data, infill).max("storey") - 1
+            )
             yield Finding(f"{words}, {LARGEST}", largest, threshold, "%", LARGEST)
 
 
@@ -201,7 +242,7 @@ def softer_infill(data: xr.Dataset) -> Iterator[Finding]:
 def code_gap(data: xr.Dataset) -> Iterator[Finding]:
     """The mean ratios of every building with the gap of 7 cm."""
     for number, building in enumerate(data["building"].values.tolist()):
-        for label, line in responses(data, "gap"):
+        for label, line in iter_responses(data, "gap"):
             for measure, value in iter_measures(line.isel(building=number)):
                 words = f"{label}: {building} with the gap, {measure}"
                 yield Finding(words, value, Threshold(high=1.1), measure=measure)
@@ -212,7 +253,7 @@ def narrow_gap(data: xr.Dataset) -> Iterator[Finding]:
     """The separation by the code less the gap."""
     gap = data["gap"].reindex(case=["gap"]).isel(case=0).max("link")
     words = "separation by the code less the gap of the study"
-    yield Finding(words, 100 * (code_separation(data) - gap), Threshold(low=0, is_open=True), "cm")
+    yield Finding(words, 100 * (find_code_separation(data) - gap), Threshold(low=0, is_open=True), "cm")
 
 
 @claim("The UBC specified separation distance (equal to the sum of the design maximum displacements) is approximately "
@@ -220,14 +261,14 @@ def narrow_gap(data: xr.Dataset) -> Iterator[Finding]:
 def separation(data: xr.Dataset) -> Iterator[Finding]:
     """The separation by the code of a stiff and a soft building, which should round to 7 cm."""
     words = "separation by the code, sum of the design displacements at the roof"
-    yield Finding(words, 100 * code_separation(data), Threshold(6.5, 7.5), "cm")
+    yield Finding(words, 100 * find_code_separation(data), Threshold(6.5, 7.5), "cm")
 
 
 @claim("There is a substantial increase to the response of the stiffer building, especially for the inelastic case.")
 def connection_stiffer(data: xr.Dataset) -> Iterator[Finding]:
     """The ratios of the stiffer building when connected, at the storey where they are largest; and how far μ/μ0
     (inelastic) lies above V/V0 (elastic)."""
-    elastic, inelastic = (stiff(data, line) for _, line in responses(data, "connected"))
+    elastic, inelastic = (select_stiffest(data, line) for _, line in iter_responses(data, "connected"))
     for (_, _, label), line in zip(RATIOS, (elastic, inelastic), strict=True):
         yield Finding(f"{label}: largest storey when connected", line.max("storey"), Threshold(low=1.2))
     measures = zip(iter_measures(elastic), iter_measures(inelastic), strict=True)
@@ -241,7 +282,9 @@ def connection_other(data: xr.Dataset) -> Iterator[Finding]:
     """The ratios of every softer building when connected."""
     for number, building in enumerate(data["building"].values.tolist()):
         softer = is_softer(data, number)
-        for label, line in responses(data, "connected") if softer.any() else ():
+        if not softer.any():
+            continue
+        for label, line in iter_responses(data, "connected"):
             for measure, value in iter_measures(line.isel(building=number).where(softer)):
                 words = f"{label}: {building} when connected, {measure}"
                 yield Finding(words, value, Threshold(high=1, is_open=True), measure=measure)
@@ -251,7 +294,7 @@ def connection_other(data: xr.Dataset) -> Iterator[Finding]:
 def connection_always(data: xr.Dataset) -> Iterator[Finding]:
     """The motions in which one building's ratio lies above 1 and another's below 1."""
     for ratio, analysis, label in RATIOS:
-        for measure, values in iter_measures(at(data, ratio, "connected", analysis)):
+        for measure, values in iter_measures(select_runs(data, ratio, "connected", analysis)):
             both = (values.max("building") > 1) & (values.min("building") < 1)
             share = 100 * both.where((values == values).any("building")).mean("record")
             words = f"motions in which one building gains and another is relieved, {label}, {measure}"
@@ -261,10 +304,11 @@ def connection_always(data: xr.Dataset) -> Iterator[Finding]:
 @claim("To avoid pounding at any level both the top and the middle floors were connected.")
 def connection_levels(data: xr.Dataset) -> Iterator[Finding]:
     """The largest closing, in any run, of floors that could strike beside the connected ones."""
-    closing, gap = find_links(data, "max_closing", Pounding.name), find_links(data, "gap", Pounding.name)
+    closing = select_links(data, "max_closing", Pounding.name)
+    gap = select_links(data, "gap", Pounding.name)
     most = 100 * closing / gap.where(gap > 0)
     words = "largest closing of the floors that are not connected, over the gap"
-    yield Finding(words, most.max(over_runs(most)), Threshold(high=100), "%")
+    yield Finding(words, most.max(list_run_dims(most)), Threshold(high=100), "%")
 
 
 @claim("The corresponding impact elements are continuously active throughout the entire motion of the configuration, "
@@ -272,12 +316,13 @@ def connection_levels(data: xr.Dataset) -> Iterator[Finding]:
 def connection_both_ways(data: xr.Dataset) -> Iterator[Finding]:
     """The time for which a connector acts, and its force summed over a motion: below 0 where it pulls more than it
     pushes."""
-    share = 100 * find_links(data, "contact_time", Connector.name) / data["record_window"]
-    impulse = find_links(data, "impulse", Connector.name) / 1e3
+    share = 100 * select_links(data, "contact_time", Connector.name) / data["record_window"]
+    impulse = select_links(data, "impulse", Connector.name) / 1e3
     words = "time for which a connector acts, over that of the motion, least"
-    yield Finding(words, share.min(over_runs(share)), Threshold(low=99.9), "%")
+    yield Finding(words, share.min(list_run_dims(share)), Threshold(low=99.9), "%")
     words = "force of a connector summed over a motion, pulling negative"
-    least, most = impulse.min(over_runs(impulse)), impulse.max(over_runs(impulse))
+    least = impulse.min(list_run_dims(impulse))
+    most = impulse.max(list_run_dims(impulse))
     yield Finding(f"{words}, smallest", least, Threshold(high=0, is_open=True), "kN s")
     yield Finding(f"{words}, largest", most, Threshold(low=0, is_open=True), "kN s")
 
@@ -294,46 +339,72 @@ def connection_closing(data: xr.Dataset) -> Iterator[Finding]:
        "of the El Centro record.")  # fmt: skip
 def scales(data: xr.Dataset) -> Iterator[Finding]:
     """The scales for equal Arias intensity over the analysed durations, over those of Table 1."""
-    first, names = "elcentro", data["motion"].values.tolist()
-    for name in (each for each in names if each in load_catalogue() and each != first and first in names):
-        source, printed = str(data["record_source"].sel(motion=name).values.flat[0]), load_catalogue()[name].scale
-        if not (source == "stand-in" and name in IMPLIED):
-            # Arias intensity goes with the square of the scale; that of the file is of the motion as used
-            scale, arias = (data[f"record_{what}"] for what in ("scale", "arias"))
-            scale, arias = (each.sel(motion=name) / each.sel(motion=first) for each in (scale, arias))
-            ratio = scale / np.sqrt(arias) / printed
-            words = f"{name} ({source}): scale for equal Arias intensity over Table 1's {printed:.2f}"
-            yield Finding(words, ratio, Threshold(0.98, 1.02))
+    first = "elcentro"
+    names = data["motion"].values.tolist()
+    for name in names:
+        if first not in names or name == first or name not in load_catalogue():
+            continue
+        source = str(data["record_source"].sel(motion=name).values.flat[0])
+        printed = load_catalogue()[name].scale
+        if source == "stand-in" and name in IMPLIED:
+            continue
+        # Arias intensity goes with the square of the scale; that of the file is of the motion as used
+        scale, arias = (
+            data[variable].sel(motion=name) / data[variable].sel(motion=first)
+            for variable in ("record_scale", "record_arias")
+        )
+        words = f"{name} ({source}): scale for equal Arias intensity over Table 1's {printed:.2f}"
+        yield Finding(words, scale / np.sqrt(arias) / printed, Threshold(0.98, 1.02))
 
 
-# judging
+# Judging
 
-COLUMNS = ["claim", "verdict", "verdict_largest", "finding", "measure", "number", "unit", "threshold", "passed"]
-"""What is known of every number: the verdicts of its claim by the mean over the storeys and by the largest storey; the
-number in words; MEAN, LARGEST or ""; its threshold in words; whether it meets that."""
+COLUMNS = (
+    Column("where", "point of the sweep", label="point of the sweep"),
+    Column("claim", "name of the claim"),
+    Column("verdict", f"verdict on the claim by the {MEAN}"),
+    Column("verdict_largest", f"verdict on the claim by the {LARGEST}", label=f"verdict, {LARGEST}"),
+    Column("finding", "meaning of the number"),
+    Column("measure", f"{MEAN}, {LARGEST}, or nothing where the number counts for both verdicts"),
+    Column("number", "number found, in the unit of the row", digits=3),
+    Column("unit", "unit of the number and the threshold"),
+    Column("threshold", "range in which the number agrees with the paper"),
+    Column("passed", "whether the number meets its threshold; nothing where it is not known"),
+)
+"""The table `claims`: a row a number at a point of the sweep."""
 
-_OF_MOTIONS = ("record_scale", "record_arias", "record_source")
+MOTION_VARIABLES = ("record_scale", "record_arias", "record_source")
+"""Variables of the motions that the claims need."""
 
 
-def _with_motions(scenes: xr.Dataset, motions: xr.Dataset) -> xr.Dataset:
-    """Scenes, whose `record` numbers the motions of a point, and what is known of every motion over its name,
-    `motion`."""
-    of_motions = {name: motions[name].reset_coords(drop=True).rename(record="motion") for name in _OF_MOTIONS}
-    return scenes.drop_vars(_OF_MOTIONS).assign(of_motions)
+def _add_motions(scenes: xr.Dataset, motions: xr.Dataset) -> xr.Dataset:
+    """Return scenes with the variables of every motion over its name, `motion`.
+
+    scenes : `record` numbers the motions of a point
+    motions : `record` is the name of a motion
+    """
+    of_motions = {name: motions[name].reset_coords(drop=True).rename(record="motion") for name in MOTION_VARIABLES}
+    return scenes.drop_vars(MOTION_VARIABLES).assign(of_motions)
 
 
-def evaluated(data: xr.Dataset, axes: Sequence[str], figure: str | None) -> pd.DataFrame:
-    """Every number of the claims about a figure at every point of the swept axes: COLUMNS and `point`, its number, the
-    last axis fastest; `passed` is 1, 0, or NaN where no number is finite."""
-    whole, parts = xr.DataArray(np.zeros([data.sizes[axis] for axis in axes]), dims=axes), list[pd.DataFrame]()
+def evaluate_claims(data: xr.Dataset, axes: Sequence[str], figure: str | None) -> pd.DataFrame:
+    """Return every number of the claims about a figure at every point of the swept axes.
 
-    def at_points(values: xr.DataArray) -> np.ndarray:
+    Columns are those of COLUMNS without `where`, and `point`, its number, the last axis fastest; `passed` is 1, 0, or
+    NaN where no number is finite.
+    """
+    whole = xr.DataArray(np.zeros([data.sizes[axis] for axis in axes]), dims=axes)
+
+    def list_points(values: xr.DataArray) -> np.ndarray:
         return values.reset_coords(drop=True).broadcast_like(whole).transpose(*axes).values.astype(float).ravel()
 
-    for key, (about, _, find) in CLAIMS.items() if figure and "impacts" in data else ():
-        for finding in find(data) if about in ("", figure) else ():
-            number = at_points(finding.number)
-            passed = at_points(finding.threshold.contains(finding.number))
+    parts: list[pd.DataFrame] = []
+    for key, each in CLAIMS.items():
+        if not figure or "impacts" not in data or each.figure not in ("", figure):
+            continue
+        for finding in each.find(data):
+            number = list_points(finding.number)
+            passed = list_points(finding.threshold.contains(finding.number))
             part = pd.DataFrame({"point": np.arange(number.size), "number": number, "passed": passed})
             part["claim"] = key
             part["finding"] = finding.words
@@ -342,52 +413,59 @@ def evaluated(data: xr.Dataset, axes: Sequence[str], figure: str | None) -> pd.D
             part["threshold"] = finding.threshold_text
             parts.append(part)
     if not parts:
-        return pd.DataFrame(columns=["point", *COLUMNS])
-    found = pd.concat(parts, ignore_index=True)
-    found["passed"] = found["passed"].where(np.isfinite(found["number"]))
-    found["verdict"] = find_verdicts(found, MEAN)
-    found["verdict_largest"] = find_verdicts(found, LARGEST)
-    return found
+        return pd.DataFrame(columns=["point", *(column.name for column in COLUMNS if column.name != "where")])
+    numbers = pd.concat(parts, ignore_index=True)
+    numbers["passed"] = numbers["passed"].where(np.isfinite(numbers["number"]))
+    numbers["verdict"] = find_verdicts(numbers, MEAN)
+    numbers["verdict_largest"] = find_verdicts(numbers, LARGEST)
+    return numbers
 
 
 def find_verdicts(numbers: pd.DataFrame, measure: str) -> np.ndarray:
     """Return the verdict by one measure on the claim of every row, shape (rows,).
 
-    numbers : columns claim, point, measure and passed of `evaluated`
+    numbers : columns claim, point, measure and passed of `evaluate_claims`
     measure : MEAN or LARGEST; numbers by the other one do not count
     """
     counted = numbers["passed"].where(numbers["measure"].isin(["", measure]))
-    passed = counted.groupby([numbers["claim"], numbers["point"]])  # its extremes leave out what is not known
+    passed = counted.groupby([numbers["claim"], numbers["point"]])  # its extremes leave out NaN
     is_known = passed.transform("count") > 0
     all_met = passed.transform("min") == 1
     some_met = passed.transform("max") == 1
     return np.select([~is_known, all_met, some_met], [UNTESTED, HOLDS, PARTLY], FAILS)
 
 
-def format_verdicts(numbers: pd.DataFrame) -> list[str]:
-    """Return the verdict of every row in words, with that by the largest storey where it is another one."""
-    both = zip(numbers["verdict"], numbers["verdict_largest"], strict=True)
-    return [mean if mean == largest else f"{mean} ({LARGEST}: {largest})" for mean, largest in both]
+def judge_claims(results: ResultTables) -> pd.DataFrame:
+    """Return every number of the claims about the figure that the study names, at every point of the sweep.
 
-
-def judged(results: ResultTables) -> pd.DataFrame:
-    """One row a number found at a point of the sweep: `where` and COLUMNS; of the claims about the figure that the
-    study names, `claims: fig6` or `claims: fig7`."""
-    data, axes = results.data, [names[0] for names in results.swept]
-    found, where = evaluated(_with_motions(data, data), axes, results.resolved.get("claims")), list[str]()
+    Columns are those of COLUMNS; `passed` is true, false or missing. There are no rows where the study names no figure
+    (`claims: fig6` or `claims: fig7`).
+    """
+    axes = [names[0] for names in results.swept]
+    numbers = evaluate_claims(_add_motions(results.data, results.data), axes, results.resolved.get("claims"))
+    places = []
     for point in product(*(points_of(results, keys) for keys in results.swept)):
-        where.append(told(results, dict(zip(results.axes, chain(*point), strict=True))) or AS_GIVEN)
-    found = found.assign(
-        where=[where[point] for point in found["point"]],
-        passed=[{1.0: True, 0.0: False}.get(passed, "") for passed in found["passed"]],
-    )
-    return found[["where", *COLUMNS]]
+        swept = dict(zip(results.axes, chain(*point), strict=True))
+        places.append(told(results, swept) or AS_GIVEN)
+    numbers["where"] = [places[point] for point in numbers["point"]]
+    numbers["passed"] = numbers["passed"].astype("float").astype("boolean")
+    return numbers[[column.name for column in COLUMNS]]
+
+
+def list_verdicts(results: ResultTables) -> dict[str, str]:
+    """Return the verdict on every claim where nothing is swept and the study names a figure."""
+    if results.axes:
+        return {}
+    numbers = judge_claims(results)
+    return {str(row["claim"]): format_verdict(row) for row in numbers.to_dict("records")}
 
 
 def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
-    """Whether every claim holds (1 or 0), and whether at least a part of it does, by the mean over the storeys and by
-    the largest storey, at every sample of `pound sensitivity`; NaN of a sample with a scene that failed, and where
-    nothing tests the claim."""
+    """Yield whether every claim holds (1 or 0) at every sample of `pound sensitivity`, and whether a part of it does.
+
+    By the mean over the storeys and by the largest storey; NaN of a sample with a scene that failed, and where nothing
+    tests the claim.
+    """
     from pounding_cli.questions.sensitivity.indices import (
         Series as Sampled,  # with SciPy; `pound report` does not need it
     )
@@ -401,58 +479,116 @@ def at_samples(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[
     alone_failed: Any = np.isfinite(scenes["drift"]) & ~np.isfinite(scenes["drift0"])
     failed = (scenes["status"] != DONE) | alone_failed.any(("building", "storey"))
     is_void = failed.any(("case", "analysis", "record")).transpose(*axes).values
-    found = evaluated(_with_motions(scenes, data), axes, plan.study.spec.claims)
-    for key, mine in found.groupby("claim", sort=False):
+    numbers = evaluate_claims(_add_motions(scenes, data), axes, plan.study.spec.claims)
+    for key, of_claim in numbers.groupby("claim", sort=False):
         columns = {f"claim {key}": "verdict"}
-        if (mine["measure"] != "").any():
+        if (of_claim["measure"] != "").any():
             columns[f"claim {key}, {LARGEST}"] = "verdict_largest"
         for name, column in columns.items():
-            said = mine.drop_duplicates("point")[column].to_numpy().reshape(is_void.shape)
-            said = np.where(is_void, UNTESTED, said)
+            verdicts = of_claim.drop_duplicates("point")[column].to_numpy().reshape(is_void.shape)
+            verdicts = np.where(is_void, UNTESTED, verdicts)
             for words, held in ((name, [HOLDS]), (f"{name}, at least in part", [HOLDS, PARTLY])):
-                if held == [HOLDS] or (said == PARTLY).any():
-                    number = np.where(said == UNTESTED, np.nan, np.isin(said, held))
+                if held == [HOLDS] or (verdicts == PARTLY).any():
+                    number = np.where(verdicts == UNTESTED, np.nan, np.isin(verdicts, held))
                     for point in np.ndindex(number.shape[:-1]):
                         yield Sampled(point, "", "", words, "", number[point])
 
 
-# what is shown of them
+# What is shown of them
+
+
+def format_finding(row: Row) -> str:
+    """Return the number of a row of the claims with its unit."""
+    number = row["number"]
+    return f"{format_number(number, 3)} {row['unit']}".removesuffix(" -") if math.isfinite(number) else NOTHING
+
+
+def format_verdict(row: Row) -> str:
+    """Return the verdict of a row of the claims, with that by the largest storey where it is another one."""
+    if row["verdict"] == row["verdict_largest"]:
+        return str(row["verdict"])
+    return f"{row['verdict']} ({LARGEST}: {row['verdict_largest']})"
+
+
+def format_passed(row: Row) -> str:
+    """Return whether the number of a row of the claims meets its threshold."""
+    if pd.isna(row["passed"]):
+        return NOTHING
+    return "met" if row["passed"] else "missed"
 
 
 def list_claim_sections(results: ResultTables) -> list[Section]:
-    """Return the sections of a report, with the numbers at the point of the sweep that its figures show; none where the
-    study names no figure."""
+    """Return the sections of a report, with the numbers at the point of the sweep that its figures show.
+
+    There are none where the study names no figure, or the file is not of `pound run`.
+    """
     if results.workflow != "run":
         return []
-    here = nominal(results).label
-    every, rows = judged(results), []
-    if every.empty:
+    numbers = judge_claims(results)
+    if numbers.empty:
         return []
-    for key, mine in every[every["where"] == (here or AS_GIVEN)].groupby("claim", sort=False):
-        _, paper, find = CLAIMS[str(key)]
-        verdict = format_verdicts(mine.head(1))[0]
-        rows.append([f"{key}\n“{paper}” {' '.join(str(find.__doc__).split())}", verdict, "", ""])
-        met = mine["passed"].map({True: "met", False: "missed", "": NOTHING})
-        rows += map(list, zip(mine["finding"], met, claim_texts(mine), mine["threshold"], strict=True))
-    heads = ("claim, and its numbers", "verdict", "found", "threshold")
-    tables = [table_of_texts("The paper’s claims, and the numbers found", heads, rows)]
-    said = (
+    here = numbers[numbers["where"] == (nominal(results).label or AS_GIVEN)]
+    rule = (
         "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does. The "
         f"verdict is that by the {MEAN}; in brackets that by the {LARGEST}, where it is another one."
     )
-    numbers = Table("claims", every, [Column(str(name)) for name in every], "Every number at every point")
-    return [Section("The paper’s claims", [said], tables), Section("Numbers of the claims", (), [numbers], folded=True)]
+    sentences = [summarize_verdicts(here, results.resolved["claims"]), rule]
+    every = build_table("claims", numbers, _show_on_page(COLUMNS), caption="Every number at every point")
+    return [
+        Section("The paper’s claims", sentences, [build_claims_table(here)]),
+        Section("Numbers of the claims", (), [every], folded=True),
+    ]
 
 
-def verdicts(results: ResultTables) -> dict[str, str]:
-    """Claim -> verdict, where nothing is swept and the study names a figure."""
-    if results.axes:
-        return {}
-    found = judged(results)
-    return dict(zip(found["claim"], format_verdicts(found), strict=True))
+def _show_on_page(columns: Sequence[Column]) -> list[Column]:
+    """Return the columns with cells for `passed`, whose values may be missing."""
+    return [Column("passed", label="threshold met", write=format_passed) if c.name == "passed" else c for c in columns]
 
 
-def claim_texts(frame: pd.DataFrame) -> list[str]:
-    """Return the numbers of claims as people read them."""
-    numbers = zip(frame["number"], frame["unit"], strict=True)
-    return [f"{format_number(number, 3)} {unit}".removesuffix(" -") for number, unit in numbers]
+def summarize_verdicts(numbers: pd.DataFrame, figure: str) -> str:
+    """Return how many claims about a figure hold, in a sentence.
+
+    numbers : of one point of the sweep, as `judge_claims` has them
+    figure : "fig6" or "fig7"
+    """
+    verdicts = numbers.drop_duplicates("claim")["verdict"]
+    counts = Counter(verdicts)
+    words = {HOLDS: ("holds", "hold"), PARTLY: ("holds partly", "hold partly"), FAILS: ("does not hold", "do not hold"),
+             UNTESTED: ("is not tested", "are not tested")}  # fmt: skip
+    parts = [f"{counts[each]} {one if counts[each] == 1 else many}" for each, (one, many) in words.items()]
+    known = [part for part, each in zip(parts, words, strict=True) if counts[each]]
+    of_all = f"Of {pluralize(len(verdicts), 'claim')} about Fig. {figure.removeprefix('fig')}"
+    return f"{of_all}, {', '.join(known)} (by the {MEAN})."
+
+
+def build_claims_table(numbers: pd.DataFrame) -> Table:
+    """Return the claims with their numbers: a row with the words of the claim, then a row a number.
+
+    numbers : of one point of the sweep, as `judge_claims` has them
+    """
+    rows: list[dict[Any, Any]] = []
+    for key, of_claim in numbers.groupby("claim", sort=False):
+        each = CLAIMS[str(key)]
+        findings = of_claim.to_dict("records")
+        heading = f"{key}\n“{each.paper}” {each.meaning}"
+        rows.append({**findings[0], "finding": heading, "is_claim": True})
+        rows += [{**finding, "is_claim": False} for finding in findings]
+    columns = (
+        Column("finding", "the claim, and its numbers", label="claim, and its numbers"),
+        Column("verdict", "of the claim; of a number whether it meets its threshold", write=_format_outcome),
+        Column("number", "number found", label="found", write=_format_number_found),
+        Column("threshold", write=_format_threshold),
+    )
+    return Table("", pd.DataFrame(rows), columns, "The paper’s claims, and the numbers found")
+
+
+def _format_outcome(row: Row) -> str:
+    return format_verdict(row) if row["is_claim"] else format_passed(row)
+
+
+def _format_number_found(row: Row) -> str:
+    return "" if row["is_claim"] else format_finding(row)
+
+
+def _format_threshold(row: Row) -> str:
+    return "" if row["is_claim"] else str(row["threshold"])

@@ -11,23 +11,40 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.laws.pounding import damping_ratio
-from pounding_cli.paper.points import PointCommand, SweepPoint, to_variable
+from pounding_cli.numbers import Unit
+from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, build_array, describe_extremes
 from pounding_cli.report.style import finish, panels, styled
 from pounding_cli.study.base import Model, SpecIssue, spec_field
 from pounding_cli.study.links import RESTITUTION
 from pounding_cli.study.quantity import MASS, STIFFNESS, TIME, ParsedText, Quantity, WholeNumber
+from pounding_cli.tables import Column
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
     from pounding_cli.report.document import Picture
 
+MAX_PANELS = 4
+"""Points of the sweep that the figure shows."""
+
 MIN_GRID_POINTS = 4001
 """Grid on which peaks and bands are searched at least."""
 
-CONNECTOR_NUMBERS = ("peak1", "at1", "peak2", "at2", "frequency_low", "frequency_high", "p")
-"""Names of the numbers of a table that fits a terminal."""
+_RATIO = Unit("", 1.0, "1")
+
+COLUMNS = (
+    Column("peak1", "largest ratio of system 1", _RATIO, "peak 1"),
+    Column("at1", "Omega / omega10 at the peak of system 1", _RATIO, "at Ω/ω₁₀"),
+    Column("peak2", "largest ratio of system 2", _RATIO, "peak 2"),
+    Column("at2", "Omega / omega10 at the peak of system 2", _RATIO, "at Ω/ω₁₀"),
+    Column("frequency_low", "lower coupled frequency over omega10", _RATIO, "ω low"),
+    Column("frequency_high", "higher coupled frequency over omega10", _RATIO, "ω high"),
+    Column("p", "omega20 / omega10", _RATIO),
+)
+"""The numbers of a point."""
+
+SAME_RATIO = 1e-9
+"""A ratio of displacements that is one to this is one [-]."""
 
 DAMPING_RATIO = damping_ratio(RESTITUTION)
 """Damping ratio of a connector whose dashpot the study does not give [-]."""
@@ -115,8 +132,11 @@ class ConnectorStudySpec(Model):
 
 
 class Pair(NamedTuple):
-    """Masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, shapes (2,), stiffness K [N/m] and dashpot c
-    [N s/m] of the connector."""
+    """Two oscillators and what connects them.
+
+    m, k, zeta : masses [kg], stiffnesses [N/m] and damping ratios [-] of the two, shapes (2,)
+    joint, dashpot : stiffness K [N/m] and dashpot c [N s/m] of the connector
+    """
 
     m: np.ndarray
     k: np.ndarray
@@ -126,7 +146,7 @@ class Pair(NamedTuple):
 
 
 def build_pair(study: ConnectorStudySpec) -> Pair:
-    """The numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
+    """Return the numbers of a study; c is as given, or 2 xi sqrt(K m1 m2 / (m1 + m2)) (eq. 7, units corrected)."""
     first = study.first
     second = study.second
     joint = study.connector.stiffness
@@ -144,8 +164,8 @@ def build_pair(study: ConnectorStudySpec) -> Pair:
     return Pair(np.array([first.mass, second.mass]), np.array([k1, k2]), np.array(zeta), k, dashpot)
 
 
-def coupled_frequencies(pair: Pair) -> tuple[float, float]:
-    """The two undamped circular frequencies of the connected systems [rad/s], lower first.
+def find_coupled_frequencies(pair: Pair) -> tuple[float, float]:
+    """Return the two undamped circular frequencies of the connected systems [rad/s], lower first.
 
     They are the roots of (a - w^2) (b - w^2) = K^2 / (m1 m2) with a = (k1 + K) / m1, b = (k2 + K) / m2. The lower one
     comes from their product, a sum of positive terms: nothing cancels for a stiff connector.
@@ -159,8 +179,10 @@ def coupled_frequencies(pair: Pair) -> tuple[float, float]:
     return math.sqrt(((k1 / m1) * (k2 / m2) + k * (k1 + k2) / (m1 * m2)) / high), math.sqrt(high)
 
 
-def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
-    """Steady displacement, connected over alone, of both systems under a_g = exp(i Omega t), complex, shape (2, n).
+def compute_response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
+    """Return the steady displacement, connected over alone, of both systems under a_g = exp(i Omega t).
+
+    It is complex, of shape (2, n).
 
     With D_j = k_j - m_j Omega^2 + i Omega c_j and Z = K + i Omega c, Cramer's rule gives
 
@@ -177,14 +199,16 @@ def response_ratios(pair: Pair, omega: np.ndarray) -> np.ndarray:
     return d * (d[::-1] + z * m.sum() / m) / (d[0] * d[1] + z * d.sum(axis=0))
 
 
-def solve_connector(study: ConnectorStudySpec) -> xr.Dataset:
-    """Both ratios over frequency, their peaks, and the bands in which both exceed one, found to rounding.
+def solve_connector(study: ConnectorStudySpec) -> PointAnswer:
+    """Return both ratios over frequency, their peaks, and the bands in which both exceed one, found to rounding.
 
     Peaks and bands are searched on a grid, then refined: two features closer than one interval are seen as one.
-    Raises InputError where numbers are too large or too small to compute with.
+
+    Raises
+    ------
+    InputError : numbers are too large or too small to compute with
     """
-    import xarray as xr  # here, as all that `pound check` does not need
-    from scipy.optimize import brentq, minimize_scalar
+    from scipy.optimize import brentq, minimize_scalar  # here: `pound check` does not need it
 
     both = build_pair(study)
     low = study.frequencies.low
@@ -193,61 +217,84 @@ def solve_connector(study: ConnectorStudySpec) -> xr.Dataset:
     ratio = np.linspace(low, high, study.frequencies.points)
     grid = np.linspace(low, high, max(ratio.size, MIN_GRID_POINTS))
 
-    def sizes(x: Any) -> np.ndarray:
-        return np.abs(response_ratios(both, np.atleast_1d(x) * alone))
+    def compute_sizes(x: Any) -> np.ndarray:
+        return np.abs(compute_response_ratios(both, np.atleast_1d(x) * alone))
 
-    variables = {}
-    for which, each in enumerate(response_ratios(both, ratio * alone)):
-        best = int(np.argmax(sizes(grid)[which]))
+    numbers: dict[str, float] = {}
+    arrays = {"frequency": build_array("1", "Omega / omega10", ratio, "frequency")}
+    for which, each in enumerate(compute_response_ratios(both, ratio * alone)):
+        best = int(np.argmax(compute_sizes(grid)[which]))
         number = which + 1
         ends = grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)]
-        top = minimize_scalar(lambda x, which=which: -sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
-        peak, place = max((float(sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
-        variables[f"peak{number}"] = to_variable("1", f"largest ratio of system {number}", peak)
-        variables[f"at{number}"] = to_variable("1", f"Omega / omega10 at the peak of system {number}", place)
-        what = f"displacement of system {number}, connected over alone"
-        variables[f"R{number}"] = to_variable("1", what, np.abs(each), "frequency")
-        variables[f"R{number}_real"] = to_variable("1", f"{what}, real part", each.real, "frequency")
-        variables[f"R{number}_imag"] = to_variable("1", f"{what}, imaginary part", each.imag, "frequency")
-    smaller = sizes(grid).min(axis=0) - 1.0
+        top = minimize_scalar(lambda x, which=which: -compute_sizes(x)[which, 0], bounds=ends, options={"xatol": 1e-10})
+        peak, place = max((float(compute_sizes(x)[which, 0]), float(x)) for x in (top.x, grid[best]))
+        numbers[f"peak{number}"] = peak
+        numbers[f"at{number}"] = place
+        text = f"displacement of system {number}, connected over alone"
+        arrays[f"R{number}"] = build_array("1", text, np.abs(each), "frequency")
+        arrays[f"R{number}_real"] = build_array("1", f"{text}, real part", each.real, "frequency")
+        arrays[f"R{number}_imag"] = build_array("1", f"{text}, imaginary part", each.imag, "frequency")
+    smaller = compute_sizes(grid).min(axis=0) - 1.0
     # A ratio that is one throughout (no connector, equal systems) is not above one: rounding is left out.
     above = smaller > 1e-12
     edges = [low] if above[0] else []
     for i in np.flatnonzero(above[1:] != above[:-1]):
         crosses = smaller[i] * smaller[i + 1] < 0
-        x = brentq(lambda x: sizes(x).min() - 1.0, grid[i], grid[i + 1], xtol=1e-14) if crosses else grid[i]
+        x = brentq(lambda x: compute_sizes(x).min() - 1.0, grid[i], grid[i + 1], xtol=1e-14) if crosses else grid[i]
         edges.append(float(x))
     bands = np.array([*edges, high] if above[-1] else edges).reshape(-1, 2)
-    lower, upper = coupled_frequencies(both)
-    variables |= {
-        "frequency_low": to_variable("1", "lower coupled frequency over omega10", lower / alone),
-        "frequency_high": to_variable("1", "higher coupled frequency over omega10", upper / alone),
-        "p": to_variable("1", "omega20 / omega10", other / alone),
-        "frequency": to_variable("1", "Omega / omega10", ratio, "frequency"),
-        "both_above": to_variable(
-            "1", "bands of Omega / omega10 in which both ratios exceed one", bands, "band", "edge"
-        ),
-    }
-    if not all(np.isfinite(variables[name][1]) for name in CONNECTOR_NUMBERS):
+    lower, upper = find_coupled_frequencies(both)
+    numbers["frequency_low"] = float(lower / alone)
+    numbers["frequency_high"] = float(upper / alone)
+    numbers["p"] = float(other / alone)
+    text = "bands of Omega / omega10 in which both ratios exceed one"
+    arrays["both_above"] = build_array("1", text, bands, "band", "edge")
+    if not all(np.isfinite(number) for number in numbers.values()):
         hint = "give masses, stiffnesses and dashpots that differ by fewer powers of ten"
         raise InputError(Problem("the response is not finite", hint))
-    band_texts = ", ".join(f"{low:.3f}-{high:.3f}" for low, high in bands) or "nowhere"
-    return xr.Dataset(variables, attrs={"notes": [f"both ratios exceed 1 in: {band_texts}"]})
+    return PointAnswer(numbers, arrays, [describe_bands(bands)])
 
 
-def cite_connector(study: ConnectorStudySpec) -> dict[str, str]:
-    """Return the references of a study, each with what for."""
-    references = {
-        "spiliopoulos1996": "two connected oscillators, Figs 4 and 5",
-        "westermo1989": "connecting buildings",
-    }
+def describe_bands(bands: np.ndarray) -> str:
+    """Return in words at which frequencies both systems move farther than alone.
+
+    bands : ends of the bands of Omega / omega10, shape (n, 2)
+    """
+    if not len(bands):
+        return "at no frequency do both systems move farther than alone"
+    texts = [f"{low:.3f} to {high:.3f}" for low, high in bands]
+    return f"both systems move farther than alone at Ω/ω₁₀ = {' and '.join(texts)}"
+
+
+def list_connector_sentences(points: Sequence[SweepPoint]) -> list[str]:
+    """Return which systems the connector makes move farther than alone, and how much."""
+    is_increased = [any(point.numbers[name] > 1 + SAME_RATIO for point in points) for name in ("peak1", "peak2")]
+    if all(is_increased):
+        verdict = "the largest displacements of both systems"
+    elif any(is_increased):
+        number = 1 + is_increased.index(True)
+        verdict = f"the largest displacement of system {number}, and at no frequency that of system {3 - number}"
+    else:
+        verdict = "the displacement of neither system at any frequency"
+    low = min(point.study.frequencies.low for point in points)
+    high = max(point.study.frequencies.high for point in points)
+    peaks = [describe_extremes(points, column) for column in COLUMNS if column.name in ("peak1", "peak2")]
+    return [
+        f"The connector increases {verdict}: where it moves most, system 1 moves {peaks[0]} times as far as alone, "
+        f"system 2 {peaks[1]} times (at Ω/ω₁₀ from {low:g} to {high:g})."
+    ]
+
+
+def cite_connector(study: ConnectorStudySpec) -> Iterator[tuple[str, str]]:
+    """Yield the references of a study, each with what for."""
+    yield "spiliopoulos1996", "two connected oscillators, Figs 4 and 5"
+    yield "westermo1989", "connecting buildings"
     if study.connector.dashpot is None and study.connector.damping_ratio != 0:
-        references["anagnostopoulos1988"] = "the dashpot, eq. (7)"
-    return references
+        yield "anagnostopoulos1988", "the dashpot, eq. (7)"
 
 
-def build_ratio_pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
-    """Both ratios against the frequency of the ground."""
+def list_connector_figures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
+    """Return the figure of both ratios against the frequency of the ground."""
     from pounding_cli.report.document import Picture
 
     heading = "Largest displacements over those alone, |R1| and |R2|, against the frequency of the ground"
@@ -256,33 +303,35 @@ def build_ratio_pictures(title: str, points: Sequence[SweepPoint]) -> list[Pictu
 
 @styled
 def draw_ratios(title: str, points: Sequence[SweepPoint]) -> Figure:
-    """One panel a point of the sweep, of the first four, |R1| solid and |R2| dashed."""
-    drawn = points[:4]
+    """Draw one panel a point of the sweep, of the first four, |R1| solid and |R2| dashed."""
+    drawn = points[:MAX_PANELS]
     figure, axes = panels(1, len(drawn), sharex=True, sharey=True)
     for ax, point in zip(axes[0], drawn, strict=True):
-        data = point.data
-        x = point.data["frequency"].to_numpy()
-        ax.plot(x, data["R1"], color="#000000", lw=1.6, label="system 1")
-        ax.plot(x, data["R2"], color="#0072B2", linestyle=(0, (5, 2)), lw=1.6, label="system 2")
-        for low, high in data["both_above"].to_numpy():
+        frequency = point.values("frequency")
+        ax.plot(frequency, point.values("R1"), color="#000000", lw=1.6, label="system 1")
+        ax.plot(frequency, point.values("R2"), color="#0072B2", linestyle=(0, (5, 2)), lw=1.6, label="system 2")
+        for low, high in point.values("both_above"):
             ax.axvspan(low, high, color="0.88", zorder=0)
         for name in ("frequency_low", "frequency_high"):
-            ax.axvline(float(data[name]), color="#AA2211", lw=0.9, linestyle=(0, (1, 1.5)))
+            ax.axvline(point.numbers[name], color="#AA2211", lw=0.9, linestyle=(0, (1, 1.5)))
         ax.axhline(1, color="0.35", lw=1.0, zorder=1)
         ax.set_title(point.label or "response ratios", loc="left")
-        ax.set(xlabel="Ω / ω₁₀", ylabel="largest displacement over that alone", xlim=(x[0], x[-1]), ylim=(0, None))
+        ax.set(xlabel="Ω / ω₁₀", ylabel="largest displacement over that alone")
+        ax.set(xlim=(frequency[0], frequency[-1]), ylim=(0, None))
     axes[0, 0].legend(loc="upper right")
-    left = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
-    finish(figure, title, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left}")
+    left_out = f" The first {len(drawn)} of {len(points)} points of the sweep." if len(points) > len(drawn) else ""
+    finish(figure, title, f"Grey: both ratios exceed one. Dotted: frequencies of the connected pair.{left_out}")
     return figure
 
 
-CONNECTOR_COMMAND = PointCommand(
+COMMAND = PointCommand(
     name="connector",
     spec=ConnectorStudySpec,
     solve=solve_connector,
-    terminal_numbers=CONNECTOR_NUMBERS,
-    cite_references=cite_connector,
-    build_pictures=build_ratio_pictures,
+    columns=COLUMNS,
+    shown_columns=[column.name for column in COLUMNS],
+    sentences=list_connector_sentences,
+    figures=list_connector_figures,
+    cite=cite_connector,
 )
 """`pound connector`."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import pkgutil
+import math
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,31 +15,44 @@ from pydantic import BaseModel, ValidationError
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, pluralize
+from pounding_cli.paper import load_point_command
+from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.file import Problems, read_study, refuse_other_kinds, with_value
 from pounding_cli.study.warnings import Doubts, warn_values
 from pounding_cli.study.words import describe_errors
+from pounding_cli.tables import Column, Table, build_table, table_of_texts
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from pounding_cli.report.document import Picture, Report
-
-POINT_COMMANDS = {
-    "connector": "pounding_cli.paper.connector:CONNECTOR_COMMAND",
-    "wall": "pounding_cli.paper.wall:WALL_COMMAND",
-}
-"""Command -> the place of its `PointCommand`; its module is imported when the command is used."""
+    from pounding_cli.results.arrays import Array
 
 MESH = ("element", "side", "axis")
 """Dimensions of fields on a mesh, which are drawn and not kept in the results file."""
 
-_UNITS = {
-    "N": Unit("kN", 1e3, "N"), "N s": Unit("kN s", 1e3, "N s"), "N m": Unit("kN m", 1e3, "N m"),
-    "N/m2": Unit("N/mm²", 1e6, "N/m2"), "s": Unit("ms", 1e-3, "s"), "1": Unit("", 1.0, "1"),
-}  # fmt: skip
-"""SI unit -> the unit that tables show."""
+STATUS_COLUMNS = (
+    Column("status", "done, or what went wrong"),
+    Column("seconds", "processor time", Unit("ms", 1e-3, "s")),
+)
+"""Columns behind the numbers of every point."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointAnswer:
+    """The answer of a model at one point.
+
+    numbers : in SI, by the columns of its command
+    arrays : histories and fields, by name
+    notes : what a reader should know of them
+    """
+
+    numbers: Mapping[str, float]
+    arrays: Mapping[str, Array]
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -48,34 +61,53 @@ class PointCommand:
 
     name : of the command, and the kind of its results files
     spec : model of its study file
-    solve : a study -> its values with unit and meaning (`to_variable`), and sentences in the attribute `notes`
-    terminal_numbers : names of the values that a terminal prints
-    cite_references : a study -> {key of a reference: what for}
-    build_pictures : title and points -> figures of the report, the most important first
+    solve : study -> answer of a point; raises InputError where there is none
+    columns : of the numbers of a point
+    shown_columns : names of those that a terminal prints
+    sentences : solved points -> the answer, the most important first
+    figures : title and solved points -> figures, the most important first
+    cite : study -> keys of references, and what each was used for
     """
 
     name: str
     spec: type[BaseModel]
-    solve: Callable[[Any], xr.Dataset]
-    terminal_numbers: tuple[str, ...]
-    cite_references: Callable[[Any], Mapping[str, str]]
-    build_pictures: Callable[[str, Sequence[SweepPoint]], Sequence[Picture]]
+    solve: Callable[[Any], PointAnswer]
+    columns: Sequence[Column]
+    shown_columns: Sequence[str]
+    sentences: Callable[[Sequence[SweepPoint]], Sequence[str]]
+    figures: Callable[[str, Sequence[SweepPoint]], Sequence[Picture]]
+    cite: Callable[[Any], Iterable[tuple[str, str]]]
+
+    def column(self, name: str) -> Column:
+        """Return a column of the numbers.  Raises KeyError: there is none."""
+        return {column.name: column for column in self.columns}[name]
 
 
 @dataclass(frozen=True)
 class SweepPoint:
-    """One point of the sweep: its label, the study there and the values of the swept keys.
+    """One point of the sweep.
 
-    data : values of the point, as `PointCommand.solve` returns them
-    status, advice : "done", or why there is nothing in `data`, and what to do about it
+    label : its swept keys in words; "" where nothing is swept
+    study : the study there
+    swept : swept key -> value [SI] or text
+    numbers, arrays, notes : of its answer; empty before it is solved, and where it failed
+    status, advice : `DONE`, or why there are no numbers, and what to do about it
+    seconds : processor time [s]
     """
 
     label: str
     study: Any
     swept: Mapping[str, float | str]
-    data: Any = None
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    arrays: Mapping[str, Array] = field(default_factory=dict)
+    notes: Sequence[str] = ()
     status: str = ""
     advice: str = ""
+    seconds: float = math.nan
+
+    def values(self, name: str) -> np.ndarray:
+        """Return the values of one of the arrays."""
+        return self.arrays[name].values
 
 
 @dataclass(frozen=True)
@@ -89,15 +121,27 @@ class Sweep:
     points: tuple[SweepPoint, ...]
     warnings: tuple[Problem, ...] = ()
 
+    @property
+    def solved_points(self) -> list[SweepPoint]:
+        """The points that have numbers."""
+        return [point for point in self.points if point.status == DONE]
 
-def to_variable(unit: str, text: str, number: Any, *dims: str) -> tuple[Any, ...]:
-    """A variable of the Dataset of a point: in SI, with its meaning; `dims` of an array."""
-    return dims, number, {"units": unit, "long_name": text}
+    @property
+    def failed_points(self) -> list[SweepPoint]:
+        """The points that have none."""
+        return [point for point in self.points if point.status != DONE]
+
+
+def build_array(unit: str, text: str, values: Any, *dims: str) -> Array:
+    """Return an array with its SI unit and its meaning."""
+    from pounding_cli.results.arrays import Array  # with h5py, which `pound check` does not need
+
+    return Array(dims, np.asarray(values), {"units": unit, "long_name": text})
 
 
 def load_sweep(path: Path, name: str) -> Sweep:
     """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
-    command: PointCommand = pkgutil.resolve_name(POINT_COMMANDS[name])
+    command = load_point_command(name)
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
     problems = Problems(str(path))
@@ -126,16 +170,14 @@ def load_sweep(path: Path, name: str) -> Sweep:
 
 
 def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
-    """Return a point with its values; whatever goes wrong in it becomes its status, and the others go on."""
-    import xarray as xr
-
+    """Return a point with its answer; whatever goes wrong in it becomes its status, and the others go on."""
     begin = time.thread_time()
-    data = xr.Dataset()
+    answer = PointAnswer({}, {})
     status = DONE
     advice = ""
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
-            data = sweep.command.solve(point.study)
+            answer = sweep.command.solve(point.study)
     except InputError as refused:
         (problem, *_) = refused.problems
         status = f"refused: {problem.message}"
@@ -149,16 +191,22 @@ def solve_point(sweep: Sweep, point: SweepPoint) -> SweepPoint:
     except Exception as error:  # one point must not take the others with it
         status = f"error: {type(error).__name__}: {error}"
         advice = "this is an internal error: please report it with the study file"
-    data["status"] = to_variable("", "done, or what went wrong", status)
-    data["seconds"] = to_variable("s", "processor time", time.thread_time() - begin)
-    return replace(point, data=data, status=status, advice=advice)
+    return replace(
+        point,
+        numbers=answer.numbers,
+        arrays=answer.arrays,
+        notes=answer.notes,
+        status=status,
+        advice=advice,
+        seconds=time.thread_time() - begin,
+    )
 
 
 def build_dataset(sweep: Sweep) -> xr.Dataset:
-    """Every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
+    """Return every variable over the swept keys; arrays of points with fewer instants, cells or bands end in NaN."""
     import xarray as xr
 
-    every = [point.data.drop_dims(MESH, errors="ignore").drop_attrs(deep=False) for point in sweep.points]
+    every = [_to_dataset(sweep.command, point).drop_dims(MESH, errors="ignore") for point in sweep.points]
     index_dims = {dim for each in every for dim in each.sizes if dim not in each.coords}
     most = {dim: max(each.sizes.get(dim, 0) for each in every) for dim in index_dims}
     every = [each.pad({dim: (0, most[dim] - each.sizes[dim]) for dim in index_dims & {*each.sizes}}) for each in every]
@@ -173,6 +221,20 @@ def build_dataset(sweep: Sweep) -> xr.Dataset:
     return merged.assign_attrs({"kind": sweep.command.name, "title": sweep.title, "study": sweep.text})
 
 
+def _to_dataset(command: PointCommand, point: SweepPoint) -> xr.Dataset:
+    """Return the variables of one point."""
+    import xarray as xr
+
+    columns = {column.name: column for column in (*command.columns, *STATUS_COLUMNS)}
+    values = {**point.numbers, "status": point.status, "seconds": point.seconds}
+    variables: dict[str, Any] = {}
+    for name, value in values.items():
+        variables[name] = ((), value, {"units": columns[name].unit.si, "long_name": columns[name].text})
+    for name, array in point.arrays.items():
+        variables[name] = (array.dims, array.values, dict(array.attrs))
+    return xr.Dataset(variables)
+
+
 def is_written_by(name: str, file: Path) -> bool:
     """Return whether the command `name` wrote a file, damaged since or not."""
     import h5py
@@ -184,42 +246,92 @@ def is_written_by(name: str, file: Path) -> bool:
         return False
 
 
-def build_report(sweep: Sweep) -> Report:
-    """The numbers of every point, figures and references."""
+# What is shown of them
+
+
+def build_points_table(sweep: Sweep) -> Table:
+    """Return the numbers of every point, a row a point."""
+    frame = _build_frame(sweep)
+    declared = [*list_swept_columns(sweep.axes), *sweep.command.columns, *STATUS_COLUMNS]
+    return build_table(sweep.command.name, frame, declared, caption="Numbers at every point")
+
+
+def _build_frame(sweep: Sweep) -> pd.DataFrame:
     import pandas as pd
 
+    names = [column.name for column in sweep.command.columns]
+    rows = []
+    for point in sweep.points:
+        row: dict[str, Any] = dict(point.swept)
+        row |= {name: point.numbers.get(name, math.nan) for name in names}
+        row["status"] = point.status
+        row["seconds"] = point.seconds
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def build_report(sweep: Sweep) -> Report:
+    """Return the report of a sweep: the answer, the numbers of every point, figures and references."""
     from pounding_cli.report.document import Report, Section
     from pounding_cli.report.references import REFERENCES
-    from pounding_cli.report.table import from_rows
-    from pounding_cli.results.tables import Column, Table
 
     command = sweep.command
-    done = [point for point in sweep.points if point.status == DONE]
-    frame = pd.DataFrame([
-        {**point.swept, **{name: each.item() for name, each in point.data.items() if not each.dims}}
-        for point in sweep.points
-    ])  # fmt: skip
-    swept = {name: unit for axis in sweep.axes for name, unit in zip(axis.names, axis.units, strict=True)}
-    columns = {name: Column("swept", unit, name) for name, unit in swept.items()}
-    for name, each in max((point.data for point in sweep.points), key=len).items():
-        if not each.dims:
-            si = each.attrs["units"]
-            columns[name] = Column(each.attrs["long_name"], _UNITS.get(si, Unit(si, 1.0, si)), name.replace("_", " "))
-    frame = frame[[*columns]]
-    terminal_frame = frame[[*swept, *(command.terminal_numbers if done else ["status"])]]
-    pictures = command.build_pictures(sweep.title, done) if done else []
-    cited = [[REFERENCES[key].text, what] for key, what in command.cite_references(sweep.points[0].study).items()]
-    notes = [": ".join(filter(None, (point.label, note))) for point in done for note in point.data.attrs["notes"]]
-    failed_count = len(sweep.points) - len(done)
-    sentences = [f"{pluralize(failed_count, 'point')} failed."] if failed_count else []
+    solved = sweep.solved_points
+    table = build_points_table(sweep)
+    pictures = command.figures(sweep.title, solved) if solved else []
+    cited = [(REFERENCES[key].text, purpose) for key, purpose in command.cite(sweep.points[0].study)]
+    notes = [": ".join(filter(None, (point.label, note))) for point in solved for note in point.notes]
+    answer = Section("", _list_sentences(sweep), [_choose_columns(sweep, table)], notes=notes)
     return Report(
         sweep.title,
-        Section("", sentences, [Table("", terminal_frame, columns)], pictures[:1], notes),
+        answer,
+        lambda: pictures[:1],
         lambda: [
             Section("Further figures", pictures=pictures[1:]),
-            Section("Numbers", tables=[Table(command.name, frame, columns, "Numbers at every point")]),
-            Section("References", tables=[from_rows("", ("reference", "for"), cited)]),
+            Section("Numbers", tables=[table]),
+            Section("References", tables=[table_of_texts("", ("reference", "for"), cited)]),
             Section("Study", widget="study"),
         ],
         study=sweep.text,
     )
+
+
+def _list_sentences(sweep: Sweep) -> list[str]:
+    """Return the answer in sentences, and how many points failed."""
+    solved = sweep.solved_points
+    failed_count = len(sweep.failed_points)
+    sentences = list(sweep.command.sentences(solved)) if solved else []
+    if failed_count and solved:
+        sentences.append(f"{pluralize(failed_count, 'point')} of {len(sweep.points)} failed.")
+    elif failed_count:
+        sentences.append("There is no answer: every point failed." if failed_count > 1 else "There is no answer.")
+    return sentences
+
+
+def _choose_columns(sweep: Sweep, table: Table) -> Table:
+    """Return the columns that a terminal prints; the status where a point failed."""
+    swept = [name for axis in sweep.axes for name in axis.names]
+    shown = list(sweep.command.shown_columns) if sweep.solved_points else []
+    status = ["status"] if sweep.failed_points else []
+    return replace(table.view(*swept, *shown, *status), caption="")
+
+
+def describe_extremes(points: Sequence[SweepPoint], column: Column) -> str:
+    """Return the smallest and the largest number of some points in words, each with its point.
+
+    "5598 (mesh.size = 0.125 m) to 7278 kN (mesh.size = 1 m)"; of one point, or where all are alike, the number alone.
+    """
+    known = [point for point in points if math.isfinite(point.numbers[column.name])]
+    first = min(known, key=lambda point: point.numbers[column.name])
+    last = max(known, key=lambda point: point.numbers[column.name])
+    low = column.format(first.numbers[column.name])
+    high = column.format_with_unit(last.numbers)
+    if low == column.format(last.numbers[column.name]):
+        return high
+    return f"{low} ({first.label}) to {high} ({last.label})"
+
+
+def iter_failures(sweep: Sweep) -> Iterator[tuple[str, str, str]]:
+    """Yield of every failed point its label, what happened and what to do about it."""
+    for point in sweep.failed_points:
+        yield point.label or "the study", point.status, point.advice

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 
 from pounding_cli.laws import link_laws
@@ -18,7 +19,6 @@ from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
-from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.tables import Table, table_of_texts
 
 if TYPE_CHECKING:
@@ -87,14 +87,15 @@ def table_of_results(results: ResultTables, name: str, frame: pd.DataFrame) -> T
 
 
 def advice(results: ResultTables) -> list[str]:
-    """What a reader should know of the study: heights that it does not write, an impact stiffness of one value."""
-    said, struck = [], results.link("kind", "impacts")
+    """Return what a reader should know of the study: heights that it does not write, dashpots of infills and
+    connectors, an impact stiffness of one value."""
+    sentences = []
     if results.assumed_heights:
-        said.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
-    said += dashpot_sentences(results)
-    if STIFFNESS not in results.axes and ((struck["kind"] == "pounding") & (struck["impacts"] > 0)).any():
-        said.append(ADVICE)
-    return said
+        sentences.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
+    sentences += dashpot_sentences(results)
+    if STIFFNESS not in results.axes and len(results.struck_links()):
+        sentences.append(ADVICE)
+    return sentences
 
 
 def dashpot_sentences(results: ResultTables) -> list[str]:
@@ -147,6 +148,8 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
 
     A written intensity need not be one of those that are swept: every way to scale is in proportion to its value.
     """
+    from pounding_cli.study.records_spec import INTENSITY_KEYS  # here: a terminal prints results without a study
+
     frame, point = results.records(), dict[str, Any]()
     columns = ["record", "source", "scale", "window", "pga", "arias", "digest"]
     for keys in results.swept:
@@ -260,17 +263,20 @@ def _study(results: ResultTables) -> Section:
 
 
 def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
-    """How far the numbers go, in one line: rows, worst error, sensitivity and energy balance."""
-    failed, error = len(failed_scenes(scene)), scene["error_estimate"].dropna()
-    said = [f"{pluralize(len(scene), 'row')}, {f'{failed} failed' if failed else 'all done'}"]
-    if len(error):
-        of = "all" if len(error) == len(scene) else f"{len(error)}"
-        said.append(f"no peak has a numerical error above {format_number(error.max(), 1)} ({of} assessed)")
+    """Return how far the numbers go, in one line: rows, numerical error, sensitivity and energy balance."""
+    failed = len(failed_scenes(scene))
+    parts = [f"{pluralize(len(scene), 'row')}, {f'{failed} failed' if failed else 'all done'}."]
+    errors = scene["error_estimate"].dropna()
+    if len(errors):
+        assessed = "" if len(errors) == len(scene) else f" ({len(errors)} of {pluralize(len(scene), 'row')} assessed)"
+        parts.append(f"Numerical error: at most {format_number(errors.max(), 1)}{assessed}.")
     else:
-        said.append("errors and sensitivities were not estimated (estimate: none)")
+        parts.append("Numerical error and sensitivity: not estimated (`estimate: none`).")
     if scene["sensitivity"].notna().any():
         row = scene.iloc[int(scene["sensitivity"].argmax())]
-        said.append(f"sensitivity up to {format_number(row['sensitivity'], 2)} ({run_label(row.to_dict(), units)})")
-    if (residual := scene["energy_residual"].abs().max()) == residual:
-        said.append(f"the energy balance closes to {format_number(residual, 1)} of the input")
-    return f"{'; '.join(said)}."
+        size = format_number(row["sensitivity"], 2)
+        parts.append(f"Sensitivity to a small change of the motion: up to {size} ({run_label(row.to_dict(), units)}).")
+    residual = scene["energy_residual"].abs().max()
+    if np.isfinite(residual):
+        parts.append(f"Energy balance: closes to {format_number(residual, 1)} of the input.")
+    return " ".join(parts)

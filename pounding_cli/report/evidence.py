@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.numbers import Unit
-from pounding_cli.results.flags import flagged_scenes
+from pounding_cli.results.flags import FlagGroup, flag_groups_of
 from pounding_cli.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -142,10 +142,14 @@ class Evidence:
         return array.values[key]
 
     @cached_property
+    def flag_groups(self) -> tuple[FlagGroup, ...]:
+        """The flags of every case and analysis here."""
+        return flag_groups_of(self._table("scene"))
+
+    @cached_property
     def void(self) -> set[tuple[str, str]]:
         """Cases and analyses of which some scenes carry a flag that takes the meaning from their numbers."""
-        flagged = flagged_scenes(self._table("scene"))
-        return set(flagged.loc[flagged["meaningless"], ["case", "analysis"]].itertuples(index=False, name=None))
+        return {(group.case, group.analysis) for group in self.flag_groups if group.meaningless}
 
     def marked(self, case: str) -> str:
         """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""

@@ -188,23 +188,23 @@ def _draw_panel(ax: Axes, evidence: Evidence, values: xr.DataArray) -> None:
 # isolators
 
 MOST_LOOPS = 6
-"""Runs in the figure of the loops."""
+"""Time histories in the figure of the loops."""
 
 
 def list_loops(evidence: Evidence) -> list[Picture]:
-    """Return the figure of the force of isolators over the displacement of their base; none without kept runs."""
+    """Return the figure of the loops of isolators; none where no time history is kept."""
     bases = {name: evidence.of_study(name).get("foundation") for name in evidence.group}
     isolated = [name for name, base in bases.items() if isinstance(base, dict) and base.get("isolation")]
     kept = evidence.here(evidence.results.histories()).head(MOST_LOOPS)
     if not isolated or kept.empty:
         return []
-    text = f"Force of the isolators of {', '.join(isolated)} over the displacement of the base, of kept runs."
+    text = f"Force of the isolators of {', '.join(isolated)} over the displacement of the base, of kept time histories."
     return [Picture("isolators", "Isolators", text, partial(draw_loops, evidence, isolated, kept))]
 
 
 @styled
 def draw_loops(evidence: Evidence, isolated: list[str], kept: pd.DataFrame) -> Figure:
-    """Draw a panel for each building on isolators, a line for each kept run."""
+    """Draw a panel for each building on isolators, a line for each kept time history."""
     figure, axes = grid(len(isolated), 4.2, 3.4)
     look = looks(list(kept["case"]))
     for place in kept[["case", "analysis", "record"]].to_dict("records"):

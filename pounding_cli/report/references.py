@@ -1,4 +1,4 @@
-"""What a study rests on: the literature in `references.bib`, and who uses which entry for what."""
+"""The literature in `references.bib`, and which entries a study uses for what."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Reference:
 
     @property
     def authors(self) -> str:
-        """The authors: "Family, A. B., Family, C. & Family, D."; of an organisation its name."""
+        """The authors, "Family, A. B., Family, C. & Family, D."; of an organisation its name."""
         name = self.fields["author"]
         if name.startswith("{"):
             return name.strip("{}")
@@ -42,95 +42,117 @@ class Reference:
     @property
     def text(self) -> str:
         """The entry on one line."""
-        at = self.fields
-        edition = f", {at['edition']} edition" if "edition" in at else ""
-        volume = f" {at['volume']}" + (f"({at['number']})" if "number" in at else "") if "volume" in at else ""
-        within = at.get("journal") or at.get("booktitle") or at.get("howpublished")
-        where = [within + volume] if within else []
-        where += [at[name].replace("--", "-") for name in ("pages", "publisher", "address") if name in at]
-        doi = f" doi:{at['doi']}" if "doi" in at else ""
-        return f"{self.authors} ({at['year']}). {at['title'].strip('{}')}{edition}. {', '.join(where)}.{doi}"
+        fields = self.fields
+        edition = f", {fields['edition']} edition" if "edition" in fields else ""
+        issue = f"({fields['number']})" if "number" in fields else ""
+        volume = f" {fields['volume']}{issue}" if "volume" in fields else ""
+        container = fields.get("journal") or fields.get("booktitle") or fields.get("howpublished")
+        places = [container + volume] if container else []
+        for name in ("pages", "publisher", "address"):
+            if name in fields:
+                places.append(fields[name].replace("--", "-"))
+        doi = f" doi:{fields['doi']}" if "doi" in fields else ""
+        title = fields["title"].strip("{}")
+        return f"{self.authors} ({fields['year']}). {title}{edition}. {', '.join(places)}.{doi}"
 
 
-def read(text: str) -> dict[str, Reference]:
-    """The entries of a .bib file that has one field a line, by key (family name of the first author and year)."""
-    found = {}
+def parse_references(text: str) -> dict[str, Reference]:
+    """Return the entries of a .bib file that has one field a line, by key.
+
+    A key is the family name of the first author and the year.
+    """
+    references = {}
     for entry in _ENTRY.finditer(text):
         fields = {name: re.sub(r"\\([&%#_])", r"\1", value) for name, value in _FIELD.findall(entry[3])}
-        found[entry[2]] = Reference(fields, entry[0])
-    return found
+        references[entry[2]] = Reference(fields, entry[0])
+    return references
 
 
 _FILE = Path(__file__).with_name("references.bib")
-REFERENCES = read(_FILE.read_text(encoding="utf-8").replace("VERSION", __version__))
+REFERENCES = parse_references(_FILE.read_text(encoding="utf-8").replace("VERSION", __version__))
 """Every reference by its key."""
 
 
-def citations(
-    resolved: Mapping[str, Any], sources: Mapping[str, str], methods: Collection[str] = (),
+def list_citations(
+    resolved: Mapping[str, Any],
+    sources: Mapping[str, str],
+    methods: Collection[str] = (),
     cite: Callable[[Mapping[str, Any]], Iterable[tuple[str, str]]] | None = None,
-) -> dict[str, list[str]]:  # fmt: skip
-    """What to cite for a study: keys of REFERENCES, and what each was used for.
+) -> dict[str, list[str]]:
+    """Return what to cite for a study: keys of REFERENCES, and what each was used for.
 
     Parameters
     ----------
     resolved : the study with every default filled in
     sources : motion -> its label: "real", "stand-in" or "user"
     methods : keys in METHODS that solve its scenes, buildings alone included
-    cite : keys that its question uses besides, and what for
+    cite : the same of its question: resolved -> keys, and what each was used for
     """
     uses = defaultdict[str, list[str]](list)
-    for key, what in (*_of_scenes(resolved, methods), *(cite(resolved) if cite else ())):
-        uses[key].append(what)
+    for key, purpose in (*_iter_scene_references(resolved, methods), *(cite(resolved) if cite else ())):
+        uses[key].append(purpose)
     if "stand-in" in sources.values():
         uses["lilhanand1988"].append("the synthesis of the stand-in motions")
     return {key: list(dict.fromkeys(uses[key])) for key in REFERENCES if key in uses}
 
 
-def _of_scenes(resolved: Mapping[str, Any], methods: Collection[str]) -> Iterator[tuple[str, str]]:
-    """What the scenes of a study rest on: keys of references, and what each is used for."""
+def _iter_scene_references(resolved: Mapping[str, Any], methods: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Yield what the time histories of a study rest on: keys of references, and what each is used for."""
     yield "pounding_cli", "the computations"
     yield "spiliopoulos1996", "the model of the buildings, eqs (1) to (4)"
-    buildings = {name: resolved["buildings"][name] for name in resolved["group"]}
-    kinds = {link["link"].partition(" of ")[0] for case in resolved["cases"].values() for link in case["links"]}
-    storeys = {building.get("storey_law") for building in buildings.values()}
-    for laws, acting in ((link_laws(), kinds), (storey_laws(), storeys)):
-        for law in (law for law in laws.values() if law.name in acting):
-            yield from law.citation
-    bases = [building.get("foundation") for building in buildings.values()]
-    if any(isinstance(base, dict) and (base.get("isolation") or {}).get("friction") for base in bases):
-        yield from FrictionPendulum.citation
-    for name, building in buildings.items():
-        if building["yield_shear"] is None and "code" in building["yield"]:
-            yield f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation"
+    yield from _iter_law_references(resolved)
     scale = resolved["records"]["scale"]
     if scale == "table1":
         yield "spiliopoulos1996", "the scales of Table 1"
     if scale == "table1" or (isinstance(scale, Mapping) and "arias" in scale):
         yield "arias1970", "the intensity by which the motions are scaled"
     for method in (METHODS[name] for name in methods):
-        yield from ((key, f"the method of solution, {method.title}") for key, _ in method.citation)
+        for key, _ in method.citation:
+            yield key, f"the method of solution, {method.title}"
         if resolved["estimate"] != "none":
             judge = METHODS["taylor"] if method.takes_step else method  # as solver.estimate has it
-            yield from ((key, "the finer runs for error and sensitivity") for key, _ in judge.citation)
+            for key, _ in judge.citation:
+                yield key, "the finer runs for error and sensitivity"
 
 
-def motions(sources: Mapping[str, str]) -> Iterator[str]:
-    """Where the motions come from, as far as the catalogue knows, one line each; `sources` as for `citations`."""
+def _iter_law_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield what the links, storeys, isolators and yield shears of a study rest on."""
+    buildings = {name: resolved["buildings"][name] for name in resolved["group"]}
+    kinds = {link["link"].partition(" of ")[0] for case in resolved["cases"].values() for link in case["links"]}
+    storeys = {building.get("storey_law") for building in buildings.values()}
+    for laws, names in ((link_laws(), kinds), (storey_laws(), storeys)):
+        for law in laws.values():
+            if law.name in names:
+                yield from law.citation
+    bases = [building.get("foundation") for building in buildings.values()]
+    if any(isinstance(base, dict) and (base.get("isolation") or {}).get("friction") for base in bases):
+        yield from FrictionPendulum.citation
+    for name, building in buildings.items():
+        if building["yield_shear"] is None and "code" in building["yield"]:
+            yield f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation"
+
+
+def iter_motion_sources(sources: Mapping[str, str]) -> Iterator[str]:
+    """Yield where the motions come from, as far as the catalogue knows, one line each.
+
+    sources : as for `list_citations`
+    """
     for name, kind in sources.items():
         known = load_catalogue().get(name)
-        said = "your own file: cite its source"
-        if known is not None and not kind.startswith("user"):
-            what = f"{known.title}: {known.event}, {known.date}, magnitude {known.magnitude}, {known.station}"
-            made = f"synthesized by pounding_cli from: {'; '.join(known.sources)}"
-            said = f"{what}, {known.component}; {said if kind.startswith('real') else made}"
-        yield f"{name} ({kind}): {said}"
+        if known is None or kind.startswith("user"):
+            yield f"{name} ({kind}): your own file: cite its source"
+            continue
+        event = f"{known.title}: {known.event}, {known.date}, magnitude {known.magnitude}, {known.station}"
+        origin = "your own file: cite its source"
+        if not kind.startswith("real"):
+            origin = f"synthesized by pounding_cli from: {'; '.join(known.sources)}"
+        yield f"{name} ({kind}): {event}, {known.component}; {origin}"
 
 
-def method_sources(names: Iterable[str]) -> list[str]:
-    """The publications of methods of solution as lines of Markdown, one a method."""
+def list_method_sources(names: Iterable[str]) -> list[str]:
+    """Return the publications of methods of solution as lines of Markdown, one a method."""
     lines = []
     for name in names:
-        cited = ((REFERENCES[key].text, where) for key, where in METHODS[name].citation)
-        lines.append(f"- `{name}`: {'; '.join(f'{text} ({where})' if where else text for text, where in cited)}")
+        texts = [f"{REFERENCES[key].text}{f' ({where})' if where else ''}" for key, where in METHODS[name].citation]
+        lines.append(f"- `{name}`: {'; '.join(texts)}")
     return lines

@@ -160,7 +160,7 @@ def round_for_page(value: float) -> float | int | None:
 
 
 def build_player_scenes(results: ResultTables) -> list[dict[str, Any]]:
-    """Return the kept runs as the player reads them, as many as a page has room for.
+    """Return the kept time histories as the player reads them, as many as a page has room for.
 
     Those with contacts come first, of these the inelastic ones.
     """
@@ -180,7 +180,7 @@ def build_player_scenes(results: ResultTables) -> list[dict[str, Any]]:
 
 
 def _pack_scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
-    """Return a run as the player reads it.
+    """Return a time history as the player reads it.
 
     `series` has the ground, of every building its floors, and its sway and rocking where its foundation moves, and the
     force of every link.
@@ -205,7 +205,7 @@ def _pack_scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _pack_buildings(evidence: Evidence, history: History) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
-    """Return the buildings of a run, and the series of their floors and foundations [m], [rad]."""
+    """Return the buildings of a time history, and the series of their floors and foundations [m], [rad]."""
     buildings = []
     series: list[np.ndarray] = []
     for number, (name, rows) in enumerate(evidence.buildings.groupby("building", sort=False)):
@@ -230,7 +230,7 @@ def _pack_buildings(evidence: Evidence, history: History) -> tuple[list[dict[str
 
 
 def _pack_links(evidence: Evidence, history: History, case: str) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
-    """Return the links of a run, and their forces [N]."""
+    """Return the links of a time history, and their forces [N]."""
     rows = evidence.link[evidence.link["case"] == case].drop_duplicates("link")
     row_of = dict(zip(rows["link"], rows.to_dict("records"), strict=True))
     links = []

@@ -15,6 +15,12 @@ TABLES = (
 )
 """The tables that every results file has."""
 
+CONTACT_STIFFNESS_UNKNOWN = (
+    "Floor accelerations and link forces of floors that strike depend on the contact stiffness, which is unknown: they "
+    "grow with about its square root."
+)
+"""Note on accelerations and forces of floors that strike."""
+
 _FURTHER = {
     "place": ("1", "place of the building from the left, from 1"),
     "records_used": ("1", "number of records with a V_ratio"),
@@ -43,6 +49,9 @@ _OPTIONAL_ENDINGS = {
     "records": ("digest",),
 }
 """Table -> endings of the names of columns that are left out first where there is no room; CSV has them all."""
+
+_COUNTS = ("impacts", "place", "records_used", "records_flagged", "records_meaningless", "records_collapsed")
+"""Columns of whole numbers that files have as doubles, since some of their rows have none."""
 
 _DISPLAY_UNITS = {
     "N": Unit("kN", 1e3),
@@ -89,8 +98,9 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None, table: str = "
         text = "swept; as in the study file, SI"
         label = name
     unit = find_display_unit(name, Unit("" if si == "1" else si, 1.0, si), units)
+    digits = 0 if kind == "i" or name in _COUNTS else 4
     is_optional = name.endswith(_OPTIONAL_ENDINGS.get(table, ()))
-    return Column(name, text, unit, label, digits=0 if kind == "i" else 4, optional=is_optional)
+    return Column(name, text, unit, label, digits=digits, optional=is_optional)
 
 
 def find_display_unit(name: str, unit: Unit, units: Mapping[str, Unit] | None = None) -> Unit:

@@ -3,14 +3,17 @@ a person looks at it: in a line, as tables, as curves."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.results.arrays import Array, ResultArrays
+from pounding_cli.results.solved import Row, solution_key
 from pounding_cli.solver.response import DONE
 
 if TYPE_CHECKING:
@@ -221,12 +224,70 @@ def to_arrays(history: Mapping[str, Any], over: Mapping[str, np.ndarray] | None 
     return ResultArrays(data, coordinates, {})
 
 
-def iter_kept_histories(plan: Plan, arrays: ResultArrays, tell: Callable[[str], None]) -> Iterator[ResultArrays]:
+class HistoryStore(Protocol):
+    """A place that keeps histories as rows, by the digest of their scene; `batch.cache.Cache` is one."""
+
+    def iter_rows(self, key: str, digests: Sequence[bytes]) -> Iterator[dict[bytes, Row]]:
+        """Yield the rows that are there, some at a time."""
+
+    def store(self, key: str, rows: Mapping[bytes, Row]) -> None:
+        """Keep rows by digest."""
+
+
+MAX_STORED_HISTORY = 1 << 23
+"""Bytes of a history beyond which it is not kept for the next run, but solved again."""
+
+
+STORED_HISTORY = b"history "
+"""Stands before the digest of a scene whose history is kept, so that it is not counted among solved scenes."""
+
+
+def history_key(plan: Plan) -> str:
+    """Return what two histories of one scene share exactly when they are the same."""
+    return f"{solution_key(plan)} | history every {plan.every!r}"
+
+
+def encode_history(history: Mapping[str, Any]) -> Row:
+    """Return a history of `solver.histories` as a row: names, dimensions and texts as JSON, and its numbers."""
+    heads, parts = [], []
+    for name, (dims, values, attrs) in history.items():
+        array = np.asarray(values)
+        is_text = array.dtype.kind in "OU"
+        head = {"name": name, "dims": dims, "attrs": attrs, "shape": array.shape}
+        head |= {"texts": array.tolist()} if is_text else {"type": array.dtype.str}
+        heads.append(head)
+        parts += [] if is_text else [array.tobytes()]
+    return json.dumps(heads), b"".join(parts)
+
+
+def decode_history(row: Row) -> dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]:
+    """Return the history of a row of `encode_history`."""
+    heads, numbers = json.loads(row[0]), row[1]
+    history = {}
+    begin = 0
+    for head in heads:
+        if "texts" in head:
+            array = np.array(head["texts"], object)
+        else:
+            count = math.prod(head["shape"])
+            array = np.frombuffer(numbers, head["type"], count, begin).reshape(head["shape"])
+            begin += array.nbytes
+        history[head["name"]] = tuple(head["dims"]), array, head["attrs"]
+    return history
+
+
+def iter_kept_histories(
+    plan: Plan, arrays: ResultArrays, tell: Callable[[str], None], store: HistoryStore
+) -> Iterator[ResultArrays]:
     """Yield the histories of the rows that a plan keeps, in the order of the tables, over the coordinates of its
     arrays; those of rows whose scene failed are left out.
 
     tell : told of a run between output times that fails although the scene's own was done
+    store : of histories of earlier runs, which are not solved again
     """
+    digests = [STORED_HISTORY + plan.digests[row.scene].tobytes() for row in plan.kept]
+    key = history_key(plan)
+    known = {digest: row for rows in store.iter_rows(key, digests) for digest, row in rows.items()}
     over = {name: arrays.coordinates[name].values for name in COORDINATES[1:] if name in arrays.coordinates}
     for row in plan.kept:
         place: dict[str, Any] = {"case": row.case, "analysis": row.analysis, "record": row.record}
@@ -236,16 +297,31 @@ def iter_kept_histories(plan: Plan, arrays: ResultArrays, tell: Callable[[str], 
             continue
         for axis, number in zip(plan.axes, row.point, strict=True):
             place |= dict(zip(axis.names, axis.values[number], strict=True))
-        from pounding_cli.solver.histories import solve_history  # here: a study without any needs no numba
-
+        digest = STORED_HISTORY + plan.digests[row.scene].tobytes()
         try:
-            whole = solve_history(plan.scene(row.scene), plan.accuracy, plan.every)
+            whole = decode_history(known[digest]) if digest in known else _solve(plan, row.scene)
         except InputError as error:
             tell(f"{row.case}, {row.analysis}, {row.record}: {error}")
             continue
-        digest = plan.digests[row.scene].tobytes().hex()
+        if digest not in known:
+            encoded = encode_history(whole)
+            if len(encoded[1]) <= MAX_STORED_HISTORY:
+                store.store(key, {digest: encoded})
         history = to_arrays(whole, over)
         data = {
             name: Array(each.dims, each.values.astype(np.float32), each.attrs) for name, each in history.data.items()
         }
-        yield ResultArrays(data, history.coordinates, place | {"scene": digest, "every": plan.every})
+        yield ResultArrays(
+            data, history.coordinates, place | {"scene": plan.digests[row.scene].tobytes().hex(), "every": plan.every}
+        )
+
+
+def _solve(plan: Plan, number: int) -> Mapping[str, Any]:
+    """Return the history of a scene of a plan.  Raises InputError: the run did not end."""
+    from pounding_cli.solver.histories import solve_history  # here: a study without any needs no numba
+
+    whole = solve_history(plan.scene(number), plan.accuracy, plan.every)
+    return {
+        name: (dims, values if name in COORDINATES else values.astype(np.float32), attrs)
+        for name, (dims, values, attrs) in whole.items()
+    }

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pounding_cli.laws import link_symbol
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, count_histories
 from pounding_cli.units import GRAVITY
 from pounding_cli.variables import ALONE_VARIABLES
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from pounding_cli.results.results import ResultTables
 
 MAX_DUCTILITY = 10.0
@@ -35,145 +33,190 @@ _PLACES = {"building": "{}", "storey": "storey {}", "floor": "floor {}", "link":
            "analysis": "{}"}  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a value stands: the index on every dimension of its variable, and the value in words."""
+
+    index: Mapping[str, int]
+    text: str
+
+
 def implausible_results(results: ResultTables, hidden: Sequence[str] = ()) -> list[str]:
     """Return a sentence for every kind of result that is hardly plausible: the largest, where it stands, and why.
 
-    hidden : swept keys whose values are not told, of samples
+    hidden : swept keys whose values are left out, of samples
     """
-    data = results.data
-    if results.walls:
-        data = data.drop_sel(building=list(results.walls))
     describe_all = (_describe_ductility, _describe_drift, _describe_acceleration, _describe_penetration)
-    return [sentence for describe in describe_all for sentence in describe(results, data, hidden)]
+    return [sentence for describe in describe_all for sentence in describe(results, hidden)]
 
 
-def _describe_ductility(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_ductility(results: ResultTables, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest ductility demand of inelastic analyses, if it is above `MAX_DUCTILITY`."""
-    inelastic = data.sel(analysis=[each for each in data["analysis"].values if each == Analysis.INELASTIC])
-    found = _largest(results, inelastic, "mu", MAX_DUCTILITY, Unit(), hidden)
-    if found is None:
+    is_inelastic = [name == Analysis.INELASTIC for name in results.names("analysis")]
+    values = _keep_along(_without_walls(results, "mu"), results.arrays["mu"].dims, "analysis", is_inelastic)
+    place = _find_largest(results, "mu", values, MAX_DUCTILITY, Unit(), hidden)
+    if place is None:
         return
-    text, place, _ = found
     cause = "check its yield level, and unit and scale of the motions"
-    building = _building_of_study(results, place["building"])
+    building = _building_of_study(results, results.names("building")[place.index["building"]])
     code = building.get("yield") or {}
     if building.get("yield_shear") is None and str(code.get("code", "")).startswith("UBC"):
         cause = f"yield levels of the working stress of the {code['code']} give such ductilities"
         if code.get("overstrength") == 1.0:
             cause += "; real buildings are stronger, see `yield: {overstrength: ...}`"
-    yield f"Hardly plausible: a ductility of {text}. Few buildings reach {MAX_DUCTILITY:g}: {cause}."
+    yield (
+        f"Hardly plausible: a ductility of {place.text}. It is far beyond the range of the storey law, as few "
+        f"buildings reach {MAX_DUCTILITY:g}: {cause}."
+    )
 
 
-def _describe_drift(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_drift(results: ResultTables, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest interstorey drift, if it is above `MAX_DRIFT_RATIO`."""
-    found = _largest(results, data, "drift_ratio", MAX_DRIFT_RATIO, _PERCENT, hidden)
-    if found is None:
+    values = _without_walls(results, "drift_ratio")
+    place = _find_largest(results, "drift_ratio", values, MAX_DRIFT_RATIO, _PERCENT, hidden)
+    if place is None:
         return
-    text, place, _ = found
-    building = _building_of_study(results, place["building"])
+    building = _building_of_study(results, results.names("building")[place.index["building"]])
     cause = "check unit and scale of the motions, masses and stiffnesses"
-    if place["analysis"] == Analysis.INELASTIC and not (building.get("p_delta") and building.get("collapse")):
+    is_inelastic = results.names("analysis")[place.index["analysis"]] == Analysis.INELASTIC
+    if is_inelastic and not (building.get("p_delta") and building.get("collapse")):
         cause = "what then decides is left out: write `p_delta: true` and `collapse:`; or " + cause
     limit = _PERCENT.text(MAX_DRIFT_RATIO)
-    yield f"Hardly plausible: an interstorey drift of {text}. Most storeys lose their strength below {limit}: {cause}."
+    yield (
+        f"Hardly plausible: an interstorey drift of {place.text}. Most storeys lose their strength below {limit}: "
+        f"{cause}."
+    )
 
 
-def _describe_acceleration(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_acceleration(results: ResultTables, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest floor acceleration, if it is above `MAX_ACCELERATION`."""
-    found = _largest(results, data, "acceleration", MAX_ACCELERATION, _ACCELERATION, hidden)
-    if found is None:
+    values = _without_walls(results, "acceleration")
+    place = _find_largest(results, "acceleration", values, MAX_ACCELERATION, _ACCELERATION, hidden)
+    if place is None:
         return
-    text, _, alone = found
     limit = _ACCELERATION.text(MAX_ACCELERATION)
-    if alone > MAX_ACCELERATION:
+    if _value_at(results, ALONE_VARIABLES["acceleration"], place.index) > MAX_ACCELERATION:
         cause = "the building alone has as much: check unit and scale of the motions"
     else:
         cause = "it grows with the root of the contact stiffness, which is unknown, and lasts for milliseconds"
-    yield f"Hardly plausible: a floor acceleration of {text}. Beyond {limit} it is that of a blow: {cause}."
+    yield f"Hardly plausible: a floor acceleration of {place.text}. Beyond {limit} it is that of a blow: {cause}."
 
 
-def _describe_penetration(results: ResultTables, data: xr.Dataset, hidden: Sequence[str]) -> Iterator[str]:
+def _describe_penetration(results: ResultTables, hidden: Sequence[str]) -> Iterator[str]:
     """Yield a sentence on the largest penetration of floors that strike, if it is beyond the thinner slab."""
-    if "link" not in data.dims or "slab" not in data:
+    arrays = results.arrays
+    if "link" not in arrays or "slab" not in arrays:
         return
-    slab = data["slab"].where(data["slab"] > 0)  # 0: the study writes none
-    left, right = (
-        slab.sel(building=_known(data, name)).drop_vars("building").rename(building="link")
-        for name in ("link_left", "link_right")
-    )
-    thinner: Any = np.fmin(left, right)
-    is_contact = data["kind"].copy(
-        data=np.vectorize(lambda kind: link_symbol(kind) == "gap", otypes=[bool])(data["kind"])
-    )
-    beyond = (data["max_closing"] - data["gap"]).where(is_contact)
-    too_far = beyond.where(beyond > thinner)
-    if not bool(too_far.notnull().any()):
+    dims = arrays["max_closing"].dims
+    kinds = arrays["kind"]
+    is_contact = np.vectorize(results.is_contact, otypes=[bool])(kinds.values)
+    thinner = _spread_to(_find_thinner_slabs(results), (*arrays["slab"].dims[:-1], "link"), dims)
+    gaps = _spread_to(arrays["gap"].values, arrays["gap"].dims, dims)
+    contacts = _spread_to(is_contact, kinds.dims, dims)
+    penetration = np.where(contacts, arrays["max_closing"].values - gaps, np.nan)
+    with np.errstate(invalid="ignore"):
+        too_far = np.where(penetration > thinner, penetration, np.nan)
+    if not np.isfinite(too_far).any():
         return
-    at = _index_of_largest(too_far)
-    text = f"{_LENGTH.text(float(too_far.max()), 3)} ({_where(results, data.isel(at), at, hidden)})"
-    limits = thinner.broadcast_like(too_far).transpose(*too_far.dims).values
-    least = _LENGTH.text(limits.flat[int(np.nanargmax(too_far.values))], 3)
+    index = _index_of_largest(too_far, dims)
+    text = f"{_LENGTH.text(float(np.nanmax(too_far)), 3)} ({_format_place(results, index, hidden)})"
+    least = np.broadcast_to(thinner, too_far.shape)[tuple(index.values())]
     yield (
-        f"Hardly plausible: floors that pass through each other by {text}, more than a slab of {least} is thick: "
-        "the contact is too soft. Write `impact: {stiffness: 20 x stiffest storey}`."
+        f"Hardly plausible: floors that pass through each other by {text}, more than a slab of "
+        f"{_LENGTH.text(float(least), 3)} is thick: the contact is too soft. "
+        "Write `impact: {stiffness: 20 x stiffest storey}`."
     )
 
 
-def _known(data: xr.Dataset, name: str) -> Any:
-    """Return the buildings at one end of the links; of a wall, which has no slab, the building at the other."""
-    other = {"link_left": "link_right", "link_right": "link_left"}[name]
-    known = set(data["building"].values)
-    ends = zip(data[name].values, data[other].values, strict=True)
-    return [end if end in known else beside for end, beside in ends]
+def _find_thinner_slabs(results: ResultTables) -> np.ndarray:
+    """Return the thinner slab at the ends of every link [m], over the swept axes of slabs and the links; NaN where the
+    study writes none. A wall has no slab: the building at the other end decides."""
+    slab = results.values("slab")
+    slab = np.where(slab > 0, slab, np.nan)
+    names = results.names("building")
+    ends = []
+    for end in ("link_left", "link_right"):
+        places = [names.index(str(name)) for name in results.values(end)]
+        is_wall = np.array([names[place] in results.walls for place in places], bool)
+        ends.append(np.where(is_wall, np.nan, slab[..., places]))
+    return np.fmin(*ends)
 
 
-def _largest(
-    results: ResultTables, data: xr.Dataset, name: str, limit: float, unit: Unit, hidden: Sequence[str]
-) -> tuple[str, dict[str, Any], float] | None:
-    """Return the largest value of a variable in words, its building and analysis, and the value of the building alone;
-    None where none is above a limit.
+# Arrays
 
-    data : without walls
+
+def _without_walls(results: ResultTables, name: str) -> np.ndarray:
+    """Return the values of a variable, NaN for walls."""
+    is_frame = [building not in results.walls for building in results.names("building")]
+    return _keep_along(results.values(name), results.arrays[name].dims, "building", is_frame)
+
+
+def _keep_along(values: np.ndarray, dims: Sequence[str], dim: str, is_kept: Sequence[bool]) -> np.ndarray:
+    """Return values with NaN at the places of one dimension that are not kept."""
+    return np.where(_spread_to(np.array(is_kept), (dim,), dims), values, np.nan)
+
+
+def _spread_to(values: np.ndarray, dims: Sequence[str], to: Sequence[str]) -> np.ndarray:
+    """Return an array over some dimensions with those of another one, of length 1 where it lacks them."""
+    order = sorted(range(len(dims)), key=lambda place: to.index(dims[place]))
+    sizes = dict(zip(dims, values.shape, strict=True))
+    return values.transpose(order).reshape([sizes.get(dim, 1) for dim in to])
+
+
+def _find_largest(
+    results: ResultTables, name: str, values: np.ndarray, limit: float, unit: Unit, hidden: Sequence[str]
+) -> Place | None:
+    """Return the place of the largest value of a variable; None where none is above a limit.
+
+    values : of the variable, NaN where it does not count
     """
-    values = data[name].load()
-    if not values.size or not (values > limit).any():
+    is_above = np.nan_to_num(values, nan=-np.inf) > limit
+    if not is_above.any():
         return None
-    at = _index_of_largest(values)
-    here = data.isel(at)
-    words = [_where(results, here, at, hidden)]
-    alone = _of_alone(here, name)
+    index = _index_of_largest(values, results.arrays[name].dims)
+    words = [_format_place(results, index, hidden)]
+    alone = _value_of_alone(results, name, index)
     if np.isfinite(alone):
         words.append(f"{unit.text(alone, 3)} alone")
-    count = int((values > limit).any(values.dims[-2:]).sum())
+    count = int(is_above.any(axis=(-2, -1)).sum())
     words.append(f"above {unit.text(limit)} in {count_histories(count)}")
-    text = f"{unit.text(float(values.max()), 3)} ({'; '.join(filter(None, words))})"
-    return text, {dim: here[dim].item() for dim in ("building", "analysis")}, alone
+    return Place(index, f"{unit.text(float(np.nanmax(values)), 3)} ({'; '.join(filter(None, words))})")
 
 
-def _of_alone(data: xr.Dataset, name: str) -> float:
+def _value_of_alone(results: ResultTables, name: str, index: Mapping[str, int]) -> float:
     """Return a variable of the building alone at one place; NaN where it is not known."""
-    if name == "drift_ratio":
-        return float(data["drift0"] * data["drift_ratio"] / data["drift"])
-    return float(data[ALONE_VARIABLES[name]])
+    if name != "drift_ratio":
+        return _value_at(results, ALONE_VARIABLES[name], index)
+    drift = _value_at(results, "drift", index)
+    return _value_at(results, "drift0", index) * _value_at(results, "drift_ratio", index) / drift
 
 
-def _index_of_largest(values: xr.DataArray) -> dict[Any, int]:
+def _value_at(results: ResultTables, name: str, index: Mapping[str, int]) -> float:
+    array = results.arrays[name]
+    return float(array.values[tuple(index[dim] for dim in array.dims)])
+
+
+def _index_of_largest(values: np.ndarray, dims: Sequence[str]) -> dict[str, int]:
     """Return the index of the largest value on every dimension."""
-    at = np.unravel_index(int(np.nanargmax(values.values)), values.shape)
-    return {dim: int(index) for dim, index in zip(values.dims, at, strict=True)}
+    index = np.unravel_index(int(np.nanargmax(values)), values.shape)
+    return {dim: int(number) for dim, number in zip(dims, index, strict=True)}
 
 
-def _where(results: ResultTables, here: xr.Dataset, at: dict[Any, int], hidden: Sequence[str]) -> str:
+def _format_place(results: ResultTables, index: Mapping[str, int], hidden: Sequence[str]) -> str:
     """Return a place in words: "stiff, storey 1, elcentro, touching, elastic, cases.gap.gap = 5 cm".
 
-    here : the variables at the place; at : its index on the dimensions that say where it is
+    index : of the place on the dimensions of a variable
     """
-    single = {dim for dim in ("record", "case", "analysis") if len(results.data[dim]) == 1}
-    words = [form.format(here[dim].item()) for dim, form in _PLACES.items() if dim in at and dim not in single]
+    words = []
+    for dim, form in _PLACES.items():
+        names = results.names(dim) if dim in index else []
+        is_obvious = dim in ("record", "case", "analysis") and len(names) == 1
+        if names and not is_obvious:
+            words.append(form.format(names[index[dim]]))
     for keys in results.swept:
-        if keys[0] in at:
-            named = [key for key in keys if key not in hidden]
-            words += [f"{key} = {results.value_label(key, results.axes[key][at[keys[0]]])}" for key in named]
+        if keys[0] in index:
+            visible = [key for key in keys if key not in hidden]
+            words += [f"{key} = {results.value_label(key, results.axes[key][index[keys[0]]])}" for key in visible]
     return ", ".join(words)
 
 

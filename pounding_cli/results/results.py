@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import TypeAdapter
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import Unit, count_histories, pluralize
-from pounding_cli.records.scaling import SpectrumMatch
+from pounding_cli.laws import link_symbol
+from pounding_cli.laws.apart import Apart
+from pounding_cli.laws.formula import WRITTEN_LAWS
+from pounding_cli.laws.law import LinkLaw
+from pounding_cli.numbers import Unit, count_histories, format_number, pluralize
 from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.results.columns import TABLES, column_of
 from pounding_cli.results.file import list_histories, open_arrays, plain_value, read_table, read_unit
@@ -41,6 +43,8 @@ from pounding_cli.variables import (
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from pounding_cli.records.scaling import SpectrumMatch
 
 _OVER = {
     dims: [v.name for v in RESPONSE_VARIABLES if v.dims == dims and v.name not in COLUMN_VARIABLES]
@@ -135,11 +139,27 @@ class ResultTables:
         """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
         return self.units[key].text(value)
 
+    def link_symbol(self, kind: str) -> str:
+        """Return the symbol of a law of links in pictures (`LinkLaw.symbol`), also of a law that the study writes.
+
+        kind : name of the law, as the table of links has it
+        """
+        written = (self.resolved.get("laws") or {}).get(kind)
+        return WRITTEN_LAWS[written["acts"]].symbol if written else link_symbol(kind)
+
+    def is_contact(self, kind: str) -> bool:
+        """Return whether floors strike each other across links of a law."""
+        return kind not in ("", Apart.name) and self.link_symbol(kind) == LinkLaw.symbol
+
     @cached_property
     def spectrum_match(self) -> SpectrumMatch | None:
         """The spectra of the motions as used against the target they were scaled to; None where there is none."""
         if "study_spectrum" not in self.arrays:
             return None
+        from pydantic import TypeAdapter  # here: few studies scale to a spectrum
+
+        from pounding_cli.records.scaling import SpectrumMatch
+
         return TypeAdapter(SpectrumMatch).validate_json(str(self.arrays["study_spectrum"].values.item()))
 
     @cached_property
@@ -233,6 +253,11 @@ class ResultTables:
         return link[[*self.axes, *SCENE_DIMS]].assign(
             **by_side, **link[["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force"]]
         )
+
+    def struck_links(self) -> pd.DataFrame:
+        """Swept keys, case, analysis, record, law and impacts of every link across which floors struck."""
+        link = self.link("kind", "impacts")
+        return link[link["kind"].map(self.is_contact).astype(bool) & (link["impacts"] > 0)]
 
     def scene(self) -> pd.DataFrame:
         """Return per scene: outcome, cost, errors, effects and flags (several in one cell: one a line)."""
@@ -391,7 +416,7 @@ class ResultTables:
         """With the largest mean ratio over the storeys and the sweep by case and building."""
         means = [f"{ratio}_mean" for ratio in RATIO_VARIABLES]
         worst = self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
-        return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format='{:.3f}'.format, max_rows=40)}"
+        return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format=format_number, max_rows=40)}"
 
     def _build_frame(
         self, names: Sequence[str], places: tuple[str, ...], row_filter: RowFilter | None = None

@@ -16,7 +16,7 @@ import numpy as np
 
 from pounding_cli.methods import METHODS, get_method
 from pounding_cli.model.scene import Scene
-from pounding_cli.numbers import pluralize
+from pounding_cli.numbers import count_histories
 from pounding_cli.solver.response import DONE, Response
 from pounding_cli.solver.solve import explain_refusal, solve
 
@@ -98,7 +98,7 @@ def measure(
     ended = "the budget ended (--budget gives more)"
     for number, (place, scene) in enumerate(order):
         if number and spent >= budget:
-            left_out.append(f"{len(order) - number} of {pluralize(len(order), 'scene')}: {ended}")
+            left_out.append(f"{len(order) - number} of {count_histories(len(order))}: {ended}")
             break
         tell(", ".join(place.values()))
         begin = time.perf_counter()
@@ -123,7 +123,7 @@ def measure(
         spent += time.perf_counter() - compiled
         compiling += compiled - begin
     for (name, setting), count in skipped.items():
-        left_out.append(f"{name} at {METHODS[name].setting.text(setting)} on {pluralize(count, 'scene')}: {ended}")
+        left_out.append(f"{name} at {METHODS[name].setting.text(setting)} on {count_histories(count)}: {ended}")
     return WorkPrecision(runs, references, left_out, spent, compiling)
 
 

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from pounding_cli.api.studies import load_study
 from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
-from pounding_cli.questions.accuracy.report import LOOKS, LOWEST
+from pounding_cli.questions.accuracy.figures import LOOKS, MIN_ERROR
 from pounding_cli.report.style import Look, new_figure, save_figures, styled
 from pounding_cli.solver.solve import solve
 from pounding_cli.solver.work_precision import measure
@@ -166,9 +166,9 @@ def _draw(runs: list[dict[str, Any]], opensees: list[Run]) -> Figure:
 
 
 def _plot(ax: Any, points: list[tuple[float, float]], look: Look, label: str) -> None:
-    """Plot errors [-] against times [s]; errors of rounding stand at `LOWEST`."""
+    """Plot errors [-] against times [s]; errors of rounding stand at `MIN_ERROR`."""
     milliseconds = [1e3 * seconds for seconds, _ in points]
-    errors = [max(error, LOWEST) for _, error in points]
+    errors = [max(error, MIN_ERROR) for _, error in points]
     ax.plot(milliseconds, errors, color=look.color, ls=look.line, marker=look.marker, ms=4, lw=1.3, label=label)
 
 

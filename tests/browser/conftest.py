@@ -30,7 +30,8 @@ analyses: [elastic, inelastic]
 SWEEP = "estimate: none\nsweep: {cases.gap.gap: [5 mm, 6 mm, 7 mm], impact.restitution: [0.4, 0.6]}\n"
 ONE = STUDY[: STUDY.index("  infill:")] + "analyses: [inelastic]\nestimate: none\n"
 UNCERTAIN = (
-    "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.7}}, buildings.soft.period: {normal: {cov: 10 %}}}\n"
+    "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.7}}, "
+    "buildings.soft.period: {normal: {mean: 0.5 s, sd: 0.03 s}}}\n"
 )
 STUDIES = {
     "kept": ("run", STUDY + "keep: {histories: {cases: [touching], records: [elcentro]}}\n"),
@@ -43,11 +44,11 @@ STUDIES = {
     ),
     "sensitivity": (
         "sensitivity",
-        ONE + UNCERTAIN + "sensitivity: {outputs: [largest V_ratio], samples: 16, draws: 20}\n",
+        ONE + UNCERTAIN + "sensitivity: {outputs: [largest V_ratio], samples: 16, draws: 100}\n",
     ),
     "optimise": (
         "optimise",
-        ONE + "optimise: {generations: 2, population: 8, slice_points: 3, least: largest drift,"
+        ONE + "optimise: {generations: 2, population: 8, slice_points: 5, least: largest drift,"
         " over: {cases.gap.gap: {from: 1 mm, to: 3 cm}}}\n",
     ),
 }

@@ -68,7 +68,7 @@ def test_the_explorer_draws_the_numbers_of_the_tables(visit, reports):
 
 def test_the_first_table_gives_the_largest_values(visit, reports):
     page, (results, _) = visit("kept"), reports("kept")
-    table = cells(page, "[aria-label='Largest of all time histories, and where']")
+    table = cells(page, "[aria-label^='Peak responses and where they occur']")
     rows = [row for row in table if row[1] == "elastic"]
     assert [row[0].split()[0] for row in rows] == CASES
     elastic = results.storey().query("analysis == 'elastic'")
@@ -183,7 +183,7 @@ def readout(page) -> dict[str, str]:
 def test_the_player_shows_the_history(visit, reports):
     """It opens at the hardest impact; every number is that of the history at its time."""
     page, (results, _) = visit("kept"), reports("kept")
-    choose(page, "Scene", "touching, elastic, elcentro", "#player")
+    choose(page, "Time history", "touching, elastic, elcentro", "#player")
     history = results.history(case="touching", analysis="elastic", record="elcentro")
     hardest, floor = np.unravel_index(np.argmax(history.link_force), history.link_force.shape)
 

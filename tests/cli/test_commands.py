@@ -17,7 +17,7 @@ from click.testing import CliRunner
 
 import pounding_cli
 from pounding_cli.cli.main import cli
-from pounding_cli.questions.accuracy.report import cheapest
+from pounding_cli.questions.accuracy.words import find_cheapest
 
 from .conftest import TWO
 
@@ -365,8 +365,8 @@ def test_editors_know_the_keys_of_the_law_that_stands_there(pound):
 def test_of_settings_that_are_equally_fast_the_most_accurate_is_named(lines, named):
     """Fails if the noise of the timing decides."""
     frame = pd.DataFrame(lines, columns=["method", "setting", "seconds", "seconds_noise", "error_V"])
-    frame = frame.assign(scenes=1, error_mu=0.0, error_acceleration=0.0, error_force=0.0)
-    best = cheapest(frame, 1e-3, 1)
+    frame = frame.assign(solved=1, error=frame["error_V"])
+    best = find_cheapest(frame, 1e-3, 1)
     assert (best["setting"].iloc[0] if len(best) else None) == named
     assert best["method"].is_unique
 
@@ -376,7 +376,7 @@ def test_accuracy_measures_methods(folder, pound):
     words = ("accuracy", "two.yaml", "--methods", "taylor,central-difference", "--cases", "touching", "--budget", "1s")
     code, out, _ = pound(*words)
     assert code == 0
-    assert "For 0.1 % use" in out
+    assert "For an error of at most 0.1 % use" in out
     assert "count as equally fast" in " ".join(out.split())
     written = Path("results/two-accuracy")
     assert {path.name for path in written.iterdir()} == {

@@ -167,7 +167,7 @@ def test_maps_of_ratios_have_one_scale_with_1_in_its_middle(made):
 
 def test_a_run_is_told_without_its_figures_over_the_sweep(made, monkeypatch):
     """They take long: fails if they are made for a terminal too."""
-    monkeypatch.setattr("pounding_cli.questions.run.report.list_sweep_pictures", None)
+    monkeypatch.setattr("pounding_cli.questions.run.figures.list_sweep_pictures", None)
     report(pounding_cli.open_results(made / "swept.h5")).print()
 
 
@@ -292,13 +292,13 @@ def test_what_limits_the_numbers_stands_on_the_page(folder, pound):
 
 
 def test_a_gap_that_never_closes_is_no_effect_of_the_page(folder, pound):
-    """Fails if its sentence is taken for the name of an effect that nothing in the study calls for."""
+    """Fails if its sentence is taken for the name of an effect that is not used in the study."""
     wide = TWO.replace("gap: 5 mm", "gap: 50 cm").replace(", inelastic", "")
     Path("two.yaml").write_text(wide)
     pound("run", "two.yaml", "-q")
     pound("report", "results/two.h5", "--no-figures", "-o", "out", "-q")
     page = words(Path("out/report.html"))
-    rest = re.search(r"nothing in the study calls for: ([^.]*)", page)[1].split(" Cases")[0]
+    rest = re.search(r"not used in this study: ([^.]*)", page)[1].split(" Cases")[0]
     assert "tension cut-off" in rest
     assert "stiff" not in rest
     assert not re.search("links(?! of the kinds)", rest)

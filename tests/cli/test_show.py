@@ -33,6 +33,22 @@ def rows(text: str) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(text)))
 
 
+def rows_of(text: str) -> list[str]:
+    """The rows of a printed table, below its rule."""
+    lines = text.splitlines()
+    return [line for line in lines[lines.index(rule_of(text)) + 1 :] if line.startswith(" ")]
+
+
+def rule_of(text: str) -> str:
+    return next(line for line in text.splitlines() if line.strip("─ ") == "" and "─" in line)
+
+
+def head_of(text: str) -> str:
+    """The headings of a printed table, above its rule."""
+    lines = text.splitlines()
+    return lines[lines.index(rule_of(text)) - 1]
+
+
 @pytest.mark.parametrize("table", TABLES)
 def test_every_table_in_every_form(file, shown, table):
     """CSV has all columns, rows and digits, in SI."""
@@ -45,30 +61,30 @@ def test_every_table_in_every_form(file, shown, table):
         assert [float(row["V"]) for row in found] == list(frame["V"])
     code, out, err = shown(table)
     assert code == 0
-    assert len(out.splitlines()) == 2 + len(frame)
+    assert len(rows_of(out)) == len(frame)
     assert err == "" or "--format csv" in err
 
 
 def test_a_table_for_the_eye_is_in_the_units_of_the_study(shown):
     """Fails if a gap is shown in m, an acceleration in m/s2, or what the study does not write in N and m."""
-    head = shown("link", "--where", "gap=6 mm")[1].splitlines()[1]
+    head = head_of(shown("link", "--where", "gap=6 mm")[1])
     assert "cases.gap.gap [mm]" in head
     assert "gap [cm]" in head
     assert "acceleration [g]" in shown("floor")[1]
-    storey = shown("storey", "--where", "storey=2")[1].splitlines()
+    storey = shown("storey", "--where", "storey=2")[1]
     exact = rows(shown("storey", "--where", "storey=2", "--format", "csv")[1])
     for column, unit, factor in (("V", "kN", 1e3), ("drift0", "mm", 1e-3), ("drift_ratio", "%", 0.01)):
         head = f"{column} [{unit}]"
-        assert head in storey[1]
-        ends = storey[1].index(head) + len(head)
-        numbers = [float(line[:ends].split()[-1]) for line in storey[2:]]
+        assert head in head_of(storey)
+        ends = head_of(storey).index(head) + len(head)
+        numbers = [float(line[:ends].split()[-1]) for line in rows_of(storey)]
         assert numbers == pytest.approx([float(row[column]) / factor for row in exact], rel=1e-3)
     for table, heads in {
         "link": ("peak_force [kN]", "impulse [kN s]", "contact_time [ms]", "max_closing [cm]"),
         "buildings": ("mass [t]", "height [m]", "stiffness [MN/m]", "yield_shear [kN]", "separation [mm]"),
         "scene": ("seconds [ms]", "energy_residual "),
     }.items():
-        head = shown(table)[1].splitlines()[1] + " "
+        head = head_of(shown(table)[1]) + " "
         for wanted in heads:
             assert wanted in head
     assert {row["gap"] for row in rows(shown("link", "--case", "gap", "--format", "csv")[1])} == {"0.005", "0.006"}
@@ -79,7 +95,7 @@ def test_some_columns_stand_in_csv_alone(shown):
     aside = told.strip().split(": ")[1].split(", ")
     assert "V_ratio_std" in aside
     assert set(aside) <= set(rows(shown("summary", "--format", "csv")[1])[0])
-    assert not [name for name in aside if f" {name} " in narrow.splitlines()[1]]
+    assert not [name for name in aside if f" {name} " in head_of(narrow)]
     assert shown()[1] == narrow
 
 

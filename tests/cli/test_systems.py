@@ -12,8 +12,8 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 
-from pounding_cli import connector
 from pounding_cli.cli.main import cli
+from pounding_cli.paper import connector
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PAIR = "title: t\nsecond: {frequency_ratio: 0.6}\nconnector: {damping_ratio: 0}\nsweep: {damping: [5 %, 10 %]}\n"
@@ -28,7 +28,11 @@ def test_figure_5(folder, pound):
     code, out, _ = pound("connector", CONFIGS / "fig5.yaml", "-o", "fig5.h5")
     assert code == 0
     assert re.search(r"5\.000 +3\.980 +0\.7014 +4\.087", out)
-    assert "damping = 5 %: both ratios exceed 1 in: 0.652-0.772, 1.086-1.163" in out
+    bands = "both systems move farther than alone at Ω/ω₁₀ = 0.652 to 0.772 and 1.086 to 1.163"
+    assert f"damping = 5 %: {bands}" in out
+    answer = " ".join(out.split())
+    assert "increases the largest displacements of both systems" in answer
+    assert "system 1 moves 2.241 (damping = 10 %) to 3.980 (damping = 5 %) times as far as alone" in answer
     with xr.open_dataset("fig5.h5", engine="h5netcdf") as data:
         assert data["R1"].dims == ("damping", "frequency")
         assert float(data["peak2"].sel(damping=0.10)) == pytest.approx(2.40, abs=0.01)
@@ -129,14 +133,14 @@ def test_points_that_fail_are_told_and_have_no_numbers(folder, pound, command, s
 
 @pytest.mark.parametrize("fault", [IndexError, RecursionError, NotImplementedError])
 def test_a_fault_in_one_point_leaves_the_others(folder, pound, monkeypatch, fault):
-    usual = connector.CONNECTOR_COMMAND
+    usual = connector.COMMAND
 
     def solve(study):
         if study.damping > 0.08:
             raise fault("unforeseen")
         return usual.solve(study)
 
-    monkeypatch.setattr(connector, "CONNECTOR_COMMAND", replace(usual, solve=solve))
+    monkeypatch.setattr(connector, "COMMAND", replace(usual, solve=solve))
     Path("a.yaml").write_text(PAIR)
     code, out, err = pound("connector", "a.yaml", "-o", "a.h5")
     assert (code, "Points: 1 solved, 1 failed" in out) == (1, True)

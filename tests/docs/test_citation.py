@@ -13,7 +13,7 @@ import yaml
 import pounding_cli
 from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.methods import METHODS
-from pounding_cli.report.references import REFERENCES, read
+from pounding_cli.report.references import REFERENCES, parse_references
 
 REQUIRED = {"cff-version", "message", "title", "authors"}
 ALLOWED = REQUIRED | {
@@ -79,7 +79,7 @@ def test_an_entry_is_read_as_people_cite_it():
         "@article{a2000,\n  author = {Li, A. B. and Po, C. and Wu, D.},\n  title = {{Beams & rods}},\n"
         "  year = {2000},\n  journal = {Soil \\& Rock},\n  volume = {2},\n  number = {3},\n  pages = {4--5}\n}"
     )
-    (found,) = read(f"% first\n\n{entry}\n").values()
+    (found,) = parse_references(f"% first\n\n{entry}\n").values()
     assert found.text == "Li, A. B., Po, C. & Wu, D. (2000). Beams & rods. Soil & Rock 2(3), 4-5."
     assert found.bibtex == entry
 

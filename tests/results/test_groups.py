@@ -232,7 +232,7 @@ def test_links_that_never_act_are_named_by_their_neighbours_and_are_no_effect():
     ],
 )
 def test_an_effect_that_is_asked_for_is_not_said_to_be_uncalled_for(keys, analysis, effect, is_called_for):
-    """Fails if "nothing in the study calls for" an effect that only the analysis leaves out."""
+    """Fails if an effect is "not used in this study" that only the analysis leaves out."""
     frames = [pound.building(name, storeys=2, period=t, **keys) for name, t in (("a", 0.2), ("b", 0.5))]
     effects = effects_of(pound.scene(frames, WEAK, gap=0.01, analysis=analysis))
     rows = {name: reason for name, *_, reason in summarize_effects(Counter(effects.kept), Counter(effects.dropped))}

@@ -13,8 +13,8 @@ from click.testing import CliRunner
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
-from pounding_cli.questions.run.words import largest
-from pounding_cli.results import netcdf, tables
+from pounding_cli.questions.run.tables import build_peaks_table
+from pounding_cli.results import arrays, columns
 from pounding_cli.results.compare import compare
 
 STUDY = {
@@ -84,8 +84,8 @@ OPERATIONS = {
     "process": lambda results: pickle.loads(pickle.dumps(results.data)).to_dataframe(),
     "first sample": lambda results: results.cut({}).storey(),
     "compare": lambda results: compare(results, results).changes,
-    "largest": lambda results: largest(results, results.scene()).frame,
-    **{name: (lambda results, name=name: results.table(name)) for name in tables.TABLES},
+    "largest": lambda results: build_peaks_table(results).frame,
+    **{name: (lambda results, name=name: results.table(name)) for name in columns.TABLES},
 }
 
 
@@ -93,7 +93,7 @@ OPERATIONS = {
 def test_values_that_are_read_when_they_are_asked_for_are_those_that_are_read_at_once(results, monkeypatch, operation):
     """Fails where an operation copies or pickles the open file behind large arrays, which HDF5 refuses."""
     at_once = operation(pound.open_results(results.path))
-    monkeypatch.setattr(netcdf, "LARGE", 0)
+    monkeypatch.setattr(arrays, "MIN_STORED", 0)
     when_asked = operation(pound.open_results(results.path))
     pd.testing.assert_frame_equal(when_asked, at_once)
 
@@ -102,7 +102,7 @@ def test_values_that_are_read_when_they_are_asked_for_are_those_that_are_read_at
     "command", ["compare r.h5 r.h5", "export r.h5 -o x.nc", "show r.h5", "report r.h5 --no-figures"]
 )
 def test_commands_on_values_that_are_read_when_they_are_asked_for(results, monkeypatch, tmp_path, command):
-    monkeypatch.setattr(netcdf, "LARGE", 0)
+    monkeypatch.setattr(arrays, "MIN_STORED", 0)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "r.h5").write_bytes(results.path.read_bytes())
     done = CliRunner().invoke(cli, command.split(), catch_exceptions=False)
@@ -198,3 +198,19 @@ def test_the_main_figure(results, plt):
     assert results.plot("soft")[0].figure is not elastic.figure
     with pytest.raises(pound.InputError, match="no building 'tower' in these results"):
         results.plot("tower")
+
+
+def test_histories_of_an_earlier_run_are_not_solved_again(results, tmp_path, monkeypatch):
+    """Fails if a kept history differs from the solved one in a bit, or if its scene is run again."""
+    first = pound.run(STUDY, tmp_path / "r.h5", engine="serial")
+    before = first.history(case="gap", analysis="elastic").dataset
+    (tmp_path / "r.h5").unlink()
+    monkeypatch.setattr("pounding_cli.solver.histories.solve_history", None)
+    again = pound.run(STUDY, tmp_path / "r.h5", engine="serial")
+    assert again.attrs["scenes_reused_last"] == first.attrs["scenes"]
+    after = again.history(case="gap", analysis="elastic").dataset
+    assert after.equals(before)
+    assert after["drift"].dtype == np.float32
+    monkeypatch.undo()
+    shorter = pound.run(STUDY | {"keep": {"histories": {"every": "4 ms"}}}, tmp_path / "s.h5", engine="serial")
+    assert len(shorter.history(case="gap", analysis="elastic").time) == (len(before["time"]) + 1) // 2

@@ -1,125 +1,120 @@
 """The bumper wall of Fig. 8: plane stress and frame elements, struck by a floor.
 
-`study` has its keys, `impact` solves it, here are numbers, references and figures of the report.
+`study` has its keys, `impact` solves it, `figures` draws it; here are its numbers, sentences and references.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
+import math
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from pounding_cli.paper.points import PointCommand, SweepPoint
+from pounding_cli.numbers import Unit, pluralize
+from pounding_cli.paper.points import PointAnswer, PointCommand, SweepPoint, describe_extremes
 from pounding_cli.paper.wall.study import WallStudySpec
-from pounding_cli.report.style import finish, new_figure, styled
+from pounding_cli.tables import Column
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
     from pounding_cli.report.document import Picture
 
-WALL_NUMBERS = ("peak_force", "separation", "wall_stress", "averaged_stress")
-"""The numbers of a table that fits a terminal; the page and the CSV table have all."""
+_FORCE = Unit("kN", 1e3, "N")
+_IMPULSE = Unit("kN s", 1e3, "N s")
+_MOMENT = Unit("kN m", 1e3, "N m")
+_STRESS = Unit("N/mm²", 1e6, "N/m2")
+_TIME = Unit("ms", 1e-3, "s")
 
-_COLORS = ("#000000", "#0072B2", "#AA2211", "#009E73", "#E69F00", "#7B3294", "#56B4E9", "#8C6D31")
-"""Of the histories of points; of as many they are drawn."""
+COLUMNS = (
+    Column("peak_force", "largest contact force", _FORCE, "force"),
+    Column("peak_time", "time of the largest contact force", _TIME, "at"),
+    Column("separation", "first time the striker leaves the wall", _TIME),
+    Column("last_contact", "last time the striker pushes", _TIME, "last contact"),
+    Column("impulse", "impulse of the contact force", _IMPULSE),
+    Column("energy_residual", "largest open part of the energy balance, over the first energy", Unit("", 1.0, "1"),
+           "energy left open"),
+    Column("wall_stress", "largest von Mises stress of an element", _STRESS, "stress of an element", optional=True),
+    Column("averaged_stress", "largest von Mises stress, averaged over the length stated", _STRESS, "stress"),
+    Column("beam_stress", "largest edge stress of the beams", _STRESS, "stress of beams"),
+    Column("beam_stress_then", "largest edge stress of the beams at the instant of the wall's peak", _STRESS,
+           "stress of beams then"),
+    Column("column_stress", "largest edge stress of the columns", _STRESS, "stress of columns"),
+    Column("column_stress_then", "largest edge stress of the columns at the instant of the wall's peak", _STRESS,
+           "stress of columns then"),
+    Column("wall_shear", "largest shear force in a cross-section of the wall", _FORCE, "shear of the wall"),
+    Column("wall_moment", "largest bending moment in a cross-section of the wall", _MOMENT, "moment of the wall"),
+    Column("reach", "farthest from the contact that the averaged stress exceeds half its largest", Unit("m", 1.0, "m")),
+    Column("step", "time step", _TIME, "time step"),
+    Column("freedoms", "degrees of freedom", Unit("", 1.0, "1"), "degrees of freedom", digits=0),
+    Column("time_of_peak", "instant of the largest stress of an element", _TIME, "time of the stress"),
+)  # fmt: skip
+"""The numbers of a point."""
+
+SHOWN_COLUMNS = ("peak_force", "separation", "averaged_stress", "wall_stress")
+"""Those that a terminal prints; the page and the CSV table have all."""
 
 
-def solve_wall(study: WallStudySpec) -> xr.Dataset:
-    """Solve one impact, as `impact.solve_impact`."""
+def solve_wall(study: WallStudySpec) -> PointAnswer:
+    """Return the answer of one impact, as `impact.solve_impact`."""
     from pounding_cli.paper.wall import impact  # here: `pound check` needs the study alone
 
     return impact.solve_impact(study)
 
 
-def cite_wall(study: WallStudySpec) -> dict[str, str]:
-    """The references of a study."""
-    return {
-        "spiliopoulos1996": "the bumper wall, Fig. 8",
-        "anagnostopoulos1992": "bumper walls",
-        "gustafsson2020": "the plane-stress elements of the wall",
-        "wood1980": "the time integration",
-    }
+def list_wall_sentences(points: Sequence[SweepPoint]) -> list[str]:
+    """Return the largest force and stress, and when the striker leaves the wall."""
+    force, stress = (describe_extremes(points, COMMAND.column(name)) for name in ("peak_force", "averaged_stress"))
+    lengths = {point.study.averaging_length for point in points}
+    averaged = f"{lengths.pop():g} m" if len(lengths) == 1 else "the averaging length"
+    answer = f"The largest contact force is {force}; the largest von Mises stress, mean over {averaged}, is {stress}."
+    return [f"{answer} {_describe_separation(points)}"]
 
 
-def build_wall_pictures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
-    """The stresses at the last point, and histories."""
-    from pounding_cli.report.document import Picture
-
-    stress = "Von Mises stress on the mesh"
-    history = "Contact force, speed of the striker, energy, and stress at the struck face"
-    return [
-        Picture("stress", stress, stress, partial(draw_stress, title, points[-1]), has_scale=True),
-        Picture("history", history, history, partial(draw_histories, title, points[: len(_COLORS)])),
-    ]
-
-
-@styled
-def draw_stress(title: str, point: SweepPoint) -> Figure:
-    """Von Mises stress on the mesh: its envelope, and at its peak around the contact."""
-    from matplotlib.collections import PolyCollection
-
-    data = point.data
-    study = point.study
-    length = point.study.wall.length
-    shown = data["outline"].to_numpy()
-    figure = new_figure(7.4, 6.6)
-    whole, near = figure.subplots(1, 2, width_ratios=(1, 1.9))
-    headings = "Largest over time", f"Around the contact at {1e3 * float(data['time_of_peak']):.1f} ms"
-    for ax, name, heading in zip((whole, near), ("stress_envelope", "stress_peak"), headings, strict=True):
-        patches = PolyCollection(
-            shown, array=data[name].to_numpy() / 1e6, cmap="magma_r", edgecolors="0.4",
-            linewidths=0.15 if len(shown) < 5000 else 0.0, rasterized=len(shown) > 400,
-        )  # fmt: skip
-        patches.set_clim(0, float(data["stress_envelope"].max()) / 1e6)
-        ax.add_collection(patches)
-        ax.set(xlabel="x [m]", aspect="equal")
-        ax.set_title(heading, loc="left")
-        ax.grid(False)
-    half = min(1.0, length / 2)
-    contact = 0.5 * sum(study.patch)
-    whole.set(xlim=(-0.4, length + 0.6), ylim=(-0.3, study.frame.height + 0.5), ylabel="height [m]")
-    whole.hlines(study.frame.floors, length, length + 0.5, color="0.5", lw=2)
-    near.set(xlim=(-0.2, 2 * half + 0.2), ylim=(contact - half, contact + half))
-    figure.colorbar(patches, ax=near, label="von Mises stress [N/mm²]", shrink=0.6)
-    where = f"{point.label}. " if point.label else ""
-    finish(figure, title, f"{where}Element means. Grey stubs: beams.")
-    return figure
+def _describe_separation(points: Sequence[SweepPoint]) -> str:
+    """Return when free strikers leave the wall, and when glued ones begin to pull at it."""
+    free = [point for point in points if point.study.contact.bond == "unilateral"]
+    glued = [point for point in points if point.study.contact.bond == "glued"]
+    sentences = []
+    if free:
+        sentences.append(_describe_end(free, "The striker leaves the wall", "it does not leave it"))
+    if glued:
+        sentences.append(_describe_end(glued, "The glued striker begins to pull", "it does not pull"))
+    return " ".join(sentences)
 
 
-@styled
-def draw_histories(title: str, points: Sequence[SweepPoint]) -> Figure:
-    """Contact force, speed of the striker, energies of the last point, and averaged stress against distance."""
-    figure = new_figure(9.2, 6.4)
-    (force, speed), (energy, face) = figure.subplots(2, 2)
-    for color, point in zip(_COLORS, points, strict=False):
-        data = point.data
-        ms = 1e3 * point.data["time"]
-        force.plot(ms, data["force"] / 1e6, color=color, lw=1.4, label=point.label)
-        speed.plot(ms, data["velocity"], color=color, lw=1.4)
-        face.plot(data["cell_stress"] / 1e6, data["cell_height"] - 0.5 * sum(point.study.patch), color=color)
-    parts = [data[name] / 1e3 for name in ("striker_energy", "kinetic_energy", "strain_energy")]
-    energy.stackplot(ms, *parts, labels=("striker", "moving building", "strain"), colors=("0.35", "0.6", "0.85"))
-    force.set(xlabel="time [ms]", ylabel="contact force [MN]", title="Contact force")
-    speed.set(xlabel="time [ms]", ylabel="velocity [m/s]", title="Striker")
-    energy.set(xlabel="time [ms]", ylabel="energy [kJ]", title=f"Energy: {point.label or 'balance'}")
-    of_face = f"largest stress, mean over {point.study.averaging_length:g} m [N/mm²]"
-    face.set(xlabel=of_face, ylabel="distance up from the contact [m]", title="Stress at the struck face")
-    speed.axhline(0, color="0.35", lw=1)
-    energy.legend(loc="lower right", frameon=True)
-    if point.label:
-        force.legend(fontsize=6.5)
-    finish(figure, title)
-    return figure
+def _describe_end(points: Sequence[SweepPoint], ends: str, never: str) -> str:
+    """Return when the striker pushes no more in words; at how many points that is not so before the end."""
+    column = COMMAND.column("separation")
+    ending = [point for point in points if math.isfinite(point.numbers[column.name])]
+    pushing_count = len(points) - len(ending)
+    if not ending:
+        return f"{ends} at no time before the end of the analysis."
+    text = f"{ends} after {describe_extremes(ending, column)}"
+    if pushing_count:
+        return f"{text}; at {pluralize(pushing_count, 'point')} {never} before the end of the analysis."
+    return f"{text}."
 
 
-WALL_COMMAND = PointCommand(
+def cite_wall(_study: WallStudySpec) -> Iterator[tuple[str, str]]:
+    """Yield the references of a study, each with what for."""
+    yield "spiliopoulos1996", "the bumper wall, Fig. 8"
+    yield "anagnostopoulos1992", "bumper walls"
+    yield "gustafsson2020", "the plane-stress elements of the wall"
+    yield "wood1980", "the time integration"
+
+
+def _figures(title: str, points: Sequence[SweepPoint]) -> list[Picture]:
+    from pounding_cli.paper.wall.figures import list_wall_figures
+
+    return list_wall_figures(title, points)
+
+
+COMMAND = PointCommand(
     name="wall",
     spec=WallStudySpec,
     solve=solve_wall,
-    terminal_numbers=WALL_NUMBERS,
-    cite_references=cite_wall,
-    build_pictures=build_wall_pictures,
+    columns=COLUMNS,
+    shown_columns=SHOWN_COLUMNS,
+    sentences=list_wall_sentences,
+    figures=_figures,
+    cite=cite_wall,
 )
 """`pound wall`."""

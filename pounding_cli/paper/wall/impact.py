@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, BilinearForm, FacetBasis, LinearForm, MeshQuad
@@ -18,7 +17,7 @@ from skfem.element import ElementQuad0, ElementQuad1, ElementQuad2, ElementVecto
 from skfem.models.elasticity import linear_elasticity
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.paper.points import to_variable
+from pounding_cli.paper.points import MESH, PointAnswer, build_array
 from pounding_cli.paper.wall.study import SectionSpec, WallStudySpec
 
 MAX_ELEMENTS = 250_000
@@ -37,17 +36,17 @@ HISTORIES = {
     "kinetic_energy": ("J", "kinetic energy of wall and frame"),
     "strain_energy": ("J", "strain energy of wall and frame"),
 }
-"""What is known at every instant: unit and meaning."""
+"""Quantities known at every instant: unit and meaning."""
 
 
-def solve_impact(study: WallStudySpec) -> xr.Dataset:
-    """Solve one impact: numbers, histories, stresses at the struck face and on the mesh of the wall.
+def solve_impact(study: WallStudySpec) -> PointAnswer:
+    """Return the answer of one impact: numbers, histories, stresses at the struck face and on the mesh of the wall.
 
     Raises InputError where it would take too many steps or gave a number that is not finite, with what to change.
     """
     system = build_system(study)
     end = study.time.end
-    wished = natural_step(system, study) if isinstance(study.time.step, str) else study.time.step
+    wished = find_time_step(system, study) if isinstance(study.time.step, str) else study.time.step
     if end / wished > MAX_WALL_STEPS:
         hint = f"give an earlier `time.end`, e.g. {MAX_WALL_STEPS / 10 * wished:.1g} s, or a heavier striker"
         raise InputError(Problem(f"an impact this short needs {end / wished:.0f} time steps", hint))
@@ -58,7 +57,7 @@ def solve_impact(study: WallStudySpec) -> xr.Dataset:
     at_peak = 0.0
     for instant, u in integrate_impact(system, study, steps):
         now = {name: each @ u for name, each in system.read.items()}
-        now |= {name: von_mises(now[name]) for name in ("elements", "cells")}
+        now |= {name: compute_von_mises(now[name]) for name in ("elements", "cells")}
         if not history or now["elements"].max() > then["elements"].max():
             then = now
             at_peak = instant[0]
@@ -83,52 +82,54 @@ def solve_impact(study: WallStudySpec) -> xr.Dataset:
     averaged = largest["cells"]
     shear, moment = largest["rows"].reshape(-1, 2).max(axis=0)
     distance = np.abs(system.cell_height - 0.5 * (low + high))
-    values_by_name = {
-        "peak_force": to_variable("N", "largest contact force", force.max()),
-        "peak_time": to_variable("s", "time of the largest contact force", time[np.argmax(force)]),
-        "separation": to_variable("s", "first time the striker leaves the wall", find_separation_time(time, force)),
-        "last_contact": to_variable("s", "last time the striker pushes", time[np.flatnonzero(force > 0)[-1]]),
-        "impulse": to_variable("N s", "impulse of the contact force", float(np.trapezoid(force, time))),
-        "energy_residual": to_variable("1", "largest open part of the energy balance, over the first energy", off),
-        "wall_stress": to_variable("N/m2", "largest von Mises stress of an element", largest["elements"].max()),
-        "averaged_stress": to_variable(
-            "N/m2", "largest von Mises stress, averaged over the length stated", averaged.max()
-        ),
+    numbers = {
+        "peak_force": force.max(),
+        "peak_time": time[np.argmax(force)],
+        "separation": find_separation_time(time, force),
+        "last_contact": time[np.flatnonzero(force > 0)[-1]],
+        "impulse": np.trapezoid(force, time),
+        "energy_residual": off,
+        "wall_stress": largest["elements"].max(),
+        "averaged_stress": averaged.max(),
     }
     for name, members in (("beam", slice(system.beams)), ("column", slice(system.beams, None))):
-        text = f"largest edge stress of the {name}s"
-        values_by_name[f"{name}_stress"] = to_variable("N/m2", text, largest["members"][members].max())
-        text = f"{text} at the instant of the wall's peak"
-        values_by_name[f"{name}_stress_then"] = to_variable("N/m2", text, np.abs(then["members"][members]).max())
-    values_by_name |= {
-        "wall_shear": to_variable("N", "largest shear force in a cross-section of the wall", shear),
-        "wall_moment": to_variable("N m", "largest bending moment in a cross-section of the wall", moment),
-        "reach": to_variable("m", "farthest from the contact that the averaged stress exceeds half its largest",
-                       interpolate_stress_reach(distance, averaged)),
-        "step": to_variable("s", "time step", end / steps),
-        "freedoms": to_variable("1", "degrees of freedom", float(system.M.size)),
-        "time_of_peak": to_variable("s", "instant of the largest stress of an element", at_peak),
-        "cell_height": to_variable("m", "height of a cell at the struck face", system.cell_height, "cell"),
-        "cell_stress": to_variable("N/m2", "largest von Mises stress of the mean stress in a cell", averaged, "cell"),
-        "outline": to_variable("m", "corners of every element",
-                               system.mesh.p.T[system.mesh.t.T], "element", "side", "axis"),
-        "stress_peak": to_variable("N/m2", "von Mises stress of every element at the peak",
-                               then["elements"], "element"),
-        "stress_envelope": to_variable("N/m2", "largest von Mises stress of every element",
-                               largest["elements"], "element"),
-    }  # fmt: skip
-    values_by_name |= {name: to_variable(*HISTORIES[name], values, "instant") for name, values in run.items()}
-    return xr.Dataset(values_by_name, attrs={"notes": notes})
+        numbers[f"{name}_stress"] = largest["members"][members].max()
+        numbers[f"{name}_stress_then"] = np.abs(then["members"][members]).max()
+    numbers |= {
+        "wall_shear": shear,
+        "wall_moment": moment,
+        "reach": interpolate_stress_reach(distance, averaged),
+        "step": end / steps,
+        "freedoms": system.M.size,
+        "time_of_peak": at_peak,
+    }
+    corners = system.mesh.p.T[system.mesh.t.T]
+    text = "largest von Mises stress of the mean stress in a cell"
+    arrays = {
+        "cell_height": build_array("m", "height of a cell at the struck face", system.cell_height, "cell"),
+        "cell_stress": build_array("N/m2", text, averaged, "cell"),
+        "outline": build_array("m", "corners of every element", corners, *MESH),
+    }
+    for name, text, values in (
+        ("stress_peak", "von Mises stress of every element at the peak", then["elements"]),
+        ("stress_envelope", "largest von Mises stress of every element", largest["elements"]),
+    ):
+        arrays[name] = build_array("N/m2", text, values, "element")
+    arrays |= {name: build_array(*HISTORIES[name], values, "instant") for name, values in run.items()}
+    return PointAnswer({name: float(number) for name, number in numbers.items()}, arrays, notes)
 
 
-def von_mises(stress: np.ndarray) -> np.ndarray:
-    """Von Mises stress in plane stress [N/m2] from (s_x, s_y, t_xy) in turns: shape (3 n,) to (n,)."""
+def compute_von_mises(stress: np.ndarray) -> np.ndarray:
+    """Return the von Mises stress in plane stress [N/m2], shape (n,).
+
+    stress : (s_x, s_y, t_xy) in turns [N/m2], shape (3 n,)
+    """
     sx, sy, t = stress.reshape(-1, 3).T
     return np.sqrt(sx**2 - sx * sy + sy**2 + 3 * t**2)
 
 
 def interpolate_stress_reach(distance: np.ndarray, stress: np.ndarray) -> float:
-    """Farthest distance at which the stress is half its largest [m], on straight lines between the cells."""
+    """Return the farthest distance at which the stress is half its largest [m], on straight lines between the cells."""
     half = 0.5 * stress.max()
     ends = [float(distance[stress >= half].max())]
     for i in np.flatnonzero((stress[1:] >= half) != (stress[:-1] >= half)):
@@ -138,7 +139,10 @@ def interpolate_stress_reach(distance: np.ndarray, stress: np.ndarray) -> float:
 
 
 def find_separation_time(time: np.ndarray, force: np.ndarray) -> float:
-    """First time the force is positive no more [s], on a straight line between steps; NaN if it stays so."""
+    """Return the first time at which the force is positive no more [s]; NaN if it stays positive.
+
+    It lies on a straight line between two steps.
+    """
     pushed = np.flatnonzero(force > 0)
     free = np.flatnonzero(force[pushed[0] :] <= 0) if pushed.size else pushed
     if free.size == 0:
@@ -151,8 +155,8 @@ def find_separation_time(time: np.ndarray, force: np.ndarray) -> float:
     return float(time[n - 1] + (time[n] - time[n - 1]) * before / fall)
 
 
-def factorise(matrix: sp.csc_matrix) -> SuperLU:
-    """Factors of a symmetric positive definite matrix.  Raises InputError where it is singular to rounding."""
+def factorize(matrix: sp.csc_matrix) -> SuperLU:
+    """Return the factors of a symmetric positive definite matrix.  Raises InputError: it is singular to rounding."""
     options = {"SymmetricMode": True}
     try:
         return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
@@ -161,8 +165,8 @@ def factorise(matrix: sp.csc_matrix) -> SuperLU:
         raise InputError(Problem("the stiffness matrix is singular", hint)) from None
 
 
-def natural_step(system: System, study: WallStudySpec) -> float:
-    """A time step that leaves force and energy with errors below 1e-3 [s].
+def find_time_step(system: System, study: WallStudySpec) -> float:
+    """Return a time step that leaves force and energy with errors below 1e-3 [s].
 
     A 100th of the striker's half period on the wall, pi / s, at most 0.1 ms; s^2 = 1 / (m C(s)) with the
     compliance C(s) = p (K + s^2 M)^-1 p, since a light striker feels floors too heavy to follow it. Where the
@@ -172,7 +176,7 @@ def natural_step(system: System, study: WallStudySpec) -> float:
     s = 0.0
     concrete = study.concrete
     for _ in range(3):
-        give = float(system.p @ factorise(system.K + sp.diags_array(s**2 * system.M)).solve(system.p))
+        give = float(system.p @ factorize(system.K + sp.diags_array(s**2 * system.M)).solve(system.p))
         s = 1 / math.sqrt(study.striker.mass * give)
     step = min(1e-4, math.pi / s / 100)
     if concrete.density > 0:
@@ -184,7 +188,7 @@ def natural_step(system: System, study: WallStudySpec) -> float:
 def integrate_impact(
     system: System, study: WallStudySpec, steps: int
 ) -> Iterator[tuple[tuple[float, ...], np.ndarray]]:
-    """Values of HISTORIES and displacements at the beginning and after every step.
+    """Yield the values of HISTORIES and the displacements at the beginning and after every step.
 
     Wood-Bossak-Zienkiewicz alpha method (1980); forces balance at the end of each step:
     alpha_m = (rho - 1) / (rho + 1), gamma = 1/2 - alpha_m, beta = (1 - alpha_m)^2 / 4; rho = 1 is Newmark's
@@ -206,7 +210,7 @@ def integrate_impact(
     mass = np.append(system.M, study.striker.mass)
     closing = np.append(-system.p, 1.0)
     force = 0.0
-    factor = factorise(stiffness + sp.diags_array(inertia * mass))
+    factor = factorize(stiffness + sp.diags_array(inertia * mass))
     answer = factor.solve(closing)
     u, v, a = (np.zeros(mass.size) for _ in range(3))
     v[-1] = study.striker.speed
@@ -218,7 +222,8 @@ def integrate_impact(
             if study.contact.bond == "unilateral":
                 force = max(force, 0.0)
             u -= force * answer
-            before, a = a, (u - guess) / (beta * h**2)
+            before = a
+            a = (u - guess) / (beta * h**2)
             v = v + h * ((1 - gamma) * before + gamma * a)
         kinetic = 0.5 * mass * v**2
         energies = kinetic[-1], kinetic[:-1].sum(), 0.5 * float(u @ (stiffness @ u))
@@ -252,13 +257,16 @@ class System:
 
 
 def build_system(study: WallStudySpec) -> System:
-    """Couple the plane-stress wall and the frame at the floors; the base is fixed.  InputError: too many elements."""
+    """Return the plane-stress wall and the frame coupled at the floors; the base is fixed.
+
+    Raises InputError where there are too many elements.
+    """
     low, high = study.patch
     floors = study.frame.floors
     breaks = sorted({0.0, *floors, low, high})
     breaks = [y for place, y in enumerate(breaks) if place == 0 or y - breaks[place - 1] > 1e-9]
-    x = _grid_lines([0.0, study.wall.length], study, (0.0, 0.0))
-    y = _grid_lines(breaks, study, (low, high))
+    x = _build_grid_lines([0.0, study.wall.length], study, (0.0, 0.0))
+    y = _build_grid_lines(breaks, study, (low, high))
     if x.size * y.size > MAX_ELEMENTS:
         raise InputError(
             Problem(f"a mesh of more than {MAX_ELEMENTS} elements", "give a larger `mesh.size`, or `growth: 0.2`")
@@ -272,14 +280,14 @@ def build_system(study: WallStudySpec) -> System:
     nu = study.concrete.poisson
     # Plane stress has the Lame parameters E nu / (1 - nu^2) and E / (2 (1 + nu)).
     elasticity = linear_elasticity(young * nu / (1 - nu**2), young / (2 * (1 + nu)))
-    frame, members, mass = _frame(study, basis)
+    frame, members, mass = _build_frame(study, basis)
     total = mass.size
     stiffness = frame + sp.block_diag([thickness * elasticity.assemble(basis), sp.csr_matrix((total - wall,) * 2)])
     mass[:wall] += study.concrete.density * thickness * LinearForm(lambda v, _: v[0] + v[1]).assemble(basis)
     push = np.zeros(total)
-    push[:wall] = _contact(study, basis, mass[:wall])
-    elements, rows = _stresses(study, basis, y)
-    height, share = _cells(study, mesh)
+    push[:wall] = _build_contact(study, basis, mass[:wall])
+    elements, rows = _build_stresses(study, basis, y)
+    height, share = _build_cells(study, mesh)
     free = np.setdiff1d(np.arange(total), basis.get_dofs(lambda at: np.abs(at[1]) < 1e-9).all())
     pick = sp.eye_array(total, format="csr")[:, free]
     read = {"elements": elements, "cells": sp.kron(share, sp.eye_array(3)) @ elements, "rows": rows}
@@ -288,8 +296,8 @@ def build_system(study: WallStudySpec) -> System:
     return System(mesh, (pick.T @ stiffness @ pick).tocsc(), mass[free], push[free], beams, height, read)
 
 
-def _grid_lines(breaks: list[float], study: WallStudySpec, centre: tuple[float, float]) -> np.ndarray:
-    """Positions of mesh lines [m]: every break is one; between two, intervals of at most the wished size.
+def _build_grid_lines(breaks: list[float], study: WallStudySpec, centre: tuple[float, float]) -> np.ndarray:
+    """Return the positions of mesh lines [m]: every break is one; between two, intervals of at most the wished size.
 
     The wished size at a distance r from the interval `centre` is size + growth * r [m].
     """
@@ -305,16 +313,18 @@ def _grid_lines(breaks: list[float], study: WallStudySpec, centre: tuple[float, 
     return np.array(lines)
 
 
-def _spread(basis: Basis, left: float, low: float, high: float, part: int = 0) -> np.ndarray:
-    """Integrals of the displacements in x (`part` 0) or y (1) over the edges with middles at x < `left` between two
-    heights [m]."""
+def _integrate_edges(basis: Basis, left: float, low: float, high: float, part: int = 0) -> np.ndarray:
+    """Return the integrals of the displacements over the edges with middles at x < `left` between two heights [m].
+
+    part : 0 for displacements in x, 1 in y
+    """
     x, y = basis.mesh.p[:, basis.mesh.facets].mean(axis=1)
     facets = np.flatnonzero((x < left) & (y > low) & (y < high))
     return LinearForm(lambda v, _: v[part]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
-def _contact(study: WallStudySpec, basis: Basis, mass: np.ndarray) -> np.ndarray:
-    """Shares of the contact force over the wall's displacements [-]: one node, or a uniform pressure; sum 1.
+def _build_contact(study: WallStudySpec, basis: Basis, mass: np.ndarray) -> np.ndarray:
+    """Return the shares of the contact force over the wall's displacements [-]: one node, or a uniform pressure; sum 1.
 
     The horizontal mass of the struck nodes is handed to their neighbours, in place: a struck node with mass would have
     to change its speed at once, the contact force would ring at every step and the energy would not close (Khenous,
@@ -327,7 +337,7 @@ def _contact(study: WallStudySpec, basis: Basis, mass: np.ndarray) -> np.ndarray
         shares = np.zeros(basis.N)
         shares[nodes[np.argmin(np.abs(basis.doflocs[1, nodes] - study.height))]] = 1.0
     else:
-        shares = _spread(basis, 1e-9, low, high) / (high - low)
+        shares = _integrate_edges(basis, 1e-9, low, high) / (high - low)
     struck = np.flatnonzero(shares)
     beside = basis.element_dofs[:, np.isin(basis.element_dofs, struck).any(axis=0)]
     around = np.setdiff1d(np.intersect1d(beside, horizontal), struck)
@@ -336,12 +346,12 @@ def _contact(study: WallStudySpec, basis: Basis, mass: np.ndarray) -> np.ndarray
     return shares
 
 
-def _frame(study: WallStudySpec, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
-    """Stiffness of the frame, edge stresses of its members, and the masses of the floors, over all displacements.
+def _build_frame(study: WallStudySpec, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_matrix, np.ndarray]:
+    """Return the stiffness of the frame, the edge stresses of its members, and the masses of the floors.
 
-    The wall's come first, then (u, v, theta) of every column at every floor. A beam's end at the wall follows the
-    weighted mean of the floor line (a distributing coupling): it carries force and moment into the whole line without
-    stiffening it, so it has a limit as the mesh is refined.
+    All are over all displacements: the wall's come first, then (u, v, theta) of every column at every floor. A beam's
+    end at the wall follows the weighted mean of the floor line (a distributing coupling): it carries force and moment
+    into the whole line without stiffening it, so it has a limit as the mesh is refined.
     """
     frame = study.frame
     length = study.wall.length
@@ -359,8 +369,10 @@ def _frame(study: WallStudySpec, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_ma
     # Motions (u, v, theta) of joints from all displacements, by floor and line: line 0 is the wall's, floor 0 is fixed.
     joints = {(0, line): sp.csr_matrix((3, total)) for line in range(1, lines + 1)}
     for floor in range(1, frame.storeys + 1):
-        across, up = (_spread(basis, np.inf, y[floor] - 1e-9, y[floor] + 1e-9, part) for part in (0, 1))
-        across, up, at = across / across.sum(), up / up.sum(), basis.doflocs[0]
+        across, up = (_integrate_edges(basis, np.inf, y[floor] - 1e-9, y[floor] + 1e-9, part) for part in (0, 1))
+        across = across / across.sum()
+        up = up / up.sum()
+        at = basis.doflocs[0]
         mass[: basis.N] += floor_mass[0] * (across + up)
         tilt = up * (at - up @ at) / (up @ (at - up @ at) ** 2)
         motion = np.array([across, up + tilt * (length - up @ at), tilt])
@@ -374,7 +386,7 @@ def _frame(study: WallStudySpec, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_ma
     columns = [((floor - 1, line), (floor, line), frame.column) for floor, line in product(floors, range(1, lines + 1))]
     for one, other, section in beams + columns:
         along = np.array([x[other[1]] - x[one[1]], y[other[0]] - y[one[0]]])
-        deformation, resistance = _member(study.concrete.young, section, along)
+        deformation, resistance = _build_member(study.concrete.young, section, along)
         deformed = sp.csr_matrix(deformation) @ sp.vstack([joints[one], joints[other]], format="csr")
         stiffness = stiffness + deformed.T @ sp.csr_matrix(resistance) @ deformed
         # Edge stresses N/A +- M/W at both ends: the moment of a member loaded at its ends alone is linear.
@@ -386,9 +398,14 @@ def _frame(study: WallStudySpec, basis: Basis) -> tuple[sp.csr_matrix, sp.csr_ma
     return stiffness, sp.vstack(stresses, format="csr"), mass
 
 
-def _member(young: float, section: SectionSpec, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return, of an Euler-Bernoulli member that spans `along` [m], elongation and rotations of its ends against the
-    chord, from their displacements (u, v, theta), shape (3, 6); axial force and end moments from those, (3, 3)."""
+def _build_member(young: float, section: SectionSpec, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the deformations of an Euler-Bernoulli member and the forces that resist them.
+
+    The first are elongation and rotations of its ends against the chord, from their displacements (u, v, theta), shape
+    (3, 6); the second axial force and end moments from those, shape (3, 3).
+
+    along : from one end to the other [m]
+    """
     length = float(np.hypot(*along))
     area = section.width * section.depth
     inertia = section.width * section.depth**3 / 12
@@ -399,8 +416,8 @@ def _member(young: float, section: SectionSpec, along: np.ndarray) -> tuple[np.n
     return deformation, young / length * np.array(resistance)
 
 
-def _stresses(study: WallStudySpec, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-    """Mean stresses of elements, resultants of the rows of elements: as in `System`.
+def _build_stresses(study: WallStudySpec, basis: Basis, y_lines: np.ndarray) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """Return the mean stresses of elements and the resultants of the rows of elements: as in `System`.
 
     The mean of an element's stress, not a corner's extrapolation, is what is reported: for four nodes it is the stress
     at the centre, which NASTRAN's CQUAD4 prints.
@@ -411,13 +428,14 @@ def _stresses(study: WallStudySpec, basis: Basis, y_lines: np.ndarray) -> tuple[
     shear = young / (2 * (1 + nu))
     each = basis.with_element(ElementQuad0())
 
-    def mean(stress) -> sp.csr_matrix:  # its integral over each element
+    def integrate(stress) -> sp.csr_matrix:
+        """Return the integral of a stress over each element."""
         return BilinearForm(lambda u, v, w: stress(u.grad, w.x) * v).assemble(basis, each)
 
-    sx = mean(lambda g, x: factor * (g[0, 0] + nu * g[1, 1]))
-    sy = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]))
-    txy = mean(lambda g, x: shear * (g[0, 1] + g[1, 0]))
-    bending = mean(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]) * (study.wall.length / 2 - x[0]))
+    sx = integrate(lambda g, x: factor * (g[0, 0] + nu * g[1, 1]))
+    sy = integrate(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]))
+    txy = integrate(lambda g, x: shear * (g[0, 1] + g[1, 0]))
+    bending = integrate(lambda g, x: factor * (g[1, 1] + nu * g[0, 0]) * (study.wall.length / 2 - x[0]))
     area = LinearForm(lambda v, _: v).assemble(each)
 
     def group_rows(parts: list[sp.csr_matrix]) -> sp.csr_matrix:
@@ -434,9 +452,12 @@ def _stresses(study: WallStudySpec, basis: Basis, y_lines: np.ndarray) -> tuple[
     return elements, group_rows([gather @ txy, gather @ bending])
 
 
-def _cells(study: WallStudySpec, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
-    """Square cells every quarter side up the face, one of them centred on the contact where there is room: heights of
-    their centres [m], and the share of each cell's area that lies in each element [-], sparse (cells, elements)."""
+def _build_cells(study: WallStudySpec, mesh: MeshQuad) -> tuple[np.ndarray, sp.csr_matrix]:
+    """Return the heights of cells [m], and the share of each cell's area that lies in each element [-].
+
+    Cells are squares every quarter side up the face, one of them centred on the contact where there is room; the
+    heights are those of their centres, the shares sparse (cells, elements).
+    """
     side = study.averaging_length
     top = study.frame.height
     centre = np.clip(0.5 * sum(study.patch), side / 2, top - side / 2)

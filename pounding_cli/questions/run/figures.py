@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.report.document import Picture, Section
-from pounding_cli.report.evidence import nominal
+from pounding_cli.report.evidence import Evidence, nominal
 from pounding_cli.report.figures import list_loops, list_profiles
 from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 from pounding_cli.report.widgets import build_explorer_data, build_player_scenes
@@ -26,17 +27,27 @@ def further_sections(results: ResultTables, choice: SweepChoice | None) -> list[
     """
     shown = nominal(results)
     swept = list_sweep_pictures(results, shown, choice)
-    kept, scenes, said = len(results.histories()), build_player_scenes(results), list[str]()
-    if not kept:
-        keep = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.names('record')[0]}]}}}}"
-        said = [f"No scene is kept over time. To see moving buildings, add `{keep}` to the study and run it again."]
-    elif len(scenes) < kept:
-        said = [f"{len(scenes)} of {kept} kept scenes have room here: keep fewer, or longer steps, `every: 20 ms`."]
+    scenes = build_player_scenes(results)
     chart = build_explorer_data(results, shown)
-    drawn: dict[str, Any] = {"widget": "explorer", "data": chart} if chart["quantities"] else {}
+    explorer: dict[str, Any] = {"widget": "explorer", "data": chart} if chart["quantities"] else {}
     return [
         *([Section("Over the sweep", pictures=swept)] if swept else []),
-        Section("Look around", [chart["cut"]], **drawn),
-        Section("Moving buildings", said, widget="player", data={"scenes": scenes}),
+        Section("Look around", [chart["cut"]], **explorer),
+        Section("Moving buildings", _describe_kept(results, shown, scenes), widget="player", data={"scenes": scenes}),
         Section("Figures", pictures=[*list_profiles(shown)[1:], *list_loops(shown)]),
     ]
+
+
+def _describe_kept(results: ResultTables, shown: Evidence, scenes: Sequence[Any]) -> list[str]:
+    """Return a sentence where no time history is kept, or where a page has no room for all.
+
+    scenes : those that the page has
+    """
+    kept = len(results.histories())
+    if not kept:
+        key = f"keep: {{histories: {{cases: [{shown.cases[0]}], records: [{shown.names('record')[0]}]}}}}"
+        return [f"No time history is kept. To see moving buildings, add `{key}` to the study and run it again."]
+    if len(scenes) == kept:
+        return []
+    count = f"{len(scenes)} of {kept} kept time histories have room here"
+    return [f"{count}: keep fewer, or longer steps, `every: 20 ms`."]

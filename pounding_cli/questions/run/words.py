@@ -1,200 +1,420 @@
-"""What a run says: the answer in sentences, its tables, and what a reader should know of the numbers."""
+"""The sentences of a run: how pounding changes the response of every building, and how far the numbers go."""
 
 from __future__ import annotations
 
-from itertools import product
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
-from pounding_cli.laws import link_symbol
-from pounding_cli.numbers import NOTHING, count_histories, format_number, pluralize
-from pounding_cli.report.background import advice, trust
-from pounding_cli.report.evidence import MARK, RESPONSES, Evidence, motion_sentence, nominal
-from pounding_cli.results.columns import column_of
-from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
-from pounding_cli.study.display import key_words
-from pounding_cli.tables import Table, table_of_texts
+from pounding_cli.model.scene import Analysis
+from pounding_cli.numbers import Unit, join_limited, pluralize
+from pounding_cli.questions.run.tables import (
+    BEYOND_MARK,
+    CONTACT_MARK,
+    PEAKS,
+    build_means_table,
+    build_peaks_table,
+)
+from pounding_cli.report.background import ADVICE, advice, trust
+from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
+from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
+from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
+from pounding_cli.results.plausible import MAX_DUCTILITY
+from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
+    from pounding_cli.tables import Table
+
+MIN_CHANGE = 0.005
+"""Change of a response from which a sentence gives a number [-]."""
+
+MAX_CASES = 4
+"""Cases that a sentence names; of more it names the first and gives the range of the others."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """A response by which a building with pounding is compared with the same building alone.
+
+    ratio : variable of results
+    noun : in a sentence
+    """
+
+    analysis: str
+    ratio: str
+    noun: str
+
+
+ELASTIC_SHEARS = Response(Analysis.ELASTIC, "V_ratio", "elastic storey shears")
+DUCTILITIES = Response(Analysis.INELASTIC, "mu_ratio", "ductility demands")
+INELASTIC_SHEARS = Response(Analysis.INELASTIC, "V_ratio", "inelastic storey shears")
+
+
+@dataclass(frozen=True)
+class Change:
+    """The change of a response of one building in one case, over its storeys, as ratios to the building alone.
+
+    highest, storey : largest mean over the motions, and its storey
+    lowest : smallest mean over the motions of any storey
+    peak, peak_storey, peak_motion : largest ratio of a single motion, and where
+    motions : number of motions that the means are of
+    is_apart : whether no link of the case acts under any motion
+    """
+
+    case: str
+    highest: float
+    storey: int
+    lowest: float
+    peak: float
+    peak_storey: int
+    peak_motion: str
+    motions: int
+    is_apart: bool
+
+    @property
+    def is_rise(self) -> bool:
+        """Whether pounding raises the response of some storey."""
+        return self.highest > 1 + MIN_CHANGE
+
+    @property
+    def is_fall(self) -> bool:
+        """Whether pounding lowers the response of some storey and raises that of none."""
+        return not self.is_rise and self.lowest < 1 - MIN_CHANGE
+
+    @property
+    def size(self) -> str:
+        """The largest change in words: "18 %", "2.4-fold"."""
+        return _format_rise(self.highest) if self.is_rise else _format_percent(1 - self.lowest)
+
+    @property
+    def amount(self) -> str:
+        """The largest change behind a verb: "by up to 18 %", "up to 2.4-fold"."""
+        return f"up to {self.size}" if self.size.endswith("fold") else f"by up to {self.size}"
+
+
+def list_sentences(results: ResultTables) -> list[str]:
+    """Return the answer in sentences: what pounding does to every building, at one point of a sweep."""
+    shown = nominal(results)
+    statuses = shown.values("status")
+    if not np.isin(statuses, OUTCOMES).any():
+        return ["All time histories failed: there is no result to show."]
+    sentences = [*_describe_failures(results), *_describe_collapses(shown)]
+    approach = _describe_open_gaps(shown)
+    if approach:
+        sentences.append(approach)
+    else:
+        for building in [shown.main, *(each for each in shown.built if each != shown.main)]:
+            sentences += _describe_building(shown, building)
+    sentences += _describe_meaningless(shown)
+    if shown.label and sentences:
+        sentences[0] = f"At {shown.label}: {sentences[0]}"
+    sentences = [_capitalise_case(sentence) for sentence in sentences]
+    return [*sentences, *_describe_sweep(results, shown)]
 
 
 def list_tables(results: ResultTables) -> list[Table]:
     """Return the tables that a terminal prints."""
-    return [largest(results, results.scene()), means(nominal(results))]
-
-
-def list_sentences(results: ResultTables) -> list[str]:
-    """Return the answer in sentences."""
-    return sentences(nominal(results))
+    tables = [build_peaks_table(results)]
+    if not np.isfinite(results.values("V_ratio")).any():
+        return tables
+    return [*tables, build_means_table(nominal(results))]
 
 
 def list_notes(results: ResultTables) -> list[str]:
     """Return how far the numbers go, and what a reader should know of them."""
-    return notes(results, nominal(results), results.scene())
-
-
-def mean_ratios(shown: Evidence, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
-    """Return the mean over the motions of a ratio to the building alone, by storey; empty where there is none.
-
-    ratio : "V_ratio" or "mu_ratio"
-    """
-    if analysis not in shown.analyses:
-        return pd.Series(dtype=float)
-    values = shown.values(ratio, case=case, analysis=analysis, building=building)
-    known = np.isfinite(values)
-    mean = np.where(known, values, 0.0).sum(axis=0) / np.where(known.any(axis=0), known.sum(axis=0), np.nan)
-    return pd.Series(mean, index=shown.results.values("storey")).dropna()
-
-
-def sentences(shown: Evidence) -> list[str]:
-    """What the run means: between which cases the mean ratios of the main building lie."""
-    said = []
-    for analysis, ratio in RESPONSES:
-        means = {case: mean_ratios(shown, case, analysis, shown.main, ratio) for case in shown.cases}
-        known = sorted((case for case, of in means.items() if len(of)), key=lambda case: means[case].max())
-        ends = [
-            f"{format_number(means[case].max(), 3)} ({case}, storey {means[case].idxmax()})"
-            for case in dict.fromkeys([*known[:1], *known[-1:]])
-        ]
-        if ends:
-            said.append(f"{column_of(ratio).label} {analysis} {'from ' * (len(ends) > 1)}{' to '.join(ends)}")
-    where = f" at {shown.label}" if shown.label else ""
-    over = f", mean of {pluralize(len(shown.records), 'motion')}" if len(shown.records) > 1 else ""
-    return [f"{shown.main}{where}{over}, largest over the height: {'; '.join(said)}."] if said else []
-
-
-def notes(results: ResultTables, shown: Evidence, scene: pd.DataFrame) -> list[str]:
-    """How far the numbers go, and what a reader should know of them."""
-    said = [
-        f"{trust(scene, results.units)} {motion_sentence(shown.records)}",
-        "μ: ductility; over alone: μ/μ₀ of inelastic, V/V₀ of elastic storeys, to the building alone under the same "
-        "motion; alone: the same storey of the building alone under the same motion; drift in % of the storey height. "
-        "Of a gap the largest approach of two floors; beyond it they are in contact, and the penetration, which the "
-        "impact stiffness governs, is how far they press into each other.",
-    ]
+    shown = nominal(results)
+    scene = results.scene()
+    notes = [f"{trust(scene, results.units)} {motion_sentence(shown.records)}", *_explain_table(results)]
     if len(shown.cases) > len(shown.plotted):
-        said.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
+        notes.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
     for group in flag_groups_of(scene, results.units):
-        said.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
-    return [*said, *advice(results)]  # warnings are printed before a run
+        notes.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
+    further = advice(results)  # warnings are printed before a run
+    if len(results.struck_links()):
+        notes.append(f"{CONTACT_MARK} {ADVICE if ADVICE in further else CONTACT_STIFFNESS_UNKNOWN}")
+    return [*notes, *(each for each in further if each != ADVICE)]
 
 
-def largest(results: ResultTables, scene: pd.DataFrame) -> Table:
-    """The largest demand, ratio to the building alone, drift, acceleration, closing and shear of struck columns of
-    every case and analysis over buildings, storeys, motions and points of the sweep, each with its place."""
-    struck, analyses = results.struck(), scene["analysis"].unique().tolist()
-    columns = ["mu", "mu0", "mu_ratio", "V_ratio", "drift", "drift0", "drift_ratio"]
-    storey = results.storey(*columns)  # no more: sweeps may be long
-    inelastic = storey["analysis"] == "inelastic"
-    storey["mu_ratio"] = storey["mu_ratio"].where(inelastic, storey.pop("V_ratio"))
-    storey["mu"] = storey["mu"].where(inelastic)
-    drift = storey.pop("drift")
-    storey["drift_ratio0"] = storey["drift_ratio"] * storey.pop("drift0") / drift.where(drift > 0)
-    both = "μ/μ₀ (V/V₀ elastic)" if len(analyses) > 1 else "V/V₀" if analyses == ["elastic"] else "μ/μ₀"
-    wanted = {
-        "μ": (storey, "mu"),
-        both: (storey, "mu_ratio"),
-        "drift": (storey, "drift_ratio"),
-        "acceleration": (results.floor("acceleration"), "acceleration"),
-        "struck columns": (struck[struck["impacts"] > 0] if len(struck) else struck, "shear_demand"),
-    }
-    flagged = flagged_scenes(scene)
-    flagged = flagged[flagged["meaningless"]]
-    void = pd.MultiIndex.from_frame(flagged[[*results.axes, "case", "analysis", "record"]])
-    wanted = {head: (frame[~frame["building"].isin(results.walls)], name) for head, (frame, name) in wanted.items()}
-    cells = {head: _cells(results, name, frame, void) for head, (frame, name) in wanted.items() if name in frame}
-    table = pd.DataFrame(cells | {"gap": _gaps(results), "flags": _flags(scene)})
-    order = pd.MultiIndex.from_frame(scene[["case", "analysis"]].drop_duplicates())
-    table = table.reindex(order).dropna(axis=1, how="all").fillna(NOTHING).reset_index()
-    marked = set(zip(flagged["case"], flagged["analysis"], strict=True))
-    places = zip(table["case"], table["analysis"], strict=True)
-    table["case"] = [f"{place[0]} {MARK}" if place in marked else place[0] for place in places]
-    return _table_of_records("Largest of all time histories, and where", table.to_dict("records"))
+# How buildings respond
 
 
-def _cells(results: ResultTables, name: str, frame: pd.DataFrame, void: pd.MultiIndex) -> dict[tuple[str, str], str]:
-    """By case and analysis the largest number as people read it, with that of the building alone where there is one,
-    MARK where it means nothing, and below it where it stands."""
-    how, found = column_of(name, results.units), {}
-    values = frame[name].dropna()
-    largest = values.groupby([frame[key][values.index] for key in ("case", "analysis")], sort=False).idxmax()
-    level = "floor" if "floor" in frame else "storey"
-    several = len(results.data["record"]) > 1
-    words = [key_words(key) for key in results.axes]
-    named = {key: said if words.count(said) == 1 else key for key, said in zip(results.axes, words, strict=True)}
-    for row in frame.loc[largest].to_dict("records"):
-        where = [row["building"], f"{level} {row[level]}", *([row["record"]] if several else [])]
-        point = ", ".join(f"{said} = {results.value_label(key, row[key])}" for key, said in named.items())
-        mark = f" {MARK}" if tuple(row[key] for key in void.names) in void else ""
-        number = f"{format_number(row[name] / how.unit.factor, 3)} {how.unit.name}".rstrip() + mark
-        alone = row.get(f"{name}0")
-        if alone is not None:
-            number += f" (alone {format_number(alone / how.unit.factor, 3)})"
-        found[row["case"], row["analysis"]] = "\n".join(filter(None, (number, ", ".join(where), point)))
-    return found
+def find_changes(shown: Evidence, building: str, response: Response) -> list[Change]:
+    """Return the changes of a response of a building in every case that has them, the largest rise first.
 
-
-def _gaps(results: ResultTables) -> dict[tuple[str, str], str]:
-    """Return by case and analysis how far the link closes that comes closest to its gap or goes furthest beyond.
-
-    Floors that strike are told by their penetration beyond the gap, all others by their closing of the gap.
+    Of many cases it has those that the study draws (`report: {plot: ...}`).
     """
-    link, found = results.link("kind", "gap", "max_closing", "impacts"), dict[tuple[str, str], str]()
-    if link.empty:
-        return found
-    unit = results.units.get("gap") or results.units["max_closing"]
-    place: Any
-    for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
-        row = here.iloc[int((here["max_closing"] - here["gap"]).argmax())]
-        struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
-        all_histories = count_histories(len(struck)) if results.axes else pluralize(len(struck), "motion")
-        closing = row["max_closing"]
-        beyond = f"{format_number(unit.number(closing - row['gap']), 3)} {unit.name}"
-        number = f"{format_number(unit.number(closing), 3)} of {unit.text(row['gap'])}"
-        below = "no contact"
-        if link_symbol(row["kind"]) != "gap":
-            below = f"{row['kind']}, {beyond} beyond the gap" if closing > row["gap"] else row["kind"]
-        elif closing > row["gap"]:
-            number = f"penetration {beyond}"
-            below = f"contact in {struck.sum()} of {all_histories}, gap {unit.text(row['gap'])}"
-        elif struck.any():
-            below = f"contact in {struck.sum()} of {all_histories}"
-        found[place] = f"{number}\n{below}"
-    return found
+    cases = shown.plotted if len(shown.cases) > MAX_CASES else shown.cases
+    changes = []
+    for case in cases:
+        place = {"case": case, "analysis": response.analysis, "building": building}
+        ratios = shown.values(response.ratio, **place)
+        means = shown.values(f"{response.ratio}_mean", **place)
+        if not np.isfinite(means).any() or _count_meaningless(shown, case, response.analysis) == len(ratios):
+            continue
+        motion, storey = np.unravel_index(int(np.nanargmax(ratios)), ratios.shape)
+        changes.append(
+            Change(
+                case=shown.marked(case),
+                highest=float(np.nanmax(means)),
+                storey=int(np.nanargmax(means)) + 1,
+                lowest=float(np.nanmin(means)),
+                peak=float(ratios[motion, storey]),
+                peak_storey=int(storey) + 1,
+                peak_motion=shown.names("record")[motion],
+                motions=int(np.isfinite(ratios).any(axis=1).sum()),
+                is_apart=not _acts(shown, case, response.analysis),
+            )
+        )
+    return sorted(changes, key=lambda change: -change.highest)
 
 
-def _flags(scene: pd.DataFrame) -> dict[tuple[str, str], str]:
-    """By case and analysis how many rows failed or are flagged."""
-    found, groups = {}, flag_groups_of(scene)
-    place: Any
-    for place, here in scene.groupby(["case", "analysis"], sort=False):
-        mine = {group.flag: group.count for group in groups if (group.case, group.analysis) == place}
-        if lost := len(failed_scenes(here)):
-            mine = {f"{lost} failed": lost} | mine
-        if mine:
-            found[place] = f"{max(mine.values())} of {len(here)}\n{'; '.join(mine)}"
-    return found
+def _describe_building(shown: Evidence, building: str) -> list[str]:
+    """Return a sentence an analysis on what pounding does to a building."""
+    responses = []
+    if Analysis.ELASTIC in shown.analyses:
+        responses.append(ELASTIC_SHEARS)
+    if Analysis.INELASTIC in shown.analyses:
+        place = {"analysis": Analysis.INELASTIC, "building": building}
+        yields = np.isfinite(shown.values("mu_ratio", **place)).any()
+        responses.append(DUCTILITIES if yields else INELASTIC_SHEARS)
+    sentences = []
+    for response in responses:
+        changes = find_changes(shown, building, response)
+        if changes:
+            sentences.append(describe_changes(changes, building, response.noun, len(shown.names("record"))))
+    return sentences
 
 
-def means(shown: Evidence) -> Table:
-    """The largest mean ratio to the building alone of every case and building, with its storey."""
-    rows = []
-    for case, building in product(shown.cases, shown.built):
-        row: dict[str, Any] = {"case": shown.marked(case), "building": building}
-        for analysis, ratio in RESPONSES:
-            of, name = mean_ratios(shown, case, analysis, building, ratio), f"{column_of(ratio).label} {analysis}"
-            row[f"{name}, roof"] = format_number(of.iloc[-1]) if len(of) else np.nan
-            row[f"{name}, largest (storey)"] = f"{format_number(of.max())} ({of.idxmax()})" if len(of) else np.nan
-        rows.append(row)
-    frame = pd.DataFrame(rows).dropna(axis=1, how="all").fillna(NOTHING)
-    at = f" at {shown.label}" if shown.label else ""
-    what = f"Ratios to the building alone, mean of {pluralize(len(shown.records), 'motion')}{at}"
-    return _table_of_records(what, frame.to_dict("records"))
+def describe_changes(changes: Sequence[Change], building: str, noun: str, motions: int) -> str:
+    """Return in a sentence how a response of a building changes in some cases, the largest rise first.
+
+    noun : the response
+    motions : number of motions of the study
+    """
+    rises = [change for change in changes if change.is_rise]
+    falls = sorted((change for change in changes if change.is_fall), key=lambda change: change.lowest)
+    unchanged = [change for change in changes if not (change.is_rise or change.is_fall)]
+    subject = f"the {noun} of {building}"
+    clauses = []
+    for verb, group in (("raises", rises), ("lowers", falls)):
+        if group:
+            clauses.append(_describe_group(verb, group, subject, motions))
+            subject = "them"
+    if unchanged:
+        clauses.append(_describe_unchanged(unchanged, subject))
+    return f"{'; '.join(clauses)}."
 
 
-def _table_of_records(caption: str, rows: list[dict[Any, Any]]) -> Table:
-    heads = list(rows[0]) if rows else []
-    return table_of_texts(caption, heads, [list(row.values()) for row in rows])
+def _describe_group(verb: str, group: Sequence[Change], subject: str, motions: int) -> str:
+    first, *others = group
+    clause = f"case {first.case} {verb} {subject} {first.amount} ({_describe_details(first, motions)})"
+    if len(others) < MAX_CASES:
+        return ", ".join([clause, *(f"{change.case} {change.amount}" for change in others)])
+    most, least = others[0], others[-1]
+    return f"{clause}, {len(others)} others by {least.size} ({least.case}) to {most.size} ({most.case})"
+
+
+def _describe_details(change: Change, motions: int) -> str:
+    """Return where a change is largest, and the largest rise of a single motion."""
+    storey = f"storey {change.storey}" if change.is_rise else ""
+    if motions == 1:
+        return storey or _describe_highest(change)
+    known = str(motions) if change.motions == motions else f"{change.motions} of {motions}"
+    mean = f"mean of {known} motions" if change.motions > 1 else f"{change.peak_motion} alone of {motions} motions"
+    place = [f"storey {change.peak_storey}"] if change.peak_storey != change.storey or not change.is_rise else []
+    if change.peak > 1 + MIN_CHANGE:
+        word = "largest" if change.is_rise else "but largest rise"
+        peak = ", ".join([f"{word} {_format_rise(change.peak)}", *place, change.peak_motion])
+    else:
+        peak = "no motion raises them"
+    if change.motions == 1:
+        return ", ".join(filter(None, (storey, mean)))
+    return f"{', '.join(filter(None, (storey, mean)))}; {peak}"
+
+
+def _describe_highest(change: Change) -> str:
+    """Return by how little a case lowers a response at least."""
+    least = 1 - change.highest
+    return f"by {_format_percent(least)} or more in every storey" if least > MIN_CHANGE else "no storey rises"
+
+
+def _describe_unchanged(group: Sequence[Change], subject: str) -> str:
+    apart = [change.case for change in group if change.is_apart]
+    small = [change.case for change in group if not change.is_apart]
+    clauses = []
+    if small:
+        verb = "changes" if len(small) == 1 else "change"
+        clauses.append(f"{_join_cases(small)} {verb} {subject} by less than {_format_percent(MIN_CHANGE)}")
+        subject = "them"
+    if apart:
+        verb = "leaves" if len(apart) == 1 else "leave"
+        clauses.append(f"{_join_cases(apart)} {verb} {subject} as they are alone (no contact)")
+    return "; ".join(clauses)
+
+
+def _join_cases(names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return f"case {names[0]}"
+    return f"cases {join_limited(names[:-1], 200)} and {names[-1]}"
+
+
+def _capitalise_case(sentence: str) -> str:
+    """Return a sentence with a capital where it begins with the word case, and not with a name of the study."""
+    return sentence[0].upper() + sentence[1:] if sentence.startswith(("case ", "cases ")) else sentence
+
+
+def _format_percent(part: float) -> str:
+    return f"{float(f'{100 * part:.2g}'):g} %"
+
+
+def _format_rise(ratio: float) -> str:
+    """Return a rise in percent, "18 %"; one beyond a doubling as "2.4-fold"."""
+    return _format_percent(ratio - 1) if ratio <= 2 else f"{float(f'{ratio:.2g}'):g}-fold"
+
+
+def _count_meaningless(shown: Evidence, case: str, analysis: str) -> int:
+    """Return under how many motions the numbers of a case mean nothing."""
+    flags = shown.values("flags", case=case, analysis=analysis)
+    return sum(map(is_void, flags.tolist()))
+
+
+def _describe_meaningless(shown: Evidence) -> list[str]:
+    """Return a sentence for every case and analysis whose numbers mean nothing under some motions."""
+    sentences = []
+    for group in shown.flag_groups:
+        if group.meaningless:
+            under = "its motion" if group.of == 1 else f"{group.count} of {group.of} motions"
+            sentences.append(
+                f"{MARK} Case {group.case}, {group.analysis}: the numbers mean nothing under {under}, as the "
+                f"{group.flag}."
+            )
+    return sentences
+
+
+# Gaps, collapses, failures, sweeps
+
+
+def _acts(shown: Evidence, case: str, analysis: str) -> bool:
+    """Return whether a link of a case carries a force under some motion."""
+    if "impacts" not in shown.results.arrays:
+        return False
+    place = {"case": case, "analysis": analysis}
+    force = shown.values("peak_force", **place)
+    return bool((np.nan_to_num(force) > 0).any())
+
+
+def _describe_open_gaps(shown: Evidence) -> str:
+    """Return that no link acts anywhere, with the closest approach of two floors; "" where one does."""
+    results = shown.results
+    if any(_acts(shown, case, analysis) for case in shown.cases for analysis in shown.analyses):
+        return ""
+    if len(shown.group) == 1 or "gap" not in results.arrays:
+        return "Every building stands alone: the study has no links, so there is no pounding."
+    left_open = shown.values("gap")[:, None, None, :] - shown.values("max_closing")
+    if not np.isfinite(left_open).any():
+        return "No link carries a force: every building responds as it does alone."
+    case, analysis, motion, link = np.unravel_index(int(np.nanargmin(left_open)), left_open.shape)
+    unit = results.units.get("gap") or Unit("mm", 1e-3, "m")
+    closing = float(shown.values("max_closing")[case, analysis, motion, link])
+    gap = float(shown.values("gap")[case, link])
+    where = [f"case {shown.cases[case]}", shown.names("link")[link]]
+    where += [shown.names("record")[motion]] if len(shown.names("record")) > 1 else []
+    return (
+        "The floors never touch: every building responds as it does alone. The closest approach closes "
+        f"{unit.text(closing, 3)} of a gap of {unit.text(gap)} ({', '.join(where)})."
+    )
+
+
+def _describe_collapses(shown: Evidence) -> list[str]:
+    """Return a sentence for every building and analysis on the motions under which it collapses, alone and by case."""
+    arrays = shown.results.arrays
+    if "collapsed" not in arrays:
+        return []
+    motions = len(shown.names("record"))
+    sentences = []
+    for analysis in shown.analyses:
+        for building in shown.built:
+            place = {"analysis": analysis, "building": building}
+            counts = {case: int((shown.values("collapsed", case=case, **place) > 0).sum()) for case in shown.cases}
+            alone = shown.values("collapsed0", **place) > 0
+            alone_count = int(alone.any(axis=0).sum())
+            if not (any(counts.values()) or alone_count):
+                continue
+            parts = [f"{count} in case {case}" for case, count in counts.items()]
+            of = pluralize(motions, "motion")
+            sentences.append(
+                f"{building} collapses ({analysis}; of {of}) under {', '.join(parts)}, and under {alone_count} alone; "
+                "these are left out of ratios."
+            )
+    return sentences
+
+
+def _describe_failures(results: ResultTables) -> list[str]:
+    scene = results.scene()
+    failed = len(failed_scenes(scene))
+    if not failed:
+        return []
+    return [f"{failed} of {pluralize(len(scene), 'row')} failed and {'is' if failed == 1 else 'are'} left out."]
+
+
+def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
+    """Return where in a sweep pounding raises the responses of the main building most; nothing where it raises none."""
+    if not results.axes or all(len(values) == 1 for values in results.axes.values()):
+        return []
+    sentences = []
+    for response in (ELASTIC_SHEARS, DUCTILITIES):
+        if response.analysis not in shown.analyses:
+            continue
+        array = results.arrays[f"{response.ratio}_mean"]
+        analysis = array.dims.index("analysis")
+        building = array.dims.index("building")
+        means = array.values.take([shown.analyses.index(response.analysis)], analysis)
+        means = means.take([shown.group.index(shown.main)], building)
+        if not np.isfinite(means).any():
+            continue
+        place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
+        ratio = float(np.nanmax(means))
+        if ratio <= 1 + MIN_CHANGE:
+            sentences.append(f"Nowhere in the sweep do the {response.noun} of {shown.main} rise.")
+            continue
+        point = {key: results.axes[key][place[keys[0]]] for keys in results.swept for key in keys if keys[0] in place}
+        words = ", ".join(f"{key} = {results.value_label(key, value)}" for key, value in point.items())
+        amount = f"by up to {_format_rise(ratio)}" if ratio <= 2 else f"up to {_format_rise(ratio)}"
+        motions = len(shown.names("record"))
+        mean = f", mean of {motions} motions" if motions > 1 else ""
+        sentences.append(
+            f"Over the sweep the {response.noun} of {shown.main} rise most at {words}: {amount} "
+            f"(case {shown.cases[place['case']]}, storey {place['storey'] + 1}{mean})."
+        )
+    return sentences
+
+
+# Notes
+
+
+def _explain_table(results: ResultTables) -> list[str]:
+    """Return what the words and marks of the table of peaks mean, as far as it has them."""
+    analyses = results.names("analysis")
+    ductility = results.values("mu")[..., [name == Analysis.INELASTIC for name in analyses], :, :, :]
+    has_ductility = bool(np.isfinite(ductility).any())
+    ratios = {(True, True): "μ/μ₀ (V/V₀)", (True, False): "μ/μ₀", (False, True): "V/V₀"}
+    ratio = ratios.get((Analysis.INELASTIC in analyses, Analysis.ELASTIC in analyses), "")
+    words = ["μ: ductility demand"] if has_ductility else []
+    words.append(f"{ratio}: ratio to the same building alone")
+    words.append("alone: the same storey of the same building alone, under the same motion")
+    words.append("drift in % of the storey height")
+    if "gap" in results.arrays:
+        words.append(
+            "gap: largest closing of two floors; floors in contact press into each other by the penetration, which the "
+            "contact stiffness governs"
+        )
+    notes = [f"{PEAKS}: {'; '.join(words)}."]
+    if has_ductility and np.nanmax(ductility) > MAX_DUCTILITY:
+        notes.append(
+            f"{BEYOND_MARK} A ductility above {MAX_DUCTILITY:g} is far beyond the range of the storey law: read it as "
+            "failure of the storey, not as a number."
+        )
+    return notes

@@ -1,4 +1,4 @@
-// The player of the moving buildings: which scene, which instant, how fast.
+// The player of the moving buildings: which time history, which instant, how fast.
 
 const SPEEDS = [['1', 'real time'], ['0.5', '1/2'], ['0.2', '1/5'], ['0.1', '1/10'], ['0.02', '1/50'], ['0.005', '1/200']];
 /** Speed at impacts, which lasts from this long before the largest force to as long after it [s]. */
@@ -19,7 +19,7 @@ function player(root, { scenes }) {
   const readout = h('dl', { class: 'readout' }), key = h('p', { class: 'note' });
   root.append(
     h('div', { class: 'bar' },
-      choice('Scene', scenes.map((one, number) => [number, one.label]), 0, (value) => open(Number(value))),
+      choice('Time history', scenes.map((one, number) => [number, one.label]), 0, (value) => open(Number(value))),
       choice('Displacements drawn', [['', 'to fit'], ...SCALES.map((one) => [one, `× ${one}`])], '', (value) => {
         state.scale = value === '' ? null : Number(value);
         arrange();
@@ -50,7 +50,7 @@ function player(root, { scenes }) {
     const kinds = new Set(scene.links.map(({ drawn }) => drawn));
     const said = [
       `Displacements and gaps are drawn ${state.at.scale === 1 ? 'to the scale of the heights' : `${state.at.scale} times larger than heights`}.`,
-      scene.yields ? 'Columns are red and thick while the storey drift is at or beyond the yield drift.' : 'This scene is elastic: no storey yields.',
+      scene.yields ? 'Columns are red and thick while the storey drift is at or beyond the yield drift.' : 'This time history is elastic: no storey yields.',
       ...(kinds.has('gap') || kinds.has('filling') ? [`Stars: contact forces; those of at least ${100 * HARD} % of the largest count as impacts.`] : []),
       ...(kinds.has('bar') ? ['Bars: connectors, orange in compression, blue in tension.'] : []),
     ];

@@ -1,4 +1,4 @@
-// A kept scene: its series and impacts, and the drawing of its buildings and of the strips below them at one instant.
+// A kept time history: its series and impacts, and the drawing of its buildings and of the strips below them at one instant.
 
 /** A contact is an impact from this share of the hardest one. */
 const HARD = 0.1;

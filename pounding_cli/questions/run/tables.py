@@ -1,0 +1,321 @@
+"""The tables that a run prints: peak responses with their places, and mean ratios to the buildings alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from pounding_cli.model.scene import Analysis
+from pounding_cli.numbers import NOTHING, count_histories, pluralize
+from pounding_cli.report.evidence import MARK, RESPONSES, Evidence
+from pounding_cli.results.columns import column_of
+from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
+from pounding_cli.results.plausible import MAX_DUCTILITY
+from pounding_cli.study.display import key_words
+from pounding_cli.tables import Column, Row, Table
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import ResultTables
+
+CONTACT_MARK = "*"
+"""Stands behind an acceleration that the contact stiffness governs."""
+
+BEYOND_MARK = "‡"
+"""Stands behind a ductility far beyond the range of the storey law."""
+
+PEAKS = "Peak responses and where they occur"
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A quantity whose largest value a run prints.
+
+    name : of its column in the table of peaks
+    label : heading
+    of : column of results that has its unit
+    rows : of all storeys, floors or struck columns, with a column `name`
+    level : "storey" or "floor"
+    """
+
+    name: str
+    label: str
+    of: str
+    rows: pd.DataFrame
+    level: str = "storey"
+
+
+def build_peaks_table(results: ResultTables) -> Table:
+    """Return the peak responses of every case and analysis, over buildings, storeys, motions and points of the sweep.
+
+    A row has, for every quantity NAME, the value NAME, that of the same place of the building alone NAME_alone, and
+    the place NAME_building, NAME_level, NAME_record and NAME_point.
+    """
+    scene = results.scene()
+    histories = scene[["case", "analysis"]].drop_duplicates().reset_index(drop=True)
+    frame = histories.set_index(["case", "analysis"])
+    quantities = [peak for peak in _list_quantities(results, scene) if peak.rows[peak.name].notna().any()]
+    void = _place_index(results, _meaningless_rows(scene))
+    struck = _place_index(results, results.struck_links())
+    columns = []
+    for peak in quantities:
+        places = _find_places(results, peak)
+        places[f"{peak.name}_is_void"] = _place_index(results, places).isin(void)
+        is_blow = peak.name == "acceleration"
+        places[f"{peak.name}_is_blow"] = _place_index(results, places).isin(struck) & is_blow
+        places = places.set_index(["case", "analysis"])
+        frame = frame.join(places[[name for name in places if str(name).startswith(peak.name)]])
+        columns.append(_peak_column(results, peak))
+    gaps = _find_gaps(results)
+    if len(gaps):
+        frame = frame.join(gaps)
+        columns.append(_gap_column(results))
+    frame = frame.join(_count_flags(scene))
+    if frame["flags"].notna().any():
+        columns.append(Column("flags", "rows that failed or are flagged", write=_format_flags))
+    frame = frame.reset_index()
+    frame["is_void"] = frame["case"].isin(set(_meaningless_rows(scene)["case"]))
+    places_of_rows = [Column("case", "case of the study", write=_format_case), column_of("analysis")]
+    return Table("", frame, [*places_of_rows, *columns], _caption_of_peaks(results))
+
+
+def build_means_table(shown: Evidence) -> Table:
+    """Return the mean ratios to the building alone of every case and building: at the roof, and in the storey where
+    the mean is largest."""
+    rows = []
+    for case, building in product(shown.cases, shown.built):
+        row: dict[str, Any] = {"case": shown.marked(case), "building": building}
+        for analysis, ratio in RESPONSES:
+            means = mean_ratios(shown, case, analysis, building, ratio)
+            row[f"{ratio}_top"] = means.iloc[-1] if len(means) else np.nan
+            row[f"{ratio}_largest"] = means.max() if len(means) else np.nan
+            row[f"{ratio}_storey"] = means.idxmax() if len(means) else np.nan
+        rows.append(row)
+    frame = pd.DataFrame(rows)
+    columns = [column_of("case"), column_of("building")]
+    words = []
+    for analysis, ratio in RESPONSES:
+        if frame[f"{ratio}_top"].notna().any():
+            columns += _mean_columns(ratio)
+            words.append(f"{column_of(ratio).label} {analysis}")
+    motions = len(shown.records)
+    over = f"mean of {motions} motions" if motions > 1 else "1 motion"
+    point = f" at {shown.label}" if shown.label else ""
+    return Table("", frame, columns, f"Ratios to the same building alone, {over}{point}: {', '.join(words)}")
+
+
+def mean_ratios(shown: Evidence, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
+    """Return the mean over the motions of a ratio to the building alone, by storey; empty where there is none.
+
+    ratio : "V_ratio" or "mu_ratio"
+    """
+    if analysis not in shown.analyses:
+        return pd.Series(dtype=float)
+    mean = shown.values(f"{ratio}_mean", case=case, analysis=analysis, building=building)
+    return pd.Series(mean, index=shown.results.values("storey")).dropna()
+
+
+# Peaks
+
+
+def _list_quantities(results: ResultTables, scene: pd.DataFrame) -> Iterator[Peak]:
+    names = ["mu", "mu0", "mu_ratio", "V_ratio", "drift", "drift0", "drift_ratio"]
+    storey = _without_walls(results, results.storey(*names))  # no more: sweeps may be long
+    is_inelastic = storey["analysis"] == Analysis.INELASTIC
+    demand = storey.assign(mu=storey["mu"].where(is_inelastic), mu_alone=storey["mu0"])
+    yield Peak("mu", "μ", "mu", demand)
+    ratio = storey.assign(ratio=storey["mu_ratio"].where(is_inelastic, storey["V_ratio"]))
+    yield Peak("ratio", _ratio_label(scene["analysis"].unique().tolist()), "mu_ratio", ratio)
+    drift = storey["drift"].where(storey["drift"] > 0)
+    alone = storey["drift_ratio"] * storey["drift0"] / drift
+    drifts = storey.rename(columns={"drift": "drift_length"})
+    yield Peak("drift", "drift", "drift_ratio", drifts.assign(drift=storey["drift_ratio"], drift_alone=alone))
+    floor = _without_walls(results, results.floor("acceleration"))
+    yield Peak("acceleration", "acceleration", "acceleration", floor, "floor")
+    struck = _without_walls(results, results.struck())
+    struck = struck[struck["impacts"] > 0]
+    yield Peak("struck_columns", "struck columns", "shear_demand", struck.assign(struck_columns=struck["shear_demand"]))
+
+
+def _ratio_label(analyses: Sequence[str]) -> str:
+    if len(analyses) > 1:
+        return "μ/μ₀ (V/V₀ elastic)"
+    return "V/V₀" if analyses == [Analysis.ELASTIC] else "μ/μ₀"
+
+
+def _without_walls(results: ResultTables, frame: pd.DataFrame) -> pd.DataFrame:
+    return frame[~frame["building"].isin(results.walls)]
+
+
+def _find_places(results: ResultTables, peak: Peak) -> pd.DataFrame:
+    """Return the rows of the largest values, one a case and analysis, with the columns that the table of peaks has."""
+    name = peak.name
+    values = peak.rows[name].dropna()
+    keys = [peak.rows[key][values.index] for key in ("case", "analysis")]
+    rows = peak.rows.loc[values.groupby(keys, sort=False).idxmax()]
+    points = [_format_point(results, row) for row in rows.to_dict("records")]
+    places: dict[str, Any] = {
+        f"{name}_building": rows["building"],
+        f"{name}_level": rows[peak.level],
+        f"{name}_record": rows["record"],
+        f"{name}_point": points,
+    }
+    kept = [*results.axes, "case", "analysis", "record", name]
+    kept += [f"{name}_alone"] if f"{name}_alone" in rows else []
+    return rows[kept].assign(**places)
+
+
+def _format_point(results: ResultTables, row: Row) -> str:
+    """Return the point of the sweep of a row: "gap = 5 cm"; "" where nothing is swept."""
+    words = [key_words(key) for key in results.axes]
+    labels = [word if words.count(word) == 1 else key for key, word in zip(results.axes, words, strict=True)]
+    values = [results.value_label(key, row[key]) for key in results.axes]
+    return ", ".join(f"{label} = {value}" for label, value in zip(labels, values, strict=True))
+
+
+def _peak_column(results: ResultTables, peak: Peak) -> Column:
+    name = peak.name
+    of = column_of(peak.of, results.units)
+    has_motions = len(results.names("record")) > 1
+    number = Column(name, of.text, of.unit, peak.label, digits=3)
+
+    def write(row: Row) -> str:
+        if not np.isfinite(row[name]):
+            return NOTHING
+        marks = [MARK] if row[f"{name}_is_void"] else []
+        marks += [CONTACT_MARK] if row[f"{name}_is_blow"] else []
+        marks += [BEYOND_MARK] if name == "mu" and row[name] > MAX_DUCTILITY else []
+        text = " ".join([number.format(row[name]), *marks])
+        alone = row.get(f"{name}_alone", np.nan)
+        return f"{text} (alone {number.format(alone)})" if np.isfinite(alone) else text
+
+    def write_place(row: Row) -> str:
+        if not np.isfinite(row[name]):
+            return ""
+        place = [row[f"{name}_building"], f"{peak.level} {row[f'{name}_level']:.0f}"]
+        place += [row[f"{name}_record"]] if has_motions else []
+        return "\n".join(filter(None, (", ".join(place), row[f"{name}_point"])))
+
+    return Column(name, of.text, of.unit, peak.label, digits=3, write=write, below=write_place)
+
+
+def _place_index(results: ResultTables, rows: pd.DataFrame) -> pd.MultiIndex:
+    """Return the time histories of some rows: point of the sweep, case, analysis and motion."""
+    return pd.MultiIndex.from_frame(rows[[*results.axes, "case", "analysis", "record"]])
+
+
+def _meaningless_rows(scene: pd.DataFrame) -> pd.DataFrame:
+    """Return the flags that take the meaning from the numbers of a scene."""
+    flagged = flagged_scenes(scene)
+    return flagged[flagged["meaningless"]]
+
+
+def _caption_of_peaks(results: ResultTables) -> str:
+    parts = ["buildings", "storeys", *(["motions"] if len(results.names("record")) > 1 else [])]
+    parts += ["points of the sweep"] if results.axes else []
+    return f"{PEAKS}: largest over {', '.join(parts[:-1])} and {parts[-1]}"
+
+
+# Gaps and flags
+
+
+def _find_gaps(results: ResultTables) -> pd.DataFrame:
+    """Return by case and analysis the link that closes closest to its gap, or furthest beyond it.
+
+    histories, struck : number of time histories, and of those in which some floors of the case strike
+    """
+    link = results.link("kind", "gap", "max_closing", "impacts")
+    if link.empty:
+        return pd.DataFrame()
+    rows: dict[tuple[str, str], dict[str, Any]] = {}
+    place: Any
+    for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
+        beyond = here["max_closing"] - here["gap"]
+        worst = here.iloc[int(beyond.argmax())]
+        is_struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
+        rows[place] = {
+            "closing": worst["max_closing"],
+            "gap": worst["gap"],
+            "kind": worst["kind"],
+            "struck": int(is_struck.sum()),
+            "histories": len(is_struck),
+        }
+    frame = pd.DataFrame.from_dict(rows, orient="index", columns=["closing", "gap", "kind", "struck", "histories"])
+    frame.index = pd.MultiIndex.from_tuples(frame.index, names=["case", "analysis"])
+    return frame
+
+
+def _gap_column(results: ResultTables) -> Column:
+    """Return the column of gaps: floors that strike by their penetration, all others by their closing of the gap."""
+    unit = results.units.get("gap") or results.units["max_closing"]
+    number = Column("closing", unit=unit, digits=3)
+
+    def write(row: Row) -> str:
+        if not np.isfinite(row["closing"]):
+            return NOTHING
+        beyond = row["closing"] - row["gap"]
+        if beyond > 0 and results.is_contact(row["kind"]):
+            return f"penetration {number.format(beyond)} {unit.name}"
+        return f"closes {number.format(row['closing'])} of {unit.text(row['gap'])}"
+
+    def write_contact(row: Row) -> str:
+        if not np.isfinite(row["closing"]):
+            return ""
+        beyond = row["closing"] - row["gap"]
+        if not results.is_contact(row["kind"]):
+            return f"{row['kind']}, {number.format(beyond)} {unit.name} beyond the gap" if beyond > 0 else row["kind"]
+        count = int(row["histories"])
+        histories = count_histories(count) if results.axes else pluralize(count, "motion")
+        contact = f"contact in {row['struck']:.0f} of {histories}"
+        if beyond > 0:
+            return f"{contact}, gap {unit.text(row['gap'])}"
+        return contact if row["struck"] else "no contact"
+
+    return Column("closing", "largest closing of two floors", unit, "gap", 3, write=write, below=write_contact)
+
+
+def _count_flags(scene: pd.DataFrame) -> pd.DataFrame:
+    """Return by case and analysis how many of its rows failed or are flagged, and the kinds of flags."""
+    groups = flag_groups_of(scene)
+    rows = {}
+    place: Any
+    for place, here in scene.groupby(["case", "analysis"], sort=False):
+        counts = {group.flag: group.count for group in groups if (group.case, group.analysis) == place}
+        if lost := len(failed_scenes(here)):
+            counts = {f"{lost} failed": lost} | counts
+        rows[place] = {
+            "flags": max(counts.values()) if counts else np.nan,
+            "flag_kinds": "; ".join(counts),
+            "rows": len(here),
+        }
+    frame = pd.DataFrame.from_dict(rows, orient="index", columns=["flags", "flag_kinds", "rows"])
+    frame.index = pd.MultiIndex.from_tuples(frame.index, names=["case", "analysis"])
+    return frame
+
+
+def _format_flags(row: Row) -> str:
+    if not np.isfinite(row["flags"]):
+        return NOTHING
+    return f"{row['flags']:.0f} of {row['rows']:.0f}\n{row['flag_kinds']}"
+
+
+def _format_case(row: Row) -> str:
+    return f"{row['case']} {MARK}" if row["is_void"] else str(row["case"])
+
+
+# Means
+
+
+def _mean_columns(ratio: str) -> list[Column]:
+    """Return the columns of a mean ratio: at the top, and in the storey where it is largest."""
+    label = column_of(ratio).label
+    text = f"mean of {ratio} over the motions"
+    return [
+        Column(f"{ratio}_top", f"{text}, top storey", label=f"{label} at top", optional=True),
+        Column(f"{ratio}_largest", f"{text}, largest of all storeys", label=f"{label} largest"),
+        Column(f"{ratio}_storey", "storey of that largest mean", label="in storey", digits=0),
+    ]
