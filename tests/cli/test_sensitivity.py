@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -358,3 +361,21 @@ def test_quantities_have_the_words_of_the_field(text, words):
 def test_outputs_are_shown_in_the_unit_of_their_quantities(results, text, si, name, factor):
     unit = find_output_unit(results, text, si)
     assert (unit.name, unit.factor) == (name, factor)
+
+
+@pytest.mark.parametrize("name", ["sensitivity", "optimise"])
+def test_no_xarray_and_no_matplotlib_for_an_answer(folder, name):
+    """Of solving a study, and printing sentences and tables."""
+    over = {"impact.restitution": {"choice": [0.4, 0.65]}}
+    study = build_study(optimise={"least": "mu", "over": over})
+    code = (
+        "import json, sys\nimport pounding_cli as pound\nfrom pounding_cli.api.running import ask_question, run_study\n"
+        "from pathlib import Path\nfrom pounding_cli.questions.reports import build_report\n"
+        "question = ask_question(sys.argv[2], pound.load_study(json.loads(sys.argv[1])))\n"
+        "build_report(run_study(question, Path(sys.argv[3]), engine='serial').results).print()\n"
+        "print([name for name in ('xarray', 'matplotlib') if name in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, json.dumps(study), name, str(folder / f"{name}.h5")]
+    out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert out.startswith("Two small buildings\n")
+    assert out.endswith("[]\n")
