@@ -27,7 +27,10 @@ from pounding_cli.results.results import ResultTables
 from pounding_cli.results.solved import solution_key, solver_version
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pounding_cli.questions.question import StudyQuestion
+    from pounding_cli.questions.sensitivity.indices import Sensitivity, Series
     from pounding_cli.study import Plan, Study
 
 
@@ -68,11 +71,17 @@ class RunOutcome:
 def ask_question(name: str, study: Study) -> StudyQuestion:
     """Return a question asked of a study.  Raises InputError: there is none, or the study asks what has no answer."""
     if name == "sensitivity":
-        from pounding_cli.paper.claims import at_samples
         from pounding_cli.questions.sensitivity.indices import Sensitivity
 
-        return Sensitivity(study, judge=at_samples)
+        return Sensitivity(study, judge=_judge_claims)
     return load_question(name).ask(study)
+
+
+def _judge_claims(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
+    """Return whether the claims of the paper hold at every sample; only studies that ask for them load xarray."""
+    from pounding_cli.paper.claims import at_samples
+
+    return at_samples(plan, data, question)
 
 
 def run_study(

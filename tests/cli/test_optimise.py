@@ -667,6 +667,13 @@ def test_notes_stand_where_they_belong(shared_folder, words, raising, other):
     assert [any(words in note for note in each) for each in notes] == [True, False]
 
 
+@pytest.mark.parametrize(("value", "is_at_end"), [(0.001, True), (0.009, True), (0.0089, False), (0.005, False)])
+def test_a_key_at_either_end_of_its_range_is_named(results, value, is_at_end):
+    edit = {"value": [value, np.nan], "range_from": [0.001, np.nan], "range_to": [0.009, np.nan], "good_from": value}
+    notes = build_report(change(results, optimise=lambda frame: frame.assign(**edit))).answer.notes
+    assert any("cases.near.gap is best at the end of its range" in note for note in notes) == is_at_end
+
+
 def test_more_keys_than_are_drawn_are_counted(results):
     import pandas as pd
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 import pounding_cli as pound
+from pounding_cli.questions.expressions import describe_output, find_output_unit
 from pounding_cli.questions.reports import build_report
 from pounding_cli.results.results import ResultTables
 from pounding_cli.tables import Table
@@ -327,3 +331,51 @@ def test_claims_of_the_paper_refer_to_their_thresholds(folder):
     assert any("Claims of the paper and their thresholds" in note for note in report.answer.notes)
     assert "statements" in report.answer.sentences[0]
     assert not any("Claims of the paper" in note for note in build_report(ask(folder)).answer.notes)
+
+
+# Expressions in words and units
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("largest V_ratio in stiff", "largest V/V₀ in stiff"), ("max(mu in A, mu0)", "max(μ in A, μ₀)"),
+        ("largest max_closing", "largest closing"), ("smallest max_closing", "smallest largest closing"),
+        ("acceleration in floor 2", "acceleration in floor 2"), ("impacts > 0", "contacts > 0"),
+        ("largest mu in drift", "largest μ in drift"),
+    ],
+)  # fmt: skip
+def test_quantities_have_the_words_of_the_field(text, words):
+    """Fails if a building that is called as a quantity loses its name."""
+    assert describe_output(text) == words
+
+
+@pytest.mark.parametrize(
+    ("text", "si", "name", "factor"),
+    [
+        ("max_closing", "m", "mm", 1e-3), ("largest acceleration in A", "m/s2", "g", 9.80665),
+        ("largest drift in A + largest drift in B", "m", "mm", 1e-3), ("mu in A", "", "", 1.0),
+        ("acceleration in drift", "m/s2", "g", 9.80665), ("peak_force", "N", "kN", 1e3),
+    ],
+)  # fmt: skip
+def test_outputs_are_shown_in_the_unit_of_their_quantities(results, text, si, name, factor):
+    unit = find_output_unit(results, text, si)
+    assert (unit.name, unit.factor) == (name, factor)
+
+
+@pytest.mark.parametrize("name", ["sensitivity", "optimise"])
+def test_no_xarray_and_no_matplotlib_for_an_answer(folder, name):
+    """Of solving a study, and printing sentences and tables."""
+    over = {"impact.restitution": {"choice": [0.4, 0.65]}}
+    study = build_study(optimise={"least": "mu", "over": over})
+    code = (
+        "import json, sys\nimport pounding_cli as pound\nfrom pounding_cli.api.running import ask_question, run_study\n"
+        "from pathlib import Path\nfrom pounding_cli.questions.reports import build_report\n"
+        "question = ask_question(sys.argv[2], pound.load_study(json.loads(sys.argv[1])))\n"
+        "build_report(run_study(question, Path(sys.argv[3]), engine='serial').results).print()\n"
+        "print([name for name in ('xarray', 'matplotlib') if name in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, json.dumps(study), name, str(folder / f"{name}.h5")]
+    out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert out.startswith("Two small buildings\n")
+    assert out.endswith("[]\n")
