@@ -81,11 +81,11 @@ rows_options = together(
         help="Only rows with this value in a column or of a swept key; several of one key are alternatives.",
     ),
 )  # fmt: skip
-"""Which rows are meant; arguments of `_wanted`."""
+"""Which rows are meant; arguments of `_parse_conditions`."""
 
 
-def _wanted(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str]]:
-    """Key and value of every condition.  Raises `InputError` for one without value."""
+def _parse_conditions(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str]]:
+    """Return key and value of every condition.  Raises `InputError` for one without value."""
     wanted = [(key, value) for key, values in short.items() for value in values]
     for text in where:
         key, _, value = (part.strip() for part in text.partition("="))
@@ -95,8 +95,8 @@ def _wanted(where: Sequence[str], **short: Sequence[str]) -> list[tuple[str, str
     return wanted
 
 
-def _key(given: str, known: Collection[str], what: str) -> str:
-    """The key that is meant, one of those known; the beginning of a swept one may be left out.
+def _find_key(given: str, known: Collection[str], what: str) -> str:
+    """Return the key that is meant, one of those known; the beginning of a swept one may be left out.
 
     what : where it is looked for.  Raises `InputError` where there is none, or more than one.
     """
@@ -109,8 +109,8 @@ def _key(given: str, known: Collection[str], what: str) -> str:
     raise InputError(Problem(f"{what} has {'several columns' if ends else 'no column'} {given}", hint))
 
 
-def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
-    """Those of the values that a text means; a number may be with its unit, in SI or in the unit of the study.
+def _find_values(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
+    """Return the values that a text means; a number may be with its unit, in SI or in the unit of the study.
 
     what : whose values they are.  Raises `InputError` where there is none.
     """
@@ -123,12 +123,12 @@ def _meant(there: Sequence[Any], text: str, unit: Unit, what: str) -> list[Any]:
         numbers.append(float(Quantity("value", unit.si, "").read(text)))
         numbers.append(float(text) * unit.factor)
 
-    def is_meant(value: Any) -> bool:
+    def is_find_values(value: Any) -> bool:
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         close = is_number and any(math.isclose(value, each, rel_tol=1e-6, abs_tol=1e-12) for each in numbers)
         return close or str(value) == text
 
-    if found := [value for value in there if is_meant(value)]:
+    if found := [value for value in there if is_find_values(value)]:
         return found
     raise InputError(
         Problem(f"{what} does not take the value {text!r}", f"write one of: {join_limited(map(unit.text, there))}")
@@ -157,7 +157,7 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
     results = open_file(file)
     table = table or (results.answers[0] if results.answers else "summary")
     _check_tables(results, [table])
-    frame = _filtered(results, results.table(table), _wanted(**rows), table)
+    frame = _filter_rows(results, results.table(table), _parse_conditions(**rows), table)
     sentences = [name for name in ("effects", "dropped", "flags", "flag_severity", "advice") if name in frame.columns]
     frame = frame.assign(**{name: frame[name].str.replace("\n", "; ") for name in sentences})
     if form == "csv":
@@ -197,15 +197,15 @@ def _note_on_contact(results: ResultTables, frame: pd.DataFrame) -> str:
     return CONTACT_STIFFNESS_UNKNOWN if has_numbers and len(results.struck_links()) else ""
 
 
-def _filtered(
+def _filter_rows(
     results: ResultTables, frame: pd.DataFrame, wanted: Sequence[tuple[str, str]], table: str
 ) -> pd.DataFrame:
-    """The rows asked for; a key or value that is not there is refused with those that are."""
+    """Return the rows asked for; a key or value that is not there is refused with those that are."""
     chosen = dict[str, list[Any]]()
     for given, text in wanted:
-        key = _key(given, list(map(str, frame.columns)), f"the table {table}")
+        key = _find_key(given, list(map(str, frame.columns)), f"the table {table}")
         there = results.axes.get(key, list(dict.fromkeys(frame[key])))
-        chosen.setdefault(key, []).extend(_meant(there, text, results.column(table, key).unit, key))
+        chosen.setdefault(key, []).extend(_find_values(there, text, results.column(table, key).unit, key))
     for key, values in chosen.items():
         frame = frame[frame[key].isin(values)]
     return frame
@@ -257,7 +257,11 @@ def report(
         raise InputError(Problem(message, hint, str(files[0])))
     reports = []
     for path, (_, results) in zip(files, opened, strict=True):
-        asked = _asked(results, quantities, _wanted(**rows)) if choices and path not in without_sweep else None
+        asked = (
+            _build_choice(results, quantities, _parse_conditions(**rows))
+            if choices and path not in without_sweep
+            else None
+        )
         reports.append(build_report(results, asked, list_claim_sections(results)))
     for each in reports:
         each.sections  # noqa: B018  # all that is asked for is refused before anything is written
@@ -292,18 +296,18 @@ def _refuse_contradictions(paper: bool, no_figures: bool, formats: Sequence[str]
         raise InputError(Problem(message, "leave one of them out"))
 
 
-def _asked(results: ResultTables, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> SweepChoice:
+def _build_choice(results: ResultTables, quantities: tuple[str, ...], wanted: Sequence[tuple[str, str]]) -> SweepChoice:
     """Return what is drawn over the sweep.  Raises `InputError` for a key or a value that is not there."""
     from pounding_cli.report.sweep import SweepChoice
 
     places = dict[str, Any]()
     at = dict[str, Any]()
     for given, text in wanted:
-        key = _key(given, [*_PLACES, *results.axes], "the sweep")
+        key = _find_key(given, [*_PLACES, *results.axes], "the sweep")
         if key in places or key in at:
             raise InputError(Problem(f"{key} is given twice", "write one value: a figure has one"))
         if key in results.axes:
-            at[key] = _meant(results.axes[key], text, results.units[key], key)[0]
+            at[key] = _find_values(results.axes[key], text, results.units[key], key)[0]
         else:
             places[key] = text
     return SweepChoice(quantities, places, at)
@@ -342,7 +346,7 @@ def export(
     """
     from pounding_cli.results.export import export as written
 
-    wanted = _wanted(**rows)
+    wanted = _parse_conditions(**rows)
     if pelicun:
         _export_demands(open_file(file), output, wanted)
         return
@@ -359,7 +363,7 @@ def _export_demands(results: ResultTables, output: Path | None, wanted: Sequence
     from pounding_cli.outputs import check_output
     from pounding_cli.results.pelicun import demands, left_out_in_words
 
-    table, left_out = demands(results, _filtered(results, results.storey(), wanted, "storey"))
+    table, left_out = demands(results, _filter_rows(results, results.storey(), wanted, "storey"))
     path = output or results.path.with_name(f"{results.path.stem}-demands.csv")
     check_output(path, [results.path], lambda _, head: b"PID-" in head)
     table.to_csv(path)
@@ -387,13 +391,13 @@ def compare(ctx: click.Context, first: Path, second: Path, numbers: bool, everyt
     from pounding_cli.results.compare import compare as compared
 
     found = compared(open_file(first), open_file(second))
-    click.echo("\n".join(_told(found, everything)))
+    click.echo("\n".join(_iter_changes(found, everything)))
     if not (found.same_numbers if numbers else found.same):
         ctx.exit(1)
 
 
-def _told(found: Comparison, everything: bool) -> Iterator[str]:
-    """What changed, line by line."""
+def _iter_changes(found: Comparison, everything: bool) -> Iterator[str]:
+    """Yield what changed, line by line."""
     from pounding_cli.results.columns import column_of
 
     keys = [

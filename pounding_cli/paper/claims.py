@@ -19,7 +19,7 @@ from pounding_cli.laws.pounding import Pounding
 from pounding_cli.numbers import NOTHING, format_number
 from pounding_cli.records import load_catalogue
 from pounding_cli.report.document import Section
-from pounding_cli.report.evidence import nominal, points_of, told
+from pounding_cli.report.evidence import find_nominal, format_point, list_points
 from pounding_cli.solver.response import DONE
 from pounding_cli.tables import Column, Table, table_of_texts
 
@@ -375,8 +375,8 @@ def judged(results: ResultTables) -> pd.DataFrame:
     study names, `claims: fig6` or `claims: fig7`."""
     data, axes = results.data, [names[0] for names in results.swept]
     found, where = evaluated(_with_motions(data, data), axes, results.resolved.get("claims")), list[str]()
-    for point in product(*(points_of(results, keys) for keys in results.swept)):
-        where.append(told(results, dict(zip(results.axes, chain(*point), strict=True))) or AS_GIVEN)
+    for point in product(*(list_points(results, keys) for keys in results.swept)):
+        where.append(format_point(results, dict(zip(results.axes, chain(*point), strict=True))) or AS_GIVEN)
     found = found.assign(
         where=[where[point] for point in found["point"]],
         passed=[{1.0: True, 0.0: False}.get(passed, "") for passed in found["passed"]],
@@ -424,7 +424,7 @@ def list_claim_sections(results: ResultTables) -> list[Section]:
     study names no figure."""
     if results.workflow != "run":
         return []
-    here = nominal(results).label
+    here = find_nominal(results).label
     every, rows = judged(results), []
     if every.empty:
         return []

@@ -12,7 +12,7 @@ import xarray as xr
 
 from pounding_cli.numbers import pluralize
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import RESPONSES, Evidence, motion_sentence
+from pounding_cli.report.evidence import RESPONSES, Evidence, describe_motions
 from pounding_cli.report.style import case_handles, finish, grid, looks, new_figure, shared_legend, styled
 from pounding_cli.results.columns import column_of
 
@@ -27,7 +27,7 @@ Panel = tuple[xr.DataArray, str]
 def profiles(evidence: Evidence) -> list[Picture]:
     """Every figure: response and accelerations of every building."""
     found = []
-    for building in sorted(evidence.built, key=lambda name: name != evidence.main):
+    for building in sorted(evidence.buildings_without_walls, key=lambda name: name != evidence.main_building):
         said = "Ratios to the building alone, storey by storey, one line per case."
         draw = partial(response, evidence, building)
         found.append(Picture(f"{building}-response", f"{building}: storey shears and ductilities", said, draw))
@@ -61,14 +61,14 @@ def _over_height(evidence: Evidence, building: str, line: Sequence[Panel], what:
 
     what : is drawn, for the caption
     """
-    figure, ((*axes,),) = framed(evidence, building, 1, len(line), cases=evidence.plotted)
+    figure, ((*axes,),) = framed(evidence, building, 1, len(line), cases=evidence.plotted_cases)
     for ax, (values, label) in zip(axes, line, strict=True):
         _panel(ax, evidence, values)
         ax.set_title(str(values["analysis"].item()).capitalize(), loc="left")
         ax.set_xlabel(label)
         ax.axvline(1, color="0.35", lw=1.0, zorder=1)
     text = f"{what}: mean over the {pluralize(len(evidence.records), 'motion')}; whiskers: smallest to largest."
-    text += f" {motion_sentence(evidence.records)}"
+    text += f" {describe_motions(evidence.records)}"
     text += f" Point of the sweep: {evidence.label}." if evidence.label else ""
     text += " Grey and open: not meaningful for some motions." if evidence.void else ""
     finish(figure, f"{building} (T = {evidence.periods[building]:.2f} s): {evidence.title}", text)
@@ -92,7 +92,7 @@ def framed(
     side = figure.add_subplot(head[1])
     side.axis("off")
     if cases:
-        handles = case_handles({case: evidence.marked(case) for case in cases})
+        handles = case_handles({case: evidence.mark_case(case) for case in cases})
         side.legend(handles=handles, loc="center left", ncols=-(-len(cases) // 3), handlelength=3.2, borderaxespad=0)
     return figure, [list(row) for row in grid[1].subgridspec(rows, columns).subplots(squeeze=False)]
 
@@ -103,8 +103,8 @@ def _panel(ax: Axes, evidence: Evidence, values: xr.DataArray) -> None:
 
     values : over case, record and storey or floor, of one analysis
     """
-    level, analysis, look = str(values.dims[-1]), str(values["analysis"].item()), looks(evidence.plotted)
-    cases = [case for case in evidence.plotted if np.isfinite(values.sel(case=case)).any()]
+    level, analysis, look = str(values.dims[-1]), str(values["analysis"].item()), looks(evidence.plotted_cases)
+    cases = [case for case in evidence.plotted_cases if np.isfinite(values.sel(case=case)).any()]
     # Whiskers of neighbouring cases would hide each other on one height.
     shifts = np.linspace(0.09, -0.09, len(cases)) if len(cases) > 1 else np.zeros(len(cases))
     for case, shift in zip(cases, shifts.tolist(), strict=True):
@@ -135,9 +135,9 @@ MOST_LOOPS = 6
 
 def loop_pictures(evidence: Evidence) -> list[Picture]:
     """The force of isolators over the displacement of their base, of kept scenes; nothing where there are none."""
-    bases = {name: evidence.of_study(name).get("foundation") for name in evidence.group}
+    bases = {name: evidence.building_of_study(name).get("foundation") for name in evidence.group}
     isolated = [name for name, base in bases.items() if isinstance(base, dict) and base.get("isolation")]
-    kept = evidence.here(evidence.results.histories()).head(MOST_LOOPS)
+    kept = evidence.rows_here(evidence.results.histories()).head(MOST_LOOPS)
     if not isolated or kept.empty:
         return []
     text = f"Force of the isolators of {', '.join(isolated)} over the displacement of the base, of kept scenes."
@@ -178,7 +178,7 @@ MANY = 7
 def draw_sketch(evidence: Evidence) -> Figure:
     """The group by itself, with names, for the head of a page."""
     figure = new_figure(min(1.1 * len(evidence.group) + 0.3, 9.0), 1.9)
-    draw_group(figure.add_subplot(), evidence, evidence.main, named=len(evidence.group) < MANY)
+    draw_group(figure.add_subplot(), evidence, evidence.main_building, named=len(evidence.group) < MANY)
     return figure
 
 
@@ -193,7 +193,7 @@ def draw_group(ax: Axes, evidence: Evidence, black: str, named: bool = False) ->
     many, scale, top = len(evidence.group) >= MANY, STOREY / float(evidence.buildings["height"].mean()), 0.0
     for place, name in enumerate(evidence.group):
         rows, left = evidence.buildings[evidence.buildings["building"] == name], place * (WIDTH + SPACE)
-        is_wall, slab = name not in evidence.built, scale * float(rows["slab"].iloc[0])
+        is_wall, slab = name not in evidence.buildings_without_walls, scale * float(rows["slab"].iloc[0])
         face, edge, grey = ("black", "0.75", "0.75") if name == black or is_wall else ("white", "black", "0.4")
         for height, level in zip(scale * rows["height"], scale * rows["height"].cumsum(), strict=True):
             ax.add_patch(Rectangle((left, level - height), WIDTH, height, facecolor=face, edgecolor=edge, lw=0.8))

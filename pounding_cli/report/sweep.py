@@ -15,7 +15,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES as PANELS
-from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
+from pounding_cli.report.evidence import Evidence, describe_motions, list_points
 from pounding_cli.report.figures import framed
 from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.results.columns import column_of
@@ -76,7 +76,7 @@ def swept_axes(results: ResultTables) -> list[SweptAxis]:
     """The axes of a results file in the order of the study; none where nothing is swept."""
     found = []
     for keys in results.swept:
-        points, units = points_of(results, keys), [results.units[key] for key in keys]
+        points, units = list_points(results, keys), [results.units[key] for key in keys]
         bare = [Unit("", unit.factor) for unit in units]
         names = [", ".join(unit.text(v) for unit, v in zip(bare, point, strict=True)) for point in points]
         is_text = any(isinstance(point[0], str) for point in points)
@@ -242,7 +242,7 @@ def _by_case(
 ) -> dict[str, xr.Dataset]:
     """A quantity by case; cases that have none of it are left out."""
     found = {}
-    for case in [places["case"]] if "case" in places else shown.plotted[:MOST_CASES]:
+    for case in [places["case"]] if "case" in places else shown.plotted_cases[:MOST_CASES]:
         named = {name: place for name, place in {**places, "case": case}.items() if place != WORST}
         over = over_sweep(results, quantity, named, index)
         if np.isfinite(over["mean"]).any():
@@ -255,7 +255,7 @@ def _said(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any]) ->
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
     where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
     what = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
-    return "; ".join([f"{motion_sentence(shown.records)} {what}", *where])
+    return "; ".join([f"{describe_motions(shown.records)} {what}", *where])
 
 
 def _finish(figure: Figure, shown: Evidence, building: str, panels: Panels, words: str, mark: str) -> Figure:

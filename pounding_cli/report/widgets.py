@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pounding_cli.laws import link_symbol
-from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
+from pounding_cli.report.evidence import MOST_CASES, Evidence, build_evidence, list_points
 from pounding_cli.report.style import for_page, looks
 from pounding_cli.report.sweep import SweptAxis, meaningless, swept_axes
 from pounding_cli.results.columns import column_of
@@ -69,7 +69,7 @@ def explored(results: ResultTables, shown: Evidence) -> dict[str, Any]:
         "quantities": [_quantity(name, values, whole, dims, results) for name, values in arrays.items()],
         "cases": data["case"].values.tolist(), "looks": looked, "analyses": shown.analyses,
         "motions": [MEAN, *(motions if whole and len(motions) > 1 else [])], "void": void.values.ravel().tolist(),
-        "cut": said, "heights": whole, "building": shown.main,
+        "cut": said, "heights": whole, "building": shown.main_building,
         "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
     }  # fmt: skip
 
@@ -125,8 +125,8 @@ def players(results: ResultTables) -> list[dict[str, Any]]:
     inelastic."""
     scenes, left = list[dict[str, Any]](), MOST_BYTES
     for row in results.histories().to_dict("records"):
-        at = {keys[0]: points_of(results, keys).index(tuple(row[key] for key in keys)) for keys in results.swept}
-        scene = _scene(at_point(results, at), {name: row[name] for name in ("case", "analysis", "record")})
+        at = {keys[0]: list_points(results, keys).index(tuple(row[key] for key in keys)) for keys in results.swept}
+        scene = _scene(build_evidence(results, at), {name: row[name] for name in ("case", "analysis", "record")})
         if len(scene["series"]) <= left:  # of those that do not fit a shorter one may
             left -= len(scene["series"])
             scenes.append(scene)
@@ -145,7 +145,7 @@ def _scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
         series += [*floors, *(foundation if moves else ())]
         buildings.append({
             "name": name, "period": rounded(float(rows["period"].iloc[0])), "slab": float(rows["slab"].iloc[0]),
-            "wall": bool(evidence.of_study(str(name)).get("wall")),
+            "wall": bool(evidence.building_of_study(str(name)).get("wall")),
             "heights": [rounded(height) for height in rows["height"]],
             "yield": [rounded(drift) for drift in rows["yield_shear"] / rows["stiffness"]], "foundation": moves,
         })  # fmt: skip

@@ -136,7 +136,7 @@ class ResultTables:
         return tuple(place for place, name in places if self.resolved["buildings"][name].get("wall"))
 
     def value_label(self, key: str, value: Any) -> str:
-        """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
+        """Return a value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
         return self.units[key].text(value)
 
     def link_symbol(self, kind: str) -> str:
@@ -352,7 +352,7 @@ class ResultTables:
         given = {"case": case, "analysis": analysis, "record": record, **swept}
         given = {key: value for key, value in given.items() if value is not None}
         places = list_histories(self.path)
-        meant = [place for place in places if all(_same(place.get(key), value) for key, value in given.items())]
+        meant = [place for place in places if all(_is_same(place.get(key), value) for key, value in given.items())]
         if len(meant) == 1:
             return History(open_arrays(self.path, f"histories/{meant[0]['number']}").to_dataset().load())
         said = " of " + ", ".join(f"{key} {value}" for key, value in given.items()) if given else ""
@@ -454,8 +454,8 @@ for _table, _columns in {
     _table.__doc__ = f"{_table.__doc__}{_describe_columns(_columns)}"
 
 
-def _same(one: Any, other: Any) -> bool:
-    """Whether two values of a key are the same, numbers to nine digits."""
+def _is_same(one: Any, other: Any) -> bool:
+    """Return whether two values of a key are the same, numbers to nine digits."""
     if isinstance(one, float) and isinstance(other, int | float):
         return math.isclose(one, other, rel_tol=1e-9)
     return bool(one == other)

@@ -19,7 +19,7 @@ from pounding_cli.questions.fragility.limits import ALONE, CONTRIBUTIONS, CURVES
 from pounding_cli.questions.hazard import INTENSITY_KEYS, YEARS
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.evidence import Evidence, describe_motions, find_nominal
 from pounding_cli.report.style import Look, finish, grid, looks, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_answer, interval
 from pounding_cli.results.tables import Table
@@ -47,9 +47,9 @@ Row = Mapping[Any, Any]
 
 def fragility_report(results: ResultTables) -> Report:
     """What the fragility curves say."""
-    answer, shown, spec = results.answer(CURVES), nominal(results), results.resolved["fragility"]
+    answer, shown, spec = results.answer(CURVES), find_nominal(results), results.resolved["fragility"]
     unit, measure, frame = answer.columns["median"].unit, _measure(results), answer.frame
-    rows, motions, points = (shown.here(results.answer(name).frame) for name in (CURVES, MOTIONS, POINTS))
+    rows, motions, points = (shown.rows_here(results.answer(name).frame) for name in (CURVES, MOTIONS, POINTS))
     said = {place: _sentence(row, unit) for place, row in zip(rows.index, rows.to_dict("records"), strict=True)}
     tables, pictures, notes = [_medians(results, frame, unit)], list[Picture](), list(_notes(results, spec, frame))
     for analysis, here in rows.groupby("analysis", sort=False):
@@ -65,7 +65,7 @@ def fragility_report(results: ResultTables) -> Report:
                 "its last line goes on: give the curve further."
             )
         text = "Annual rates at which limits are passed, by the intensity at which they are."
-        if len(parts := shown.here(results.answer(CONTRIBUTIONS).frame)):  # no limit may have a curve
+        if len(parts := shown.rows_here(results.answer(CONTRIBUTIONS).frame)):  # no limit may have a curve
             draw = partial(draw_contributions, parts, unit, shown)
             pictures.append(Picture("fragility-rates", "What contributes to the annual rates", text, draw))
     return report_of(results, shown, Section("", [f"Intensity: {measure}.", *said.values()], tables, pictures, notes))
@@ -186,7 +186,7 @@ def draw_curves(
         ax.set(ylim=(0, 1), xlabel=across)
         ax.set_title(subject(str(building), str(limit)), loc="left")
     shared_legend(figure, axes)
-    said = [f"At {shown.told(rows)}."] if shown.told(rows) else []
+    said = [f"At {shown.format_point(rows)}."] if shown.format_point(rows) else []
     said += {
         "ida": ["Markers: the share of motions that have passed by that intensity, by Kaplan and Meier where some are "
                 "undecided."],
@@ -198,7 +198,7 @@ def draw_curves(
         said.append(f"Bands: {100 * spec['confidence']:.4g} % of {spec['draws']} bootstrap draws of the motions.")
     if len(cases) > MOST_CASES:
         said.append(f"Of {len(cases)} cases the first {MOST_CASES} are drawn.")
-    finish(figure, shown.title, " ".join([*said, motion_sentence(shown.records)]))
+    finish(figure, shown.title, " ".join([*said, describe_motions(shown.records)]))
     return figure
 
 

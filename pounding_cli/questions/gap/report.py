@@ -19,7 +19,7 @@ from pounding_cli.questions.gap.separations import CASES, CONFIDENCE, EXACT, GB5
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.evidence import Evidence, describe_motions, find_nominal
 from pounding_cli.report.style import finish, grid, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_answer, interval
 from pounding_cli.results.tables import Column, Table
@@ -46,7 +46,7 @@ _CODE = ("#666666", (0, (3, 1)), "X")
 def gap_report(results: ResultTables) -> Report:
     """What the required separations say."""
     answer, cases, line = (results.answer(name) for name in (REQUIRED, CASES, LINE))
-    shown, keys = nominal(results), [key for key in results.axes if key in answer.frame]
+    shown, keys = find_nominal(results), [key for key in results.axes if key in answer.frame]
     unit = answer.columns["mean"].unit
     pairs, lines = _widest(answer.frame, [*keys, "left", "right"]), _widest(line.frame, [*keys, "building", "side"])
     pairs = pairs.assign(between=pairs["left"] + " | " + pairs["right"], floors=[_floors(row) for row in _rows(pairs)])
@@ -66,8 +66,8 @@ def gap_report(results: ResultTables) -> Report:
         first = frame.iloc[0]
         few = pluralize(int(first["intensities"]), "intensity", "intensities")
         notes.insert(0, f"The gap for a rate rests on {few} of {pluralize(int(first['motions']), 'motion')}.")
-    frame = shown.here(answer.frame)
-    said, pictures = list(_sentences(shown.here(pairs), frame, unit)), list[Picture]()
+    frame = shown.rows_here(answer.frame)
+    said, pictures = list(_sentences(shown.rows_here(pairs), frame, unit)), list[Picture]()
     if len(frame):
         draw = partial(draw_profiles, frame, unit, shown)
         pictures = [Picture("required-gap", "Required gap over the height", " ".join(said), draw)]
@@ -236,7 +236,7 @@ def draw_profiles(frame: pd.DataFrame, unit: Unit, shown: Evidence) -> Figure:
     shared_legend(figure, axes)
     where = f"At {shown.label}. " if shown.label else ""
     said = f"{where}Grey: every motion, exact. Lines: mean over the motions. Band: {CONFIDENCE:.0%} confidence."
-    finish(figure, shown.title, f"{said} {motion_sentence(shown.records)}")
+    finish(figure, shown.title, f"{said} {describe_motions(shown.records)}")
     return figure
 
 

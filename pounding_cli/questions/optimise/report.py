@@ -17,7 +17,7 @@ from pounding_cli.questions.optimise.optimum import DESIGN, OPTIMUM, POINTS, UNS
 from pounding_cli.questions.optimise.optimum import NOTHING as NO_OPTIMUM
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.evidence import Evidence, describe_motions, find_nominal
 from pounding_cli.report.style import finish, grid, name_axis, shared_legend, styled
 from pounding_cli.report.table import NOTHING, column_of, from_rows
 from pounding_cli.results.tables import Table
@@ -45,7 +45,7 @@ Row = Mapping[Any, Any]
 
 def optimise_report(results: ResultTables) -> Report:
     """What the search for an optimum says."""
-    shown = nominal(results.first_sample())
+    shown = find_nominal(results.first_sample())
     keys, tried, units = _in_units(results)
     first, design = keys.iloc[0].to_dict(), results.answer(DESIGN).frame.to_dict("records")
     said, tables, pictures = _sentences(results, first, design, units["value"]), list[Table](), list[Picture]()
@@ -208,7 +208,7 @@ def draw_optimum(
         ax.yaxis.label.set_fontsize(7.5)
         ax.tick_params(labelsize=7.5)
     shared_legend(figure, axes)
-    finish(figure, shown.title, f"{said} {motion_sentence(shown.records)}")
+    finish(figure, shown.title, f"{said} {describe_motions(shown.records)}")
     return figure
 
 

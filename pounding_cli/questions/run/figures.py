@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.report.document import Picture, Section
-from pounding_cli.report.evidence import nominal
+from pounding_cli.report.evidence import find_nominal
 from pounding_cli.report.figures import loop_pictures, profiles
 from pounding_cli.report.sweep import SweepChoice, sweep_pictures
 from pounding_cli.report.widgets import explored, players
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def list_figures(results: ResultTables) -> list[Picture]:
     """Return the figure of the main building."""
-    return profiles(nominal(results))[:1]
+    return profiles(find_nominal(results))[:1]
 
 
 def further_sections(results: ResultTables, choice: SweepChoice | None) -> list[Section]:
@@ -24,7 +24,7 @@ def further_sections(results: ResultTables, choice: SweepChoice | None) -> list[
 
     choice : which figures are drawn over a sweep
     """
-    shown = nominal(results)
+    shown = find_nominal(results)
     swept = sweep_pictures(results, shown, choice)
     kept, scenes, said = len(results.histories()), players(results), list[str]()
     if not kept:

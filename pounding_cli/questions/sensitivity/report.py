@@ -16,7 +16,7 @@ from pounding_cli.numbers import Unit, pluralize
 from pounding_cli.questions.sensitivity.indices import FOUND, INDICES, OUTPUTS, PERCENTILES, PROBABILITIES
 from pounding_cli.report.background import report_of
 from pounding_cli.report.document import Picture, Report, Section
-from pounding_cli.report.evidence import Evidence, nominal
+from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.report.style import finish, new_figure, shared_legend, styled
 from pounding_cli.report.table import NOTHING, digits, from_records, from_rows, interval
 from pounding_cli.results.tables import Table
@@ -43,7 +43,7 @@ Row = Mapping[Any, Any]
 
 def sensitivity_report(results: ResultTables) -> Report:
     """What a sensitivity study says; figures and sentences at one point of the other swept keys."""
-    frame, shown = results.answer(INDICES).frame, nominal(results.first_sample())
+    frame, shown = results.answer(INDICES).frame, find_nominal(results.first_sample())
     of_cases = frame[frame["case"] != ""]  # claims rest on all cases: their probabilities say what decides
     said, tables, pictures, stated = list[str](), list[Table](), list[Picture](), set[str]()
     if PROBABILITIES in results.answers:
@@ -52,11 +52,11 @@ def sensitivity_report(results: ResultTables) -> Report:
     found = of_cases[of_cases["outcome"] == FOUND]
     if len(found):
         tables.append(_indices(results, found))
-    for title, rows in parts(results, shown.here(of_cases)):
+    for title, rows in parts(results, shown.rows_here(of_cases)):
         said += [] if rows["output"].iloc[0] in stated else [sentence(title, rows)]
     if OUTPUTS in results.answers:
-        said += map(spread_sentence, shown.here(results.answer(OUTPUTS).frame).to_dict("records"))
-    if drawn := list(parts(results, shown.here(found)))[:MOST]:
+        said += map(spread_sentence, shown.rows_here(results.answer(OUTPUTS).frame).to_dict("records"))
+    if drawn := list(parts(results, shown.rows_here(found)))[:MOST]:
         text = " ".join(sentence(*each) for each in drawn)
         draw = partial(draw_indices, drawn, shown)
         pictures = [Picture("sensitivity", "What decides the outputs", text, draw)]
