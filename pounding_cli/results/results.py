@@ -18,7 +18,7 @@ from pounding_cli.laws import link_symbol
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import WRITTEN_LAWS
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.numbers import Unit, count_histories, format_number, pluralize
+from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, pluralize
 from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.results.columns import TABLES, column_of
 from pounding_cli.results.file import list_histories, open_arrays, plain_value, read_table, read_unit
@@ -404,7 +404,7 @@ class ResultTables:
         """With the largest mean ratio over the storeys and the sweep by case and building."""
         means = [f"{ratio}_mean" for ratio in RATIO_VARIABLES]
         worst = self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
-        return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format=format_number, max_rows=40)}"
+        return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format=format_number, na_rep=NOTHING, max_rows=40)}"
 
     def _frame(self, names: Sequence[str], places: tuple[str, ...], wanted: Wanted | None = None) -> pd.DataFrame:
         """Variables over the swept axes that change them and `places`, which come first as columns; an axis gives one

@@ -276,3 +276,9 @@ def test_a_ductility_far_beyond_the_law_is_marked(pound, folder, ductility, is_b
     out = pound("run", "two.yaml", solve=solver(factors))[1]
     assert (f"{2 * ductility:#.3g} ‡ (alone 2.00)" in out) == (is_beyond or 2 * ductility > 10)
     assert ("far beyond the range of the storey law: read it as failure" in out) == is_beyond
+
+
+def test_a_case_without_links_beside_others_is_not_compared(pound, folder):
+    answer = answer_of(pound, UP, STUDY.replace("cases: {", "cases: {free: {link: none}, "))
+    assert "free" not in answer
+    assert "Case touching raises the elastic storey shears of low by up to 30 %" in answer

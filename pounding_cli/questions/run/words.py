@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.laws.apart import Apart
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.questions.run.tables import (
@@ -155,7 +156,8 @@ def find_changes(shown: Evidence, building: str, response: Response) -> list[Cha
         place = {"case": case, "analysis": response.analysis, "building": building}
         ratios = shown.values(response.ratio, **place)
         means = shown.values(f"{response.ratio}_mean", **place)
-        if not np.isfinite(means).any() or _count_meaningless(shown, case, response.analysis) == len(ratios):
+        is_meaningless = _count_meaningless(shown, case, response.analysis) == len(ratios)
+        if not _has_links(shown, case) or is_meaningless or not np.isfinite(means).any():
             continue
         motion, storey = np.unravel_index(int(np.nanargmax(ratios)), ratios.shape)
         changes.append(
@@ -298,6 +300,13 @@ def _describe_meaningless(shown: Evidence) -> list[str]:
 
 
 # Gaps, collapses, failures, sweeps
+
+
+def _has_links(shown: Evidence, case: str) -> bool:
+    """Return whether a case has links that may carry a force."""
+    if "kind" not in shown.results.arrays:
+        return False
+    return any(kind not in ("", Apart.name) for kind in shown.values("kind", case=case).tolist())
 
 
 def _acts(shown: Evidence, case: str, analysis: str) -> bool:
