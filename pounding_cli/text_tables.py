@@ -146,7 +146,8 @@ class TextTable:
         is_beside = width - label_width - 4 >= MIN_BLOCK_WIDTH
         for row in self.rows:
             lines.append("")
-            lines += _wrap(", ".join(filter(None, row[:heading_count])), width)
+            names = zip(self.heads[:heading_count], row[:heading_count], strict=True)
+            lines += _wrap(", ".join(f"{head} {cell}" for head, cell in names if cell), width)
             for head, cell in zip(heads, row[heading_count:], strict=True):
                 text = "; ".join(filter(None, cell.split("\n")))
                 if is_beside:

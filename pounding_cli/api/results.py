@@ -31,12 +31,12 @@ class Results(ResultTables):
         """
         from matplotlib import pyplot as plt
 
-        from pounding_cli.report.evidence import nominal
+        from pounding_cli.report.evidence import find_nominal
         from pounding_cli.report.figures import response
         from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 
-        evidence = nominal(self)
-        name = building or evidence.main
+        evidence = find_nominal(self)
+        name = building or evidence.main_building
         if name not in evidence.group:
             raise InputError(
                 Problem(f"no building '{name}' in these results", f"there are {', '.join(evidence.group)}")

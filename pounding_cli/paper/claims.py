@@ -22,7 +22,6 @@ from pounding_cli.laws.pounding import Pounding
 from pounding_cli.numbers import NOTHING, format_number, pluralize
 from pounding_cli.records import load_catalogue
 from pounding_cli.report.document import Section
-from pounding_cli.report.evidence import nominal, points_of, told
 from pounding_cli.solver.response import DONE
 from pounding_cli.tables import Column, Row, Table, build_table
 
@@ -444,9 +443,9 @@ def judge_claims(results: ResultTables) -> pd.DataFrame:
     axes = [names[0] for names in results.swept]
     numbers = evaluate_claims(_add_motions(results.data, results.data), axes, results.resolved.get("claims"))
     places = []
-    for point in product(*(points_of(results, keys) for keys in results.swept)):
+    for point in product(*(list_points(results, keys) for keys in results.swept)):
         swept = dict(zip(results.axes, chain(*point), strict=True))
-        places.append(told(results, swept) or AS_GIVEN)
+        places.append(format_point(results, swept) or AS_GIVEN)
     numbers["where"] = [places[point] for point in numbers["point"]]
     numbers["passed"] = numbers["passed"].astype("float").astype("boolean")
     return numbers[[column.name for column in COLUMNS]]
@@ -527,7 +526,7 @@ def list_claim_sections(results: ResultTables) -> list[Section]:
     numbers = judge_claims(results)
     if numbers.empty:
         return []
-    here = numbers[numbers["where"] == (nominal(results).label or AS_GIVEN)]
+    here = numbers[numbers["where"] == (find_nominal(results).label or AS_GIVEN)]
     rule = (
         "A claim holds if every number meets its threshold, holds partly if some do, does not hold if none does. The "
         f"verdict is that by the {MEAN}; in brackets that by the {LARGEST}, where it is another one."

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.questions import load_question
-from pounding_cli.report.background import background, describe_scope
+from pounding_cli.report.background import build_background, describe_scope
 from pounding_cli.report.document import Report, Section
-from pounding_cli.report.evidence import nominal
+from pounding_cli.report.evidence import find_nominal
 from pounding_cli.results.plausible import implausible_results
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def build_report(
             message = f"there are no figures over a sweep to choose: {reason}"
             raise InputError(Problem(message, "leave `choice` out", str(results.path)))
         options = {"choice": choice}
-    shown = nominal(results.first_sample() if question.is_sampled else results)
+    shown = find_nominal(results.first_sample() if question.is_sampled else results)
     sample_keys = results.swept[-1] if question.is_sampled else ()
     notes = [*question.notes(results), *implausible_results(results, sample_keys)]
     answer = Section("", question.sentences(results), question.shown_tables(results), notes=notes)
@@ -50,7 +50,7 @@ def build_report(
         return [
             *question.further_sections(results, **options),
             *further,
-            *background(results, shown, question.is_sampled),
+            *build_background(results, shown, question.is_sampled),
         ]
 
     def sketch() -> Figure:

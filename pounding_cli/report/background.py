@@ -1,4 +1,4 @@
-"""What stands behind every answer: what limits it, motions, what was simulated, accuracy, tables, study."""
+"""The sections behind every answer: its limits, motions, what was simulated, accuracy, tables, study."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pounding_cli.laws.apart import Apart
 from pounding_cli.model.effects import DroppedEffect, summarize_effects
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.report.document import Picture, Section
-from pounding_cli.report.evidence import Evidence, motion_sentence, told, written_value
+from pounding_cli.report.evidence import Evidence, describe_motions, find_written_value, format_point
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
 from pounding_cli.tables import Table, table_of_texts
@@ -58,7 +58,7 @@ def describe_scope(results: ResultTables, shown: Evidence, is_sampled: bool) -> 
     return f"{', '.join(parts)}: {pluralize(len(results.scene()), 'row')}."
 
 
-def background(results: ResultTables, shown: Evidence, is_sampled: bool) -> list[Section]:
+def build_background(results: ResultTables, shown: Evidence, is_sampled: bool) -> list[Section]:
     """Return the sections that stand behind every answer: limits, motions, what was simulated, tables, study.
 
     is_sampled : whether the points are samples, whose tables of scenes say nothing by themselves
@@ -72,11 +72,11 @@ def background(results: ResultTables, shown: Evidence, is_sampled: bool) -> list
         "All rows with all digits, in SI units: `tables/` beside this page, `pound show FILE.h5 TABLE --format csv`."
     )
     return [
-        *_limits(results),
-        _motions(results, shown),
-        _simulated(results, shown),
+        *_build_limits(results),
+        _build_motions(results, shown),
+        _build_simulated(results, shown),
         Section("Tables", [where], tables, folded=True),
-        _study(results),
+        _build_study(results),
     ]
 
 
@@ -86,19 +86,19 @@ def table_of_results(results: ResultTables, name: str, frame: pd.DataFrame) -> T
     return Table(name, frame, columns, _TITLES.get(name, name.capitalize()))
 
 
-def advice(results: ResultTables) -> list[str]:
+def list_advice(results: ResultTables) -> list[str]:
     """Return what a reader should know of the study: heights that it does not write, dashpots of infills and
     connectors, an impact stiffness of one value."""
     sentences = []
     if results.assumed_heights:
         sentences.append(f"Heights of {', '.join(results.assumed_heights)}: 3 m, as the study writes no height.")
-    sentences += dashpot_sentences(results)
+    sentences += describe_dashpots(results)
     if STIFFNESS not in results.axes and len(results.struck_links()):
         sentences.append(ADVICE)
     return sentences
 
 
-def dashpot_sentences(results: ResultTables) -> list[str]:
+def describe_dashpots(results: ResultTables) -> list[str]:
     """Return the damping ratios of infills and connectors, case by case, where no axis of the sweep changes them."""
     if any(key.split(".")[-1] in ("damping_ratio", "restitution") for key in results.axes):
         return []
@@ -116,21 +116,21 @@ def dashpot_sentences(results: ResultTables) -> list[str]:
     ]
 
 
-def _limits(results: ResultTables) -> list[Section]:
+def _build_limits(results: ResultTables) -> list[Section]:
     warned = [
         f"{each.message}." + (f" Line {each.line} of the study: {each.hint}." if each.line else "")
         for each in results.warnings
     ]
-    said = [*warned, *advice(results)]
-    return [Section("What limits these numbers", said)] if said else []
+    sentences = [*warned, *list_advice(results)]
+    return [Section("What limits these numbers", sentences)] if sentences else []
 
 
-def _motions(results: ResultTables, shown: Evidence) -> Section:
+def _build_motions(results: ResultTables, shown: Evidence) -> Section:
     frame, point = _motions_as_written(results)
     columns = [
         replace(column_of(str(name), results.units), label="motion" if name == "record" else "") for name in frame
     ]
-    said, pictures = [motion_sentence(shown.records), *_varied_motions(results, point)], []
+    said, pictures = [describe_motions(shown.records), *_varied_motions(results, point)], []
     if (match := results.spectrum_match) is not None:
         said.append(match.words)
         from pounding_cli.report.motions import draw_spectra  # with matplotlib; a terminal does not need it
@@ -138,7 +138,7 @@ def _motions(results: ResultTables, shown: Evidence) -> Section:
         draw = partial(draw_spectra, match, results.title, shown.unit("acceleration"))
         text = "The target, the mean of the spectra of the motions as used, and each of them."
         pictures.append(Picture("target-spectrum", "Target spectrum", text, draw))
-    at = f" at {told(results, point)}" if point else ""
+    at = f" at {format_point(results, point)}" if point else ""
     return Section("Motions", said, [Table("", frame, columns, f"Ground motions as used{at}")], pictures)
 
 
@@ -158,7 +158,7 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
         if not keys:
             continue
         swept = frame[keys].drop_duplicates()
-        written = {key: written_value(results, key) for key in keys}
+        written = {key: find_written_value(results, key) for key in keys}
         is_written = (swept == pd.Series(written)).all(axis=1)
         values = swept[is_written].iloc[0] if is_written.any() else swept.iloc[0]
         frame = frame[(frame[keys] == values).all(axis=1)]
@@ -189,31 +189,33 @@ def _varied_motions(results: ResultTables, point: Mapping[str, Any]) -> list[str
     return [f"The motions are varied: {'; '.join(ranges)}."] if ranges else []
 
 
-def _simulated(results: ResultTables, shown: Evidence) -> Section:
+def _build_simulated(results: ResultTables, shown: Evidence) -> Section:
     scene = results.scene()
     histories = count_histories(int(results.attrs["scenes"]))
     said = [
         f"{pluralize(len(scene), 'row')} of {histories}: each different one is solved once, buildings alone included."
     ]
     said += _open_gaps(scene)
-    tables, failed = [_cases(shown), _effects(scene)], failed_scenes(scene)
+    tables, failed = [_build_cases(shown), _build_effects(scene)], failed_scenes(scene)
     if len(failed):
         said.append("The means and tables leave failed rows out.")
-        rows = [[run_label(row, results.units), row["status"], row["advice"]] for row in failed.to_dict("records")]
+        rows = [
+            [format_row_place(row, results.units), row["status"], row["advice"]] for row in failed.to_dict("records")
+        ]
         tables.insert(0, table_of_texts("Rows that failed", ("row", "status", "advice"), rows))
     flags = flag_groups_of(scene, results.units)
     notes = [f"{'Not meaningful: ' if group.meaningless else ''}{group}." for group in flags]
     return Section("What was simulated", said, tables, notes=notes or ["No row raised a flag."])
 
 
-def run_label(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:
-    """The point, case, analysis and motion of a scene in words, in the units of the study."""
+def format_row_place(row: Mapping[Any, Any], units: Mapping[str, Unit]) -> str:
+    """Return the point, case, analysis and motion of a row in words, in the units of the study."""
     place = {key: value for key, value in row.items() if key in units or key in ("case", "analysis", "record")}
     return ", ".join(f"{k} = {units[k].text(v)}" if k in units else str(v) for k, v in place.items())
 
 
-def _cases(shown: Evidence) -> Table:
-    """Every case with its links in words."""
+def _build_cases(shown: Evidence) -> Table:
+    """Return the table of cases with their links in words."""
     unit, rows = shown.unit("gap"), []
     links = shown.link[shown.link["kind"] != Apart.name].drop_duplicates(["case", "link"])
     for case in shown.cases:
@@ -226,8 +228,8 @@ def _cases(shown: Evidence) -> Table:
     return table_of_texts("Cases", ("case", "links", "at floors"), rows)
 
 
-def _effects(scene: pd.DataFrame) -> Table:
-    """The effects: in how many rows each was simulated, in how many left out, and why."""
+def _build_effects(scene: pd.DataFrame) -> Table:
+    """Return the table of effects: in how many rows each was simulated or left out, and why."""
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
     dropped = Counter(_dropped_effects(scene))
     rows = [
@@ -244,14 +246,14 @@ def _dropped_effects(scene: pd.DataFrame) -> Iterator[DroppedEffect]:
 
 
 def _open_gaps(scene: pd.DataFrame) -> list[str]:
-    """Say of every pair of neighbours in how many runs their gap stays open, so that their links never act."""
+    """Return for every pair of neighbours in how many runs their gap stays open, so that their links never act."""
     runs = Counter(each.links for each in _dropped_effects(scene) if each.links)
     of_all = f"of {pluralize(len(scene), 'run')}, in which no force acts across it"
     return [f"{neighbours}: the gap never closes in {count} {of_all}." for neighbours, count in runs.items()]
 
 
-def _study(results: ResultTables) -> Section:
-    """The study as written, software and machine."""
+def _build_study(results: ResultTables) -> Section:
+    """Return the section of the study as written, software and machine."""
     rows = [[k.removeprefix("software_"), str(v)] for k, v in results.attrs.items() if k.startswith("software_")]
     for name in ("created", "method", "accuracy", "engine", "workers", "scenes", "scenes_failed", "solver_seconds"):
         if (value := results.attrs.get(name)) is not None:
@@ -262,7 +264,7 @@ def _study(results: ResultTables) -> Section:
     )
 
 
-def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
+def describe_accuracy(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
     """Return how far the numbers go, in one line: rows, numerical error, sensitivity and energy balance."""
     failed = len(failed_scenes(scene))
     parts = [f"{pluralize(len(scene), 'row')}, {f'{failed} failed' if failed else 'all done'}."]
@@ -275,7 +277,9 @@ def trust(scene: pd.DataFrame, units: Mapping[str, Unit]) -> str:
     if scene["sensitivity"].notna().any():
         row = scene.iloc[int(scene["sensitivity"].argmax())]
         size = format_number(row["sensitivity"], 2)
-        parts.append(f"Sensitivity to a small change of the motion: up to {size} ({run_label(row.to_dict(), units)}).")
+        parts.append(
+            f"Sensitivity to a small change of the motion: up to {size} ({format_row_place(row.to_dict(), units)})."
+        )
     residual = scene["energy_residual"].abs().max()
     if np.isfinite(residual):
         parts.append(f"Energy balance: closes to {format_number(residual, 1)} of the input.")

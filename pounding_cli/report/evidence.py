@@ -1,4 +1,4 @@
-"""What a report rests on: a results file at one point of its sweep, and the names of what is there."""
+"""The evidence of a report: a results file at one point of its sweep, and the names of what is there."""
 
 from __future__ import annotations
 
@@ -70,29 +70,29 @@ class Evidence:
     @property
     def label(self) -> str:
         """The point in words and the units of the study: "cases.gap.gap = 5 cm"; empty where nothing is swept."""
-        return self.told(self.point)
+        return self.format_point(self.point)
 
-    def told(self, keys: Container[str]) -> str:
-        """The point as far as it is one of some keys, such as the columns of a table."""
-        return told(self.results, {key: value for key, value in self.point.items() if key in keys})
+    def format_point(self, keys: Container[str]) -> str:
+        """Return the values of some swept keys here, such as the columns of a table, in words."""
+        return format_point(self.results, {key: value for key, value in self.point.items() if key in keys})
 
-    def of_study(self, place: str) -> dict[str, Any]:
-        """What the study says of the building at a place of the group."""
+    def building_of_study(self, place: str) -> dict[str, Any]:
+        """Return the building of the study that stands at a place of the group."""
         number = self.results.resolved["places"].index(place)
         return dict(self.results.resolved["buildings"][self.results.resolved["group"][number]])
 
-    def here(self, frame: pd.DataFrame) -> pd.DataFrame:
-        """The rows of a table of the whole file at this point; swept keys that are no column of it do not matter."""
+    def rows_here(self, frame: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows of a table of the whole file at this point; swept keys that are no column do not matter."""
         for key in (key for key in self.point if key in frame):
             frame = frame[frame[key] == self.point[key]]
         return frame
 
     def unit(self, column: str) -> Unit:
-        """The unit a column is shown in: that of the study, SI where it is not known."""
+        """Return the unit that a column is shown in: that of the study, SI where it is not known."""
         return self.results.units.get(column, Unit(VARIABLES[column].unit))
 
     def names(self, dim: str) -> list[str]:
-        """What is there along a dimension (case, analysis, building, record), in the order of the file."""
+        """Return the names along a dimension (case, analysis, building, record), in the order of the file."""
         return self.results.names(dim)
 
     @property
@@ -111,7 +111,7 @@ class Evidence:
         return self.names("building")
 
     @cached_property
-    def built(self) -> list[str]:
+    def buildings_without_walls(self) -> list[str]:
         """The buildings of the group, without walls."""
         return [name for name in self.group if name not in self.results.walls]
 
@@ -121,13 +121,15 @@ class Evidence:
         return dict(zip(self.group, self.results.values("period").reshape(-1).tolist(), strict=True))
 
     @cached_property
-    def main(self) -> str:
+    def main_building(self) -> str:
         """The building that comes first: `report: {building: NAME}` of the study, else the one of shortest period."""
         chosen = (self.results.resolved.get("report") or {}).get("building")
-        return str(chosen) if chosen in self.group else min(self.built, key=lambda name: self.periods[name])
+        if chosen in self.group:
+            return str(chosen)
+        return min(self.buildings_without_walls, key=lambda name: self.periods[name])
 
     @cached_property
-    def plotted(self) -> list[str]:
+    def plotted_cases(self) -> list[str]:
         """The cases of the figures: `report: {plot: [..]}` of the study, else all of them; at most MOST_CASES."""
         chosen = (self.results.resolved.get("report") or {}).get("plot") or self.cases
         return [case for case in self.cases if case in chosen][:MOST_CASES]
@@ -151,53 +153,56 @@ class Evidence:
         """Cases and analyses of which some scenes carry a flag that takes the meaning from their numbers."""
         return {(group.case, group.analysis) for group in self.flag_groups if group.meaningless}
 
-    def marked(self, case: str) -> str:
-        """The name of a case, with MARK where the numbers of some of its scenes mean nothing."""
+    def mark_case(self, case: str) -> str:
+        """Return the name of a case, with MARK where the numbers of some of its scenes mean nothing."""
         return f"{case} {MARK}" if case in {named for named, _ in self.void} else case
 
 
-def told(results: ResultTables, row: Mapping[Any, Any]) -> str:
-    """The swept keys of a row in words and the units of the study: "cases.gap.gap = 5 cm"; empty where it has none."""
+def format_point(results: ResultTables, row: Mapping[Any, Any]) -> str:
+    """Return the swept keys of a row in the units of the study: "cases.gap.gap = 5 cm"; "" where it has none."""
     return ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row)
 
 
-def points_of(results: ResultTables, keys: Sequence[str]) -> list[tuple[Any, ...]]:
-    """The points of the axis of some swept keys: a value of every key."""
+def list_points(results: ResultTables, keys: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Return the points of the axis of some swept keys: a value of every key."""
     return list(zip(*(results.axes[key] for key in keys), strict=True))
 
 
-def at_point(results: ResultTables, index: Mapping[str, int]) -> Evidence:
-    """The evidence at a point: on every axis, by its first key, the number of a value."""
+def build_evidence(results: ResultTables, index: Mapping[str, int]) -> Evidence:
+    """Return the evidence at a point: on every axis, by its first key, the number of a value."""
     point = {key: results.axes[key][index[keys[0]]] for keys in results.swept for key in keys}
     return Evidence(results.cut(index), point)
 
 
-def nominal(results: ResultTables) -> Evidence:
-    """The evidence where every axis has the value of the study without its sweep, or its first value where none has; at
-    the first point that was solved where that one was not."""
+def find_nominal(results: ResultTables) -> Evidence:
+    """Return the evidence where every axis has the value of the study without its sweep, or else its first value.
+
+    Where that point was not solved, it is the first one that was.
+    """
     index = {}
     for keys in results.swept:
-        points, written = points_of(results, keys), tuple(written_value(results, key) for key in keys)
+        points = list_points(results, keys)
+        written = tuple(find_written_value(results, key) for key in keys)
         index[keys[0]] = points.index(written) if written in points else 0
     solved = (results.values("status") != "").any(axis=(-3, -2, -1))  # over the swept axes
     if not solved[tuple(index.values())] and solved.any():
         index = dict(zip(index, np.argwhere(solved)[0].tolist(), strict=True))
-    return at_point(results, index)
+    return build_evidence(results, index)
 
 
-def written_value(results: ResultTables, key: str) -> Any:
+def find_written_value(results: ResultTables, key: str) -> Any:
     """Return the value of a swept key in the study without its sweep; None where it writes none."""
-    return _at(results.resolved, key.split("."))
+    return _get_at(results.resolved, key.split("."))
 
 
-def _at(tree: Any, path: Iterable[str]) -> Any:
-    """The value at a path in nested mappings; None where there is none."""
+def _get_at(tree: Any, path: Iterable[str]) -> Any:
+    """Return the value at a path in nested mappings; None where there is none."""
     for part in path:
         tree = tree.get(part) if isinstance(tree, Mapping) else None
     return tree
 
 
-def motion_sentence(records: pd.DataFrame) -> str:
-    """Motions by where they come from: "Motions: real: taft; stand-in: elcentro, eureka."."""
+def describe_motions(records: pd.DataFrame) -> str:
+    """Return the motions by where they come from: "Motions: real: taft; stand-in: elcentro, eureka."."""
     kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(", ".join)
     return f"Motions: {'; '.join(f'{kind}: {named}' for kind, named in kinds.items())}."

@@ -13,7 +13,7 @@ import xarray as xr
 from pounding_cli.laws import link_symbol
 from pounding_cli.numbers import pluralize
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import RESPONSES, Evidence, motion_sentence
+from pounding_cli.report.evidence import RESPONSES, Evidence, describe_motions
 from pounding_cli.report.style import (
     case_handles,
     finish,
@@ -41,7 +41,7 @@ CONTACT_SENTENCE = "Accelerations and forces of floors that strike depend on the
 def list_profiles(evidence: Evidence) -> list[Picture]:
     """Return the figures over the height: response and accelerations of every building, the main one first."""
     pictures = []
-    for building in sorted(evidence.built, key=lambda name: name != evidence.main):
+    for building in sorted(evidence.buildings_without_walls, key=lambda name: name != evidence.main_building):
         text = "Ratios to the building alone, storey by storey, one line per case."
         draw = partial(response, evidence, building)
         pictures.append(Picture(f"{building}-response", f"{building}: storey shears and ductility demands", text, draw))
@@ -90,7 +90,7 @@ def _draw_over_height(
     caption : meaning of the ratios
     remark : further sentence of the caption
     """
-    figure, ((*axes,),) = new_framed_panels(evidence, building, 1, len(panels), cases=evidence.plotted)
+    figure, ((*axes,),) = new_framed_panels(evidence, building, 1, len(panels), cases=evidence.plotted_cases)
     for ax, (values, label) in zip(axes, panels, strict=True):
         _draw_panel(ax, evidence, values)
         ax.set_title(str(values["analysis"].item()).capitalize(), loc="left")
@@ -99,7 +99,7 @@ def _draw_over_height(
     sentences = [
         f"{caption}: mean over the {pluralize(len(evidence.records), 'motion')}; whiskers: smallest to largest.",
         remark,
-        motion_sentence(evidence.records),
+        describe_motions(evidence.records),
         f"Point of the sweep: {evidence.label}." if evidence.label else "",
         "Grey and open: not meaningful for some motions." if evidence.void else "",
     ]
@@ -137,7 +137,7 @@ def new_framed_panels(
         legend_ax = figure.add_subplot(head[1])
     legend_ax.axis("off")
     if cases:
-        handles = case_handles({case: evidence.marked(case) for case in cases})
+        handles = case_handles({case: evidence.mark_case(case) for case in cases})
         columns_of_legend = -(-len(cases) // 3)
         legend_ax.legend(handles=handles, loc="center left", ncols=columns_of_legend, handlelength=3.2, borderaxespad=0)
     return figure, [list(row) for row in sides[1].subgridspec(rows, columns).subplots(squeeze=False)]
@@ -152,8 +152,8 @@ def _draw_panel(ax: Axes, evidence: Evidence, values: xr.DataArray) -> None:
     """
     level = str(values.dims[-1])
     analysis = str(values["analysis"].item())
-    look = looks(evidence.plotted)
-    cases = [case for case in evidence.plotted if np.isfinite(values.sel(case=case)).any()]
+    look = looks(evidence.plotted_cases)
+    cases = [case for case in evidence.plotted_cases if np.isfinite(values.sel(case=case)).any()]
     # Whiskers of neighbouring cases would hide each other on one height.
     shifts = np.linspace(0.09, -0.09, len(cases)) if len(cases) > 1 else np.zeros(len(cases))
     for case, shift in zip(cases, shifts.tolist(), strict=True):
@@ -193,9 +193,9 @@ MOST_LOOPS = 6
 
 def list_loops(evidence: Evidence) -> list[Picture]:
     """Return the figure of the loops of isolators; none where no time history is kept."""
-    bases = {name: evidence.of_study(name).get("foundation") for name in evidence.group}
+    bases = {name: evidence.building_of_study(name).get("foundation") for name in evidence.group}
     isolated = [name for name, base in bases.items() if isinstance(base, dict) and base.get("isolation")]
-    kept = evidence.here(evidence.results.histories()).head(MOST_LOOPS)
+    kept = evidence.rows_here(evidence.results.histories()).head(MOST_LOOPS)
     if not isolated or kept.empty:
         return []
     text = f"Force of the isolators of {', '.join(isolated)} over the displacement of the base, of kept time histories."
@@ -239,7 +239,7 @@ MANY = 7
 def draw_sketch(evidence: Evidence) -> Figure:
     """Draw the group by itself, with names, for the head of a page."""
     figure = new_figure(min(1.1 * len(evidence.group) + 0.3, 9.0), 1.9)
-    draw_group(figure.add_subplot(), evidence, evidence.main, named=len(evidence.group) < MANY)
+    draw_group(figure.add_subplot(), evidence, evidence.main_building, named=len(evidence.group) < MANY)
     return figure
 
 
@@ -259,7 +259,7 @@ def draw_group(ax: Axes, evidence: Evidence, black: str, named: bool = False) ->
     for place, name in enumerate(evidence.group):
         rows = evidence.buildings[evidence.buildings["building"] == name]
         left = place * (WIDTH + SPACE)
-        is_wall = name not in evidence.built
+        is_wall = name not in evidence.buildings_without_walls
         slab = scale * float(rows["slab"].iloc[0])
         face, edge, grey = ("black", "0.75", "0.75") if name == black or is_wall else ("white", "black", "0.4")
         for height, level in zip(scale * rows["height"], scale * rows["height"].cumsum(), strict=True):

@@ -43,7 +43,7 @@ class Summary:
         room = PARAGRAPH_WIDTH if width is None else min(width, PARAGRAPH_WIDTH)
         yield self.title
         for sentence in self.sentences:
-            yield textwrap.fill(sentence, room, break_long_words=False, break_on_hyphens=False)
+            yield _fill(sentence, room)
         for table in self.tables:
             yield ""
             yield table.lay_out(width).strip("\n")
@@ -52,11 +52,18 @@ class Summary:
         if self.tables and self.notes:
             yield ""
         for note in self.notes:
-            yield textwrap.fill(note, room, break_long_words=False, break_on_hyphens=False)
+            yield _fill(note, room)
 
     def to_json(self) -> str:
         """Return it as JSON, for `read_summary`."""
         return json.dumps(asdict(self))
+
+
+def _fill(paragraph: str, width: int) -> str:
+    """Return the lines of a paragraph; a number and its % stay together."""
+    joined = paragraph.replace(" %", "\N{NO-BREAK SPACE}%")
+    filled = textwrap.fill(joined, width, break_long_words=False, break_on_hyphens=False)
+    return filled.replace("\N{NO-BREAK SPACE}%", " %")
 
 
 def read_summary(text: str) -> Summary | None:

@@ -15,7 +15,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES as PANELS
-from pounding_cli.report.evidence import Evidence, motion_sentence, points_of
+from pounding_cli.report.evidence import Evidence, describe_motions, list_points
 from pounding_cli.report.figures import CONTACT_SENTENCE, has_contacts, new_framed_panels
 from pounding_cli.report.style import finish, looks, name_axis, styled
 from pounding_cli.results.columns import column_of
@@ -82,7 +82,7 @@ def list_swept_axes(results: ResultTables) -> list[SweptAxis]:
     """Return the axes of a results file in the order of the study; none where nothing is swept."""
     axes = []
     for keys in results.swept:
-        points = points_of(results, keys)
+        points = list_points(results, keys)
         units = []
         for number, key in enumerate(keys):
             is_text = any(isinstance(point[number], str) for point in points)
@@ -291,7 +291,7 @@ def _select_by_case(
 ) -> dict[str, xr.Dataset]:
     """Return a quantity by case; cases that have none of it are left out."""
     by_case = {}
-    for case in [places["case"]] if "case" in places else shown.plotted[:MOST_CASES]:
+    for case in [places["case"]] if "case" in places else shown.plotted_cases[:MOST_CASES]:
         named = {name: place for name, place in {**places, "case": case}.items() if place != WORST}
         over = over_sweep(results, quantity, named, index)
         if np.isfinite(over["mean"]).any():
@@ -304,7 +304,7 @@ def _build_caption(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str,
     where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
     where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
     mean = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
-    sentences = [motion_sentence(shown.records)]
+    sentences = [describe_motions(shown.records)]
     depends = any(quantity in CONTACT_QUANTITIES for quantity, *_ in panels)
     if depends and has_contacts(shown.results.link("kind", "impacts")):
         sentences.append(CONTACT_SENTENCE)

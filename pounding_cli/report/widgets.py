@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pounding_cli.laws import link_symbol
-from pounding_cli.report.evidence import MOST_CASES, Evidence, at_point, points_of
+from pounding_cli.report.evidence import MOST_CASES, Evidence, build_evidence, list_points
 from pounding_cli.report.style import looks, to_page_look
 from pounding_cli.report.sweep import SweptAxis, find_meaningless, list_swept_axes
 from pounding_cli.results.columns import column_of
@@ -61,7 +61,7 @@ def build_explorer_data(results: ResultTables, shown: Evidence) -> dict[str, Any
         "void": void.values.ravel().tolist(),
         "cut": _describe_cut(is_whole, len(arrays), quantity_count),
         "heights": is_whole,
-        "building": shown.main,
+        "building": shown.main_building,
         "point": [axis.points.index(tuple(shown.point[key] for key in axis.keys)) for axis in axes],
     }
 
@@ -169,9 +169,9 @@ def build_player_scenes(results: ResultTables) -> list[dict[str, Any]]:
     for row in results.histories().to_dict("records"):
         index = {}
         for keys in results.swept:
-            index[keys[0]] = points_of(results, keys).index(tuple(row[key] for key in keys))
+            index[keys[0]] = list_points(results, keys).index(tuple(row[key] for key in keys))
         place = {name: row[name] for name in ("case", "analysis", "record")}
-        scene = _pack_scene(at_point(results, index), place)
+        scene = _pack_scene(build_evidence(results, index), place)
         size = len(scene["series"])
         if size <= room:  # of those that do not fit a shorter one may
             room -= size
@@ -220,7 +220,7 @@ def _pack_buildings(evidence: Evidence, history: History) -> tuple[list[dict[str
                 "name": name,
                 "period": round_for_page(float(rows["period"].iloc[0])),
                 "slab": float(rows["slab"].iloc[0]),
-                "wall": bool(evidence.of_study(str(name)).get("wall")),
+                "wall": bool(evidence.building_of_study(str(name)).get("wall")),
                 "heights": [round_for_page(height) for height in rows["height"]],
                 "yield": [round_for_page(drift) for drift in yield_drifts],
                 "foundation": moves,

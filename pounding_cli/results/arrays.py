@@ -28,7 +28,7 @@ class StoredValues:
     """Values that stay in their file until they are asked for.
 
     The open file has neither copies nor pickles: copies share it, since a results file is written once and never
-    changed.
+    changed; a pickle holds the values.
     """
 
     def __init__(self, item: h5py.Dataset, key: tuple[slice, ...] = ()) -> None:
@@ -51,6 +51,9 @@ class StoredValues:
         if self._values is None and not self.key:
             return _read_item(self.item, key)
         return np.asarray(self.read()[key])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return np.asarray, (self.read(),)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> StoredValues:
         return self

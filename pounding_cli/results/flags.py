@@ -1,4 +1,4 @@
-"""Which scenes carry which flag, and whether it makes their numbers meaningless: for whoever shows a case."""
+"""Flags of scenes, summed up by case and analysis, and whether they make the numbers meaningless."""
 
 from __future__ import annotations
 
@@ -64,15 +64,15 @@ def split_flag(line: str) -> tuple[str, str]:
 
 @lru_cache(maxsize=1024)
 def is_void(flags: str) -> bool:
-    """Whether one of the flags of a scene takes the meaning from its numbers."""
+    """Return whether one of the flags of a scene takes the meaning from its numbers."""
     return any(map(is_meaningless, flags.splitlines()))
 
 
 def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
-    """One row a flag of a scene, as `Results.flagged()`, of a table of scenes or of some of its rows."""
+    """Return one row a flag of a scene, as `Results.flagged()`, of a table of scenes or of some of its rows."""
     import pandas as pd
 
-    place = [*_swept(scene), "case", "analysis", "record"]
+    place = [*_swept_keys(scene), "case", "analysis", "record"]
     rows = []
     for *where, flags, severities in scene[[*place, "flags", "flag_severity"]].itertuples(index=False, name=None):
         for line, severity in zip(flags.splitlines(), severities.splitlines(), strict=True):
@@ -83,11 +83,11 @@ def flagged_scenes(scene: pd.DataFrame) -> pd.DataFrame:
 
 
 def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None) -> tuple[FlagGroup, ...]:
-    """What is flagged in a table of scenes (`Results.scene()`) or in some of its rows, meaningless first.
+    """Return what is flagged in a table of scenes (`Results.scene()`) or in some of its rows, meaningless first.
 
     units : of the swept keys, to name points by (`Results.units`); SI unless given
     """
-    swept = _swept(scene)
+    swept = _swept_keys(scene)
     flagged = flagged_scenes(scene)
     totals = scene.groupby(["case", "analysis"], sort=False).size()
     groups = list[FlagGroup]()
@@ -101,14 +101,14 @@ def flag_groups_of(scene: pd.DataFrame, units: Mapping[str, Unit] | None = None)
         if count > MOST_NAMED:
             named.append(f"and {count - MOST_NAMED} more")
         scenes = "all" if count == total > 1 else ("; " if swept else ", ").join(named)
-        detail, worst, severity = _worst_flag(rows, swept, units or {})
+        detail, worst, severity = _find_worst(rows, swept, units or {})
         meaningless = bool(rows["meaningless"].iloc[0])
         groups.append(FlagGroup(case, analysis, flag, detail, worst, severity, meaningless, count, total, scenes))
     order = list(totals.index)
     return tuple(sorted(groups, key=lambda group: (not group.meaningless, order.index((group.case, group.analysis)))))
 
 
-def _worst_flag(rows: pd.DataFrame, swept: list[str], units: Mapping[str, Unit]) -> tuple[str, str, float]:
+def _find_worst(rows: pd.DataFrame, swept: list[str], units: Mapping[str, Unit]) -> tuple[str, str, float]:
     """Return detail, scene in words and severity of the worst of some flags of one kind; of flags that do not compare
     what they say, without a scene."""
     if rows["severity"].notna().any():
@@ -128,9 +128,9 @@ def point_label(row: Mapping[Any, Any], swept: list[str], units: Mapping[str, Un
 
 
 def failed_scenes(scene: pd.DataFrame) -> pd.DataFrame:
-    """The rows of a table of scenes that have no result; a collapse is one."""
+    """Return the rows of a table of scenes that have no result; a collapse is one."""
     return scene[~scene["status"].isin(OUTCOMES)]
 
 
-def _swept(scene: pd.DataFrame) -> list[str]:
+def _swept_keys(scene: pd.DataFrame) -> list[str]:
     return list(scene.columns[: list(scene.columns).index("case")])

@@ -18,7 +18,7 @@ from pounding_cli.laws import link_symbol
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import WRITTEN_LAWS
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.numbers import Unit, count_histories, format_number, pluralize
+from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, pluralize
 from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.results.columns import TABLES, column_of
 from pounding_cli.results.file import list_histories, open_arrays, plain_value, read_table, read_unit
@@ -136,7 +136,7 @@ class ResultTables:
         return tuple(place for place, name in places if self.resolved["buildings"][name].get("wall"))
 
     def value_label(self, key: str, value: Any) -> str:
-        """A value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
+        """Return a value of a swept key (SI, as in the tables) as people read it: "5 cm"; texts as they are."""
         return self.units[key].text(value)
 
     def link_symbol(self, kind: str) -> str:
@@ -416,7 +416,7 @@ class ResultTables:
         """With the largest mean ratio over the storeys and the sweep by case and building."""
         means = [f"{ratio}_mean" for ratio in RATIO_VARIABLES]
         worst = self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
-        return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format=format_number, max_rows=40)}"
+        return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format=format_number, na_rep=NOTHING, max_rows=40)}"
 
     def _build_frame(
         self, names: Sequence[str], places: tuple[str, ...], row_filter: RowFilter | None = None

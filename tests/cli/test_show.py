@@ -8,6 +8,9 @@ import io
 import pytest
 
 import pounding_cli
+from pounding_cli.cli.results import _table_to_print
+from pounding_cli.numbers import format_number
+from pounding_cli.questions.reports import build_report
 
 from .conftest import TWO
 
@@ -145,3 +148,35 @@ def test_what_is_not_there_is_refused_with_what_is(shown, arguments, words):
     assert (code, out) == (2, "")
     for word in words:
         assert word in err
+
+
+@pytest.mark.parametrize("width", [80, 120, 200])
+def test_run_and_every_table_fit_the_terminal(file, width):
+    """No line is longer than the terminal; columns that have no room are named."""
+    results = pounding_cli.open_results(file)
+    summary = "\n".join(build_report(results).summary.iter_lines(width)).splitlines()
+    assert max(map(len, summary)) <= width
+    assert not any("…" in line for line in summary)
+    for name in results.tables:
+        frame = results.table(name)
+        if frame.empty:
+            continue
+        text = _table_to_print(results, name, frame).to_text(width, max_rows=len(frame))
+        assert max(map(len, text.splitlines())) <= width, name
+        printed = " ".join(text.split())
+        assert all(str(column) in printed for column in frame.columns), name
+
+
+def test_accelerations_of_floors_that_strike_are_explained(shown):
+    note = "depend on the contact stiffness, which is unknown"
+    assert note in shown("floor")[1]
+    assert note in shown("link")[1]
+    assert note not in shown("storey")[1]
+
+
+def test_a_notebook_has_the_numbers_of_the_terminal(file):
+    results = pounding_cli.open_results(file)
+    largest = results.summary().groupby(["case", "building", "analysis"], sort=False)["V_ratio_mean"].max()
+    html = results._repr_html_()
+    for value in largest:
+        assert f"<td>{format_number(value)}</td>" in html

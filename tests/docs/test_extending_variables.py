@@ -29,7 +29,7 @@ changed = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(changed)
 
 import pounding_cli as pound
-from pounding_cli.report.evidence import nominal
+from pounding_cli.report.evidence import find_nominal
 from pounding_cli.report.widgets import build_explorer_data
 from pounding_cli.report.sweep import over_sweep
 from pounding_cli.study.expression import parse_expression
@@ -37,6 +37,7 @@ from pounding_cli.study.expression import parse_expression
 results = pound.run("study.yaml", engine="serial")
 link = results.link()
 expected = link["impulse"] / link["contact_time"]
+explorer = build_explorer_data(results, find_nominal(results))
 struck = link["case"] == "touching"
 column = results.column("link", "mean_force")
 print(json.dumps({
@@ -47,7 +48,7 @@ print(json.dumps({
     "worst": float(over_sweep(results, "mean_force", {"case": "touching"})["mean"]),
     "largest": float(link["mean_force"].max()),
     "unit": parse_expression("largest mean_force", ["stiff", "soft"]).unit,
-    "charted": "mean_force" in [each["key"] for each in build_explorer_data(results, nominal(results))["quantities"]],
+    "charted": "mean_force" in [each["key"] for each in explorer["quantities"]],
 }))
 """
 

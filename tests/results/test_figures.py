@@ -18,7 +18,7 @@ from pounding_cli.numbers import Unit
 from pounding_cli.records.motion import Motion, spectrum
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
 from pounding_cli.report import figures, motions, sweep, widgets
-from pounding_cli.report.evidence import nominal
+from pounding_cli.report.evidence import find_nominal
 from pounding_cli.report.style import PAGE, drawing_for, looks
 
 STUDY = """\
@@ -103,7 +103,7 @@ def iter_profiles(ax: Axes) -> Iterator[tuple[str, np.ndarray, np.ndarray, np.nd
 def test_profiles_have_the_means_and_the_extremes_of_every_case(solved, draw, table, level, panels, building):
     """Fails if whiskers are swapped, cases, analyses or buildings are mixed up, or storeys are upside down."""
     results = solved("plain")
-    figure = draw(nominal(results), building)
+    figure = draw(find_nominal(results), building)
     drawn = find_panels(figure)
     assert list(drawn) == [analysis.capitalize() for analysis in panels]  # elastic is left
     places = [ax.get_subplotspec().colspan.start for ax in drawn.values()]
@@ -133,8 +133,8 @@ def test_profiles_have_the_means_and_the_extremes_of_every_case(solved, draw, ta
 def test_a_caption_says_what_an_acceleration_of_a_contact_depends_on(solved):
     """Of floors that strike; not where no floor strikes, nor of shears. Fails if the sentence is lost, or on all."""
     said = "depend on the contact stiffness"
-    plain = nominal(solved("plain"))
-    lonely = nominal(solved("plain"))
+    plain = find_nominal(solved("plain"))
+    lonely = find_nominal(solved("plain"))
     assert said in figures.accelerations(plain, "soft").get_label()
     assert said not in figures.response(plain, "soft").get_label()
     links = lonely.link
@@ -142,7 +142,7 @@ def test_a_caption_says_what_an_acceleration_of_a_contact_depends_on(solved):
     assert said not in figures.accelerations(lonely, "soft").get_label()
     for quantity, is_said in (("acceleration", True), ("peak_force", True), ("drift", False)):
         (picture, *_) = sweep.list_sweep_pictures(
-            solved("curves"), nominal(solved("curves")), sweep.SweepChoice((quantity,))
+            solved("curves"), find_nominal(solved("curves")), sweep.SweepChoice((quantity,))
         )
         assert (said in picture.draw().get_label()) == is_said
 
@@ -157,7 +157,7 @@ def test_curves_have_the_means_and_deviations_in_the_units_of_their_axes(solved,
     """Fails if values are in SI on an axis in mm, points are not in the order of the axis, or a band is too wide."""
     results = solved("curves")
     choice = sweep.SweepChoice((quantity,), {"building": "soft", "storey": "2"})
-    (picture,) = sweep.list_sweep_pictures(results, nominal(results), choice)
+    (picture,) = sweep.list_sweep_pictures(results, find_nominal(results), choice)
     panels = find_panels(picture.draw())
     assert list(panels) == ["Elastic", "Inelastic"]
     rows = results.storey().query("building == 'soft' and storey == 2")
@@ -184,7 +184,7 @@ def test_curves_have_the_means_and_deviations_in_the_units_of_their_axes(solved,
 def test_a_curve_has_the_place_where_the_mean_is_largest(solved):
     """Of all storeys where none is chosen. Fails if it is the mean of the largest values, or the first storey."""
     results = solved("curves")
-    pictures = sweep.list_sweep_pictures(results, nominal(results), sweep.SweepChoice(("drift",)))
+    pictures = sweep.list_sweep_pictures(results, find_nominal(results), sweep.SweepChoice(("drift",)))
     for building, picture in zip(("stiff", "soft"), pictures, strict=True):
         ax = find_panels(picture.draw())["Inelastic"]
         rows = results.storey().query(f"building == '{building}' and analysis == 'inelastic' and case == 'infill'")
@@ -196,7 +196,7 @@ def test_a_curve_has_the_place_where_the_mean_is_largest(solved):
 def test_cells_of_maps_stand_at_their_values(solved):
     """Fails if axes are swapped or turned around, a number is that of another cell, or another cell is hatched."""
     results = solved("maps")
-    pictures = sweep.list_sweep_pictures(results, nominal(results))
+    pictures = sweep.list_sweep_pictures(results, find_nominal(results))
     assert [picture.name for picture in pictures] == ["stiff-map", "soft-map"]
     stiffnesses, restitutions = [0.5, 40, 50], [0.4, 0.6]
     void = find_void(results)
@@ -255,7 +255,7 @@ def _iter_hatched(ax: Axes) -> Iterator[np.ndarray]:
 
 def test_loops_of_isolators_are_in_cm_and_meganewtons(solved):
     results = solved("isolated")
-    (picture,) = figures.list_loops(nominal(results))
+    (picture,) = figures.list_loops(find_nominal(results))
     (ax,) = find_panels(picture.draw()).values()
     assert ax.get_title(loc="left") == "isolated"
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("displacement of the base [cm]", "force of the isolators [MN]")
@@ -311,7 +311,7 @@ def test_spectra_are_drawn_in_the_unit_of_the_study(unit, factor):
 
 def test_the_group_is_drawn_to_scale(solved):
     """Three storeys of 3 m beside one of 3 m and one of 6 m. Fails if a storey is drawn with another height."""
-    evidence = nominal(solved("plain"))
+    evidence = find_nominal(solved("plain"))
     ax = figures.draw_sketch(evidence).axes[0]
     boxes = [patch for patch in ax.patches if isinstance(patch, Rectangle)]
     storeys = [box for box in boxes if box.get_linewidth() > 0]
@@ -332,7 +332,7 @@ def test_the_group_is_drawn_to_scale(solved):
 
 def test_figures_for_a_page_leave_out_what_the_page_has(solved):
     """Title, caption and group; the data are the same. Fails if the panels differ, or a caption is lost."""
-    evidence = nominal(solved("plain"))
+    evidence = find_nominal(solved("plain"))
     own = figures.response(evidence, "soft")
     with drawing_for(PAGE):
         shown = figures.response(evidence, "soft")
@@ -369,7 +369,7 @@ def read_explored(drawn: dict, quantity: str, kind: str, **at: int) -> float | N
 def test_the_explorer_has_every_number_at_its_place(solved, quantity, label, factor):
     """Fails if two dimensions are exchanged, low and high are, or a number is in SI under a label in mm."""
     results = solved("maps")
-    drawn = widgets.build_explorer_data(results, nominal(results))
+    drawn = widgets.build_explorer_data(results, find_nominal(results))
     (found,) = [each for each in drawn["quantities"] if each["key"] == quantity]
     assert found["label"] == label
     assert drawn["motions"] == ["mean", "elcentro", "taft", "parkfield"]
@@ -400,7 +400,7 @@ def test_the_explorer_has_every_number_at_its_place(solved, quantity, label, fac
 def test_the_explorer_has_the_links_of_each_floor(solved):
     """Fails if the closing is that of another floor or case, or void runs are told of another point."""
     results = solved("maps")
-    drawn = widgets.build_explorer_data(results, nominal(results))
+    drawn = widgets.build_explorer_data(results, find_nominal(results))
     (found,) = [each for each in drawn["quantities"] if each["key"] == "max_closing"]
     assert (found["label"], found["where"], found["level"]) == ("largest closing [mm]", "pair", "floor")
     assert found["places"] == ["stiff | soft"]

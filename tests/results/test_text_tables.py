@@ -91,8 +91,9 @@ def test_where_the_columns_that_stay_have_no_room_every_row_is_a_block():
     frame.columns = ["case", "analysis", "ratio", "a drift with a long heading"]
     text = Table("", frame, [Column(str(name)) for name in frame]).to_text(45)
     assert text.splitlines() == [
-        "", "touching, elastic", "  ratio                        1.500", "  a drift with a long heading  0.2500",
-        "", "gap, elastic", "  ratio                        –", "  a drift with a long heading  0.5000",
+        "", "case touching, analysis elastic",
+        "  ratio                        1.500", "  a drift with a long heading  0.2500",
+        "", "case gap, analysis elastic", "  ratio                        –", "  a drift with a long heading  0.5000",
     ]  # fmt: skip
 
 

@@ -26,7 +26,7 @@ from pounding_cli.questions.fragility.words import (
 )
 from pounding_cli.questions.frames import ALONE, POUNDING, STATE
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import Evidence, motion_sentence, nominal
+from pounding_cli.report.evidence import Evidence, describe_motions, find_nominal
 from pounding_cli.report.style import Look, finish, grid, looks, shared_legend, styled
 from pounding_cli.tables import Column
 
@@ -53,14 +53,14 @@ _LINE_OF_TEXT = 0.08
 
 def list_figures(results: ResultTables) -> list[Picture]:
     """Return the figure of curves of every analysis and, with a hazard curve, that of contributions to rates."""
-    evidence = nominal(results)
-    curves = evidence.here(results.answer(CURVES).frame)
+    evidence = find_nominal(results)
+    curves = evidence.rows_here(results.answer(CURVES).frame)
     pictures = []
     for analysis, rows in curves.groupby("analysis", sort=False):
         draw = partial(draw_curves, evidence, str(analysis))
         heading = f"Fragility, {analysis} storeys"
         pictures.append(Picture(f"fragility-{analysis}", heading, _describe_curves(results, rows), draw))
-    if RATES in results.answers and len(evidence.here(results.answer(CONTRIBUTIONS).frame)):
+    if RATES in results.answers and len(evidence.rows_here(results.answer(CONTRIBUTIONS).frame)):
         text = "Annual rates at which limits are passed, by the intensity at which they are."
         draw = partial(draw_contributions, evidence)
         pictures.append(Picture("fragility-rates", "What contributes to the annual rates", text, draw))
@@ -87,7 +87,7 @@ def draw_curves(evidence: Evidence, analysis: str) -> Figure:
     method = results.resolved["fragility"]["method"]
     median = median_column(results.answer(CURVES).column("median"))
     curves, motions, points = (
-        _select(evidence.here(results.answer(name).frame), analysis=analysis) for name in (CURVES, MOTIONS, POINTS)
+        _select(evidence.rows_here(results.answer(name).frame), analysis=analysis) for name in (CURVES, MOTIONS, POINTS)
     )
     panels = curves.groupby(["limit", "building"], sort=False)
     cases = curves["case"].unique().tolist()
@@ -114,7 +114,7 @@ def _select(frame: pd.DataFrame, **values: Any) -> pd.DataFrame:
 def _caption_curves(evidence: Evidence, curves: pd.DataFrame, case_count: int) -> str:
     """Return what the figure of curves shows besides its axes."""
     spec = evidence.results.resolved["fragility"]
-    point = evidence.told(curves)
+    point = evidence.format_point(curves)
     sentences = [f"At {point}."] if point else []
     sentences.append(_MARKERS[spec["method"]])
     if curves["motions"].max() < MIN_MOTIONS:
@@ -124,7 +124,7 @@ def _caption_curves(evidence: Evidence, curves: pd.DataFrame, case_count: int) -
         sentences.append(f"Bands: {confidence} of {spec['draws']} bootstrap draws of the motions.")
     if case_count > MAX_CASES:
         sentences.append(f"Of {case_count} cases the first {MAX_CASES} are drawn.")
-    return " ".join([*sentences, motion_sentence(evidence.records)])
+    return " ".join([*sentences, describe_motions(evidence.records)])
 
 
 class _Panel:
@@ -234,7 +234,7 @@ def draw_contributions(evidence: Evidence) -> Figure:
     """
     answer = evidence.results.answer(CONTRIBUTIONS)
     unit = answer.column("from").unit
-    rows = evidence.here(answer.frame)
+    rows = evidence.rows_here(answer.frame)
     rows = rows[rows["analysis"] == rows["analysis"].iloc[-1]]
     panels = rows.groupby(["limit", "building"], sort=False)
     look_by_case = looks(rows["case"].unique().tolist())

@@ -13,7 +13,7 @@ from pounding_cli.questions.fragility.curves import Outcome
 from pounding_cli.questions.fragility.tables import CURVES, PERCENT, RATES
 from pounding_cli.questions.frames import ALONE, POUNDING, STATE
 from pounding_cli.questions.hazard import YEARS
-from pounding_cli.report.evidence import nominal
+from pounding_cli.report.evidence import find_nominal
 from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, parse_limit
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.tables import Column, Row, Table
@@ -83,14 +83,14 @@ def pair_states(frame: pd.DataFrame) -> list[Comparison]:
 def list_sentences(results: ResultTables) -> list[str]:
     """Return the answer in sentences: of every limit and building at one point of the sweep, then the intensity."""
     answer = results.answer(CURVES)
-    evidence = nominal(results)
-    curves = pair_states(evidence.here(answer.frame))
+    evidence = find_nominal(results)
+    curves = pair_states(evidence.rows_here(answer.frame))
     rates: list[Comparison] = []
     if RATES in results.answers:
-        rates = pair_states(evidence.here(results.answer(RATES).frame))
+        rates = pair_states(evidence.rows_here(results.answer(RATES).frame))
     median = median_column(answer.column("median"))
     confidence = format_confidence(results)
-    point = evidence.told(answer.frame.columns)
+    point = evidence.format_point(answer.frame.columns)
     sentences = []
     for number, curve in enumerate(curves[:MAX_SENTENCES]):
         subject = describe_place(curve.place, curves, point)
@@ -100,7 +100,7 @@ def list_sentences(results: ResultTables) -> list[str]:
         sentences.append(sentence)
     if len(curves) > MAX_SENTENCES:
         sentences.append(f"The table has {len(curves) - MAX_SENTENCES} more limits and buildings.")
-    if len(evidence.here(answer.frame)) < len(answer.frame):
+    if len(evidence.rows_here(answer.frame)) < len(answer.frame):
         sentences.append("The table has the other points of the sweep.")
     return [*sentences, f"Intensity measure: {describe_measure(results)}."]
 

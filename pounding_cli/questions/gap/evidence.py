@@ -12,7 +12,7 @@ import pandas as pd
 from pounding_cli.model.links import BASE
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
-from pounding_cli.report.evidence import Evidence, nominal
+from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Row
@@ -72,11 +72,11 @@ class GapEvidence:
 
     def __init__(self, results: ResultTables) -> None:
         self.results = results
-        self.shown: Evidence = nominal(results)
+        self.shown: Evidence = find_nominal(results)
         self.unit: Unit = results.answer(GAP_TABLE).column("mean").unit
-        self.gaps = self.shown.here(results.answer(GAP_TABLE).frame)
-        self.cases = self.shown.here(results.answer(CASES_TABLE).frame)
-        self._scene = self.shown.here(results.scene())
+        self.gaps = self.shown.rows_here(results.answer(GAP_TABLE).frame)
+        self.cases = self.shown.rows_here(results.answer(CASES_TABLE).frame)
+        self._scene = self.shown.rows_here(results.scene())
 
     @property
     def analyses(self) -> list[str]:

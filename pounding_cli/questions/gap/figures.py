@@ -13,7 +13,7 @@ from pounding_cli.questions.gap.sentences import list_sentences
 from pounding_cli.questions.gap.separations import GB50011
 from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import motion_sentence
+from pounding_cli.report.evidence import describe_motions
 from pounding_cli.report.style import finish, grid, shared_legend, styled
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def _describe_figure(evidence: GapEvidence) -> str:
     """Return what the lines of the figure are."""
     where = f"At {evidence.shown.label}. " if evidence.shown.label else ""
     lines = f"Grey: every motion, exact. Lines: mean over the motions. Band: {CONFIDENCE:.0%} confidence."
-    return f"{where}{lines} {motion_sentence(evidence.shown.records)}"
+    return f"{where}{lines} {describe_motions(evidence.shown.records)}"
 
 
 def _find_closings(evidence: GapEvidence, rows: pd.DataFrame) -> pd.DataFrame:

@@ -309,7 +309,7 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
 def _describe_rate(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return the gap for the annual rate of contact that the study asks for."""
     table = evidence.results.answer(RATE_TABLE)
-    rows = evidence.select_pair(evidence.shown.here(table.frame), pair).to_dict("records")
+    rows = evidence.select_pair(evidence.shown.rows_here(table.frame), pair).to_dict("records")
     if not rows:
         return ""
     column: Column = table.column("gap")

@@ -14,7 +14,7 @@ from pounding_cli.questions.optimise.optimum import NOTHING as NO_OPTIMUM
 from pounding_cli.questions.optimise.tables import OPTIMUM, POINTS
 from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit
 from pounding_cli.report.document import Picture
-from pounding_cli.report.evidence import motion_sentence, nominal
+from pounding_cli.report.evidence import describe_motions, find_nominal
 from pounding_cli.report.style import finish, grid, name_axis, shared_legend, styled
 from pounding_cli.tables import Row
 
@@ -59,7 +59,7 @@ def draw_optimum(results: ResultTables) -> Figure:
         ax.yaxis.label.set_fontsize(7.5)
         ax.tick_params(labelsize=7.5)
     shared_legend(figure, axes)
-    motions = motion_sentence(nominal(results.first_sample()).records)
+    motions = describe_motions(find_nominal(results.first_sample()).records)
     finish(figure, results.title, f"{' '.join(list_sentences(results))} {motions}")
     return figure
 

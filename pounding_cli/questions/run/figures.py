@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.report.document import Picture, Section
-from pounding_cli.report.evidence import Evidence, nominal
+from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.report.figures import list_loops, list_profiles
 from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 from pounding_cli.report.widgets import build_explorer_data, build_player_scenes
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def list_figures(results: ResultTables) -> list[Picture]:
     """Return the figure of the main building."""
-    return list_profiles(nominal(results))[:1]
+    return list_profiles(find_nominal(results))[:1]
 
 
 def further_sections(results: ResultTables, choice: SweepChoice | None) -> list[Section]:
@@ -25,7 +25,7 @@ def further_sections(results: ResultTables, choice: SweepChoice | None) -> list[
 
     choice : which figures are drawn over a sweep
     """
-    shown = nominal(results)
+    shown = find_nominal(results)
     swept = list_sweep_pictures(results, shown, choice)
     scenes = build_player_scenes(results)
     chart = build_explorer_data(results, shown)

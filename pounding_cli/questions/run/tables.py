@@ -87,8 +87,8 @@ def build_means_table(shown: Evidence) -> Table:
     """Return the mean ratios to the building alone of every case and building: at the roof, and in the storey where
     the mean is largest."""
     rows = []
-    for case, building in product(shown.cases, shown.built):
-        row: dict[str, Any] = {"case": shown.marked(case), "building": building}
+    for case, building in product(shown.cases, shown.buildings_without_walls):
+        row: dict[str, Any] = {"case": shown.mark_case(case), "building": building}
         for analysis, ratio in RESPONSES:
             means = mean_ratios(shown, case, analysis, building, ratio)
             row[f"{ratio}_top"] = means.iloc[-1] if len(means) else np.nan

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pounding_cli.laws.apart import Apart
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.questions.run.tables import (
@@ -17,8 +18,8 @@ from pounding_cli.questions.run.tables import (
     build_means_table,
     build_peaks_table,
 )
-from pounding_cli.report.background import ADVICE, advice, trust
-from pounding_cli.report.evidence import MARK, Evidence, motion_sentence, nominal
+from pounding_cli.report.background import ADVICE, describe_accuracy, list_advice
+from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_nominal
 from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
 from pounding_cli.results.plausible import MAX_DUCTILITY
@@ -97,7 +98,7 @@ class Change:
 
 def list_sentences(results: ResultTables) -> list[str]:
     """Return the answer in sentences: what pounding does to every building, at one point of a sweep."""
-    shown = nominal(results)
+    shown = find_nominal(results)
     statuses = shown.values("status")
     if not np.isin(statuses, OUTCOMES).any():
         return ["All time histories failed: there is no result to show."]
@@ -106,7 +107,10 @@ def list_sentences(results: ResultTables) -> list[str]:
     if approach:
         sentences.append(approach)
     else:
-        for building in [shown.main, *(each for each in shown.built if each != shown.main)]:
+        for building in [
+            shown.main_building,
+            *(each for each in shown.buildings_without_walls if each != shown.main_building),
+        ]:
             sentences += _describe_building(shown, building)
     sentences += _describe_meaningless(shown)
     if shown.label and sentences:
@@ -120,19 +124,19 @@ def list_tables(results: ResultTables) -> list[Table]:
     tables = [build_peaks_table(results)]
     if not np.isfinite(results.values("V_ratio")).any():
         return tables
-    return [*tables, build_means_table(nominal(results))]
+    return [*tables, build_means_table(find_nominal(results))]
 
 
 def list_notes(results: ResultTables) -> list[str]:
     """Return how far the numbers go, and what a reader should know of them."""
-    shown = nominal(results)
+    shown = find_nominal(results)
     scene = results.scene()
-    notes = [f"{trust(scene, results.units)} {motion_sentence(shown.records)}", *_explain_table(results)]
-    if len(shown.cases) > len(shown.plotted):
-        notes.append(f"Figures show {len(shown.plotted)} of the {len(shown.cases)} cases.")
+    notes = [f"{describe_accuracy(scene, results.units)} {describe_motions(shown.records)}", *_explain_table(results)]
+    if len(shown.cases) > len(shown.plotted_cases):
+        notes.append(f"Figures show {len(shown.plotted_cases)} of the {len(shown.cases)} cases.")
     for group in flag_groups_of(scene, results.units):
         notes.append(f"{f'Not meaningful ({MARK})' if group.meaningless else 'Note'}: {group}.")
-    further = advice(results)  # warnings are printed before a run
+    further = list_advice(results)  # warnings are printed before a run
     if len(results.struck_links()):
         notes.append(f"{CONTACT_MARK} {ADVICE if ADVICE in further else CONTACT_STIFFNESS_UNKNOWN}")
     return [*notes, *(each for each in further if each != ADVICE)]
@@ -146,18 +150,19 @@ def find_changes(shown: Evidence, building: str, response: Response) -> list[Cha
 
     Of many cases it has those that the study draws (`report: {plot: ...}`).
     """
-    cases = shown.plotted if len(shown.cases) > MAX_CASES else shown.cases
+    cases = shown.plotted_cases if len(shown.cases) > MAX_CASES else shown.cases
     changes = []
     for case in cases:
         place = {"case": case, "analysis": response.analysis, "building": building}
         ratios = shown.values(response.ratio, **place)
         means = shown.values(f"{response.ratio}_mean", **place)
-        if not np.isfinite(means).any() or _count_meaningless(shown, case, response.analysis) == len(ratios):
+        is_meaningless = _count_meaningless(shown, case, response.analysis) == len(ratios)
+        if not _has_links(shown, case) or is_meaningless or not np.isfinite(means).any():
             continue
         motion, storey = np.unravel_index(int(np.nanargmax(ratios)), ratios.shape)
         changes.append(
             Change(
-                case=shown.marked(case),
+                case=shown.mark_case(case),
                 highest=float(np.nanmax(means)),
                 storey=int(np.nanargmax(means)) + 1,
                 lowest=float(np.nanmin(means)),
@@ -297,6 +302,13 @@ def _describe_meaningless(shown: Evidence) -> list[str]:
 # Gaps, collapses, failures, sweeps
 
 
+def _has_links(shown: Evidence, case: str) -> bool:
+    """Return whether a case has links that may carry a force."""
+    if "kind" not in shown.results.arrays:
+        return False
+    return any(kind not in ("", Apart.name) for kind in shown.values("kind", case=case).tolist())
+
+
 def _acts(shown: Evidence, case: str, analysis: str) -> bool:
     """Return whether a link of a case carries a force under some motion."""
     if "impacts" not in shown.results.arrays:
@@ -336,7 +348,7 @@ def _describe_collapses(shown: Evidence) -> list[str]:
     motions = len(shown.names("record"))
     sentences = []
     for analysis in shown.analyses:
-        for building in shown.built:
+        for building in shown.buildings_without_walls:
             place = {"analysis": analysis, "building": building}
             counts = {case: int((shown.values("collapsed", case=case, **place) > 0).sum()) for case in shown.cases}
             alone = shown.values("collapsed0", **place) > 0
@@ -372,13 +384,13 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
         analysis = array.dims.index("analysis")
         building = array.dims.index("building")
         means = array.values.take([shown.analyses.index(response.analysis)], analysis)
-        means = means.take([shown.group.index(shown.main)], building)
+        means = means.take([shown.group.index(shown.main_building)], building)
         if not np.isfinite(means).any():
             continue
         place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
         ratio = float(np.nanmax(means))
         if ratio <= 1 + MIN_CHANGE:
-            sentences.append(f"Nowhere in the sweep do the {response.noun} of {shown.main} rise.")
+            sentences.append(f"Nowhere in the sweep do the {response.noun} of {shown.main_building} rise.")
             continue
         point = {key: results.axes[key][place[keys[0]]] for keys in results.swept for key in keys if keys[0] in place}
         words = ", ".join(f"{key} = {results.value_label(key, value)}" for key, value in point.items())
@@ -386,7 +398,7 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
         motions = len(shown.names("record"))
         mean = f", mean of {motions} motions" if motions > 1 else ""
         sentences.append(
-            f"Over the sweep the {response.noun} of {shown.main} rise most at {words}: {amount} "
+            f"Over the sweep the {response.noun} of {shown.main_building} rise most at {words}: {amount} "
             f"(case {shown.cases[place['case']]}, storey {place['storey'] + 1}{mean})."
         )
     return sentences

@@ -11,7 +11,7 @@ from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describ
 from pounding_cli.questions.sensitivity.indices import FOUND
 from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 from pounding_cli.report.background import STIFFNESS
-from pounding_cli.report.evidence import Evidence, nominal
+from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.study.vary import ANY, BOOTSTRAP, MOTION
 from pounding_cli.tables import Column, Row, Table
 
@@ -86,7 +86,7 @@ def list_notes(results: ResultTables) -> list[str]:
             f"Tables and figures show {MAX_OUTPUTS} of {count} outputs; the others: pound show FILE.h5 {INDICES}"
         )
     if len(results.axes) > len(results.swept[-1]):
-        label = _shown_point(results).told(_other_keys(results))
+        label = _shown_point(results).format_point(_other_keys(results))
         notes.append(f"Shown at {label}; other points of the sweep: pound show FILE.h5 {INDICES}")
     return notes
 
@@ -107,7 +107,7 @@ def list_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 def iter_outputs(results: ResultTables) -> Iterator[pd.DataFrame]:
     """Yield the indices of every output at one point of the other swept keys, the most influential key first."""
     frame = results.answer(INDICES).frame
-    frame = _shown_point(results).here(frame[frame["case"] != ""])  # of claims the probabilities say it all
+    frame = _shown_point(results).rows_here(frame[frame["case"] != ""])  # of claims the probabilities say it all
     frame = frame.sort_values(_influence_column(results), ascending=False, kind="stable")
     indices = frame.columns[frame.columns.str.match("(first|total)(_|$)")]
     frame = frame.assign(**frame[indices].mask(frame[indices].abs() < NEGLIGIBLE, 0.0))
@@ -263,7 +263,7 @@ def _other_keys(results: ResultTables) -> list[str]:
 
 
 def _shown_point(results: ResultTables) -> Evidence:
-    return nominal(results.first_sample())
+    return find_nominal(results.first_sample())
 
 
 def _is_choice(results: ResultTables, key: str) -> bool:
@@ -284,7 +284,7 @@ def _list_statements(results: ResultTables) -> Sequence[Row]:
     """Return the rows of the statements at one point of the other swept keys."""
     if PROBABILITIES not in results.answers:
         return []
-    return _shown_point(results).here(results.answer(PROBABILITIES).frame).to_dict("records")
+    return _shown_point(results).rows_here(results.answer(PROBABILITIES).frame).to_dict("records")
 
 
 def describe_statement(results: ResultTables, row: Row) -> str:
