@@ -22,6 +22,7 @@ from pounding_cli.laws.pounding import Pounding
 from pounding_cli.numbers import NOTHING, format_number, pluralize
 from pounding_cli.records import load_catalogue
 from pounding_cli.report.document import Section
+from pounding_cli.report.evidence import find_nominal, format_point, list_points
 from pounding_cli.solver.response import DONE
 from pounding_cli.tables import Column, Row, Table, build_table
 
