@@ -23,8 +23,8 @@ from pounding_cli.questions import load_question
 from pounding_cli.report.summary import Summary, program_digest, read_summary
 from pounding_cli.results.file import FORMAT_VERSION, is_results, read_attributes, write_results
 from pounding_cli.results.histories import iter_kept_histories
+from pounding_cli.results.responses import solution_key, solver_version
 from pounding_cli.results.results import ResultTables
-from pounding_cli.results.solved import solution_key, solver_version
 
 if TYPE_CHECKING:
     import xarray as xr

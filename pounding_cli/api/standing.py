@@ -19,7 +19,7 @@ from pounding_cli.errors import InputError
 from pounding_cli.numbers import join_limited
 from pounding_cli.results.changes import changed_keys, read_resolved
 from pounding_cli.results.file import read_attributes
-from pounding_cli.results.solved import Solved, solution_key
+from pounding_cli.results.responses import Responses, solution_key
 
 if TYPE_CHECKING:
     from pounding_cli.questions.question import StudyQuestion
@@ -85,14 +85,14 @@ def find_standing(question: StudyQuestion, output: Path) -> Standing:
     if count is not None:
         return Standing(True, count, count, (), RunDuration(0.0, ()))
     every = np.arange(len(plan))
-    solved = Solved(plan)
+    solved = Responses(plan)
     path = cache_path(output)
     with contextlib.closing(Cache(path, read_only=True)) as cache:
         digests = {digest.tobytes(): number for number, digest in enumerate(plan.digests)}
         for rows in cache.iter_rows(solution_key(plan), list(digests)):
-            solved.put({digests[digest]: row for digest, row in rows.items()})
-        ended = solved.ended[:-1]
-        others = cache.count_by_key([plan.digests[number].tobytes() for number in every[~solved.there[:-1]]])
+            solved.add({digests[digest]: row for digest, row in rows.items()})
+        ended = solved.has_result[:-1]
+        others = cache.count_by_key([plan.digests[number].tobytes() for number in every[~solved.is_known[:-1]]])
         reasons = tuple(_iter_reasons(plan, solved, others, output, cache.was_damaged))
     rates = measure_rates(plan, every[ended], solved.values["seconds"])
     total = max(question.expected_count, len(plan) if question.extent == "has" else 0)
@@ -103,16 +103,16 @@ def find_standing(question: StudyQuestion, output: Path) -> Standing:
 
 
 def _iter_reasons(
-    plan: Plan, solved: Solved, others: dict[str, int], output: Path, was_damaged: bool
+    plan: Plan, solved: Responses, others: dict[str, int], output: Path, was_damaged: bool
 ) -> Iterator[str]:  # fmt: skip
     """Yield why time histories of a plan are not in the cache, with how many.
 
     others : by the key of another way to solve them, how many of the missing ones are there
     """
-    failed = int((solved.there & ~solved.ended)[:-1].sum())
+    failed = int((solved.is_known & ~solved.has_result)[:-1].sum())
     if failed:
         yield f"{failed} failed in an earlier run"
-    rest = len(plan) - int(solved.there[:-1].sum())
+    rest = len(plan) - int(solved.is_known[:-1].sum())
     by_difference = Counter[str]()
     for key, number in others.items():
         by_difference[_difference(key, solution_key(plan))] += number

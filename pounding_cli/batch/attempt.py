@@ -21,7 +21,7 @@ from pounding_cli.batch.apart import (
 from pounding_cli.batch.forecast import select_kernel
 from pounding_cli.errors import InputError
 from pounding_cli.model.scene import Scene
-from pounding_cli.results.solved import Row, encode
+from pounding_cli.results.responses import Row, encode_response
 from pounding_cli.solver import solve as solver
 from pounding_cli.solver.estimate import assess
 from pounding_cli.solver.response import DONE, Flag, Response, no_peaks
@@ -87,7 +87,7 @@ class Task:
         """
         group = GroupSolver(self, known)
         responses = group.solve(attempts)
-        return GroupResult([encode(response) for response in responses], group.new_apart_responses)
+        return GroupResult([encode_response(response) for response in responses], group.new_apart_responses)
 
     def is_assessed(self, scene: Scene) -> bool:
         """Return whether error and sensitivity of a scene are estimated.

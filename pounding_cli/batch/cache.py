@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.results.solved import Row
+from pounding_cli.results.responses import Row
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS scene (digest BLOB, key TEXT, kind BLOB, numbers BLOB, sum INTEGER,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.results.solved import solver_version
+from pounding_cli.results.responses import solver_version
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -16,7 +16,7 @@ from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.forecast import HISTORY_OVERHEAD, measure_rates
 from pounding_cli.batch.pool import Pool, stop_executor
 from pounding_cli.batch.progress import Progress
-from pounding_cli.results.solved import Row, Solved, encode, solution_key
+from pounding_cli.results.responses import Responses, Row, encode_response, solution_key
 from pounding_cli.solver.kernels import COMPILE_TIME, is_compiled, store_rates
 from pounding_cli.solver.response import OUTCOMES
 
@@ -92,7 +92,7 @@ class Solver:
             stop_executor(self._executor, ())
             self._executor = None
 
-    def solve_plan(self, plan: Plan, numbers: np.ndarray | None = None, rough: bool = False) -> Solved:
+    def solve_plan(self, plan: Plan, numbers: np.ndarray | None = None, rough: bool = False) -> Responses:
         """Return the responses of a plan's scenes, solved where the cache has none.
 
         Parameters
@@ -107,16 +107,16 @@ class Solver:
         KeyboardInterrupt : stopped; what is solved is kept
         """
         wanted = np.arange(len(plan)) if numbers is None else np.unique(numbers[numbers >= 0])
-        solved = Solved(plan)
+        solved = Responses(plan)
         self._load_rows(plan, wanted, solved)
         if rough and plan.estimate == "all":
             plan = replace(plan, estimate="alone")
-            self._load_rows(plan, wanted[~solved.there[wanted]], solved)
+            self._load_rows(plan, wanted[~solved.is_known[wanted]], solved)
         digests = [plan.digests[number].tobytes() for number in wanted.tolist()]
         is_new = np.array([digest not in self._counted_digests for digest in digests], bool)
         self._counted_digests.update(digests)
-        has_failed_before = is_new & ~solved.ended[wanted]  # in an earlier run; it is solved again
-        is_missing = ~solved.there[wanted] | has_failed_before
+        has_failed_before = is_new & ~solved.has_result[wanted]  # in an earlier run; it is solved again
+        is_missing = ~solved.is_known[wanted] | has_failed_before
         self.reused_count += int((is_new & ~is_missing).sum())
         if is_missing.any():
             self._solve_missing(plan, wanted[is_missing], solved)
@@ -128,20 +128,20 @@ class Solver:
 
         return build_arrays(plan, self.solve_plan(plan, numbers))
 
-    def _load_rows(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
+    def _load_rows(self, plan: Plan, numbers: np.ndarray, solved: Responses) -> None:
         """Take some scenes from the cache."""
         number_by_digest = {plan.digests[number].tobytes(): number for number in numbers.tolist()}
         for rows in self.cache.iter_rows(solution_key(plan), list(number_by_digest)):
-            solved.put({number_by_digest[digest]: row for digest, row in rows.items()})
+            solved.add({number_by_digest[digest]: row for digest, row in rows.items()})
 
-    def _solve_missing(self, plan: Plan, missing: np.ndarray, solved: Solved) -> None:
+    def _solve_missing(self, plan: Plan, missing: np.ndarray, solved: Responses) -> None:
         """Solve scenes, and put them into the cache and among those that are solved."""
         self.progress.add_histories(len(missing), self.reused_count)
         try:
             for numbers, rows in self._iter_groups(plan, self._build_task(plan), missing):
                 digests = [plan.digests[number].tobytes() for number in numbers]
                 self.cache.store(solution_key(plan), dict(zip(digests, rows, strict=True)))
-                solved.put(dict(zip(numbers.tolist(), rows, strict=True)))
+                solved.add(dict(zip(numbers.tolist(), rows, strict=True)))
                 self._count_group(digests, numbers, solved)
         finally:
             self.progress.stop_display()
@@ -159,7 +159,7 @@ class Solver:
             self._apart_responses = ApartResponses()
         return task
 
-    def _count_group(self, digests: Sequence[bytes], numbers: np.ndarray, solved: Solved) -> None:
+    def _count_group(self, digests: Sequence[bytes], numbers: np.ndarray, solved: Responses) -> None:
         """Take in a group of scenes that came back."""
         failed_count = 0
         statuses = solved.texts["status"][numbers]
@@ -172,7 +172,7 @@ class Solver:
         self.seconds += float(solved.values["seconds"][numbers].sum())
         self.progress.count_solved(len(digests) - failed_count, failed_count)
 
-    def _store_rates(self, plan: Plan, numbers: np.ndarray, solved: Solved) -> None:
+    def _store_rates(self, plan: Plan, numbers: np.ndarray, solved: Responses) -> None:
         """Keep the rates of the first time histories of a run, for `pound check`."""
         some = numbers[:: max(1, len(numbers) // RATED_HISTORIES)]
         store_rates(measure_rates(plan, some, solved.values["seconds"]))
@@ -298,7 +298,7 @@ class _PlanRun:
         responses = [
             self.task.build_failed_response(scene, LOST_STATUS, LOST_ADVICE) for scene in self.plan.scenes(numbers)
         ]
-        return SolvedGroup(numbers, [encode(response) for response in responses])
+        return SolvedGroup(numbers, [encode_response(response) for response in responses])
 
     def _list_attempts(self, numbers: np.ndarray) -> list[Attempt]:
         """Return the attempts to solve some scenes, after a note on kernels that are compiled for them."""

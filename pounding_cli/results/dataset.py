@@ -21,7 +21,14 @@ from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import pluralize
 from pounding_cli.results.arrays import Array, ResultArrays
 from pounding_cli.results.file import FORMAT, FORMAT_VERSION, unit_attributes
-from pounding_cli.results.solved import TEXTS, Solved, most_storeys, points, solution_key, solver_version
+from pounding_cli.results.responses import (
+    TEXTS,
+    Responses,
+    iter_section_points,
+    max_storeys,
+    solution_key,
+    solver_version,
+)
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag
 from pounding_cli.variables import RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
 
@@ -34,7 +41,7 @@ Arrays = dict[str, np.ndarray]
 """Variables over the swept axes and their own dimensions."""
 
 
-def build_arrays(plan: Plan, solved: Solved) -> ResultArrays:
+def build_arrays(plan: Plan, solved: Responses) -> ResultArrays:
     """Return the results of a plan, over the swept axes, case, analysis, record, building, storey, floor and link.
 
     Rows whose scene nobody asked for have no numbers, and no status.
@@ -83,7 +90,7 @@ def _has_values(plan: Plan, v: Variable) -> bool:
     return "link" not in v.dims or bool(plan.links.places)
 
 
-def _responses(plan: Plan, solved: Solved, declared: list[Variable]) -> Arrays:
+def _responses(plan: Plan, solved: Responses, declared: list[Variable]) -> Arrays:
     """Return the variables that responses have themselves."""
     scene = plan.numbers[..., 0]
     alone = plan.numbers[..., 1:]
@@ -93,7 +100,7 @@ def _responses(plan: Plan, solved: Solved, declared: list[Variable]) -> Arrays:
     for v in declared:
         if v.of:
             whole = solved.values[v.of].copy()
-            whole[~solved.done] = np.nan  # peaks are of whole motions
+            whole[~solved.is_done] = np.nan  # peaks are of whole motions
             arrays[v.name] = whole[alone, 0] if v.alone else whole[scene]
         elif v.name in ("collapsed", "collapsed0"):
             at, place = (alone, 0) if v.alone else (scene[..., None], np.arange(alone.shape[-1]))
@@ -101,7 +108,7 @@ def _responses(plan: Plan, solved: Solved, declared: list[Variable]) -> Arrays:
         elif v.name in TEXTS:
             arrays[v.name] = solved.texts[v.name][scene]
         elif v.name == "scene":
-            arrays[v.name] = np.where(solved.there[scene], digests[scene], "")
+            arrays[v.name] = np.where(solved.is_known[scene], digests[scene], "")
         elif v.name in solved.values:
             array = solved.values[v.name][scene]
             arrays[v.name] = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
@@ -139,7 +146,7 @@ def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray
 # Flags
 
 
-def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
+def _flag(plan: Plan, solved: Responses, found: Arrays) -> None:
     """Add to the flags of scenes: buildings that gave no baseline, ratios to zero, columns beyond their strength."""
     status = solved.texts["status"]
 
@@ -148,7 +155,7 @@ def _flag(plan: Plan, solved: Solved, found: Arrays) -> None:
             lines[where] = [f"{before}\n{line}" if before else line for before in lines[where]]
 
     for place, name in enumerate(plan.buildings):
-        of_alone = np.where(solved.there[plan.numbers[..., 0]], status[plan.numbers[..., 1 + place]], "")
+        of_alone = np.where(solved.is_known[plan.numbers[..., 0]], status[plan.numbers[..., 1 + place]], "")
         for word in sorted({*of_alone.ravel().tolist()} - {DONE, ""}):
             if word == COLLAPSED:
                 add(of_alone == word, Flag(f"{name} alone collapsed, its ratios are left out"))
@@ -188,7 +195,7 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
             text = f"swept with {axis.names[0]}" if column else f"swept: {name}"
             written = axis.units[column] if is_numeric else replace(axis.units[column], si="")
             found[name] = Array((axis.names[0],), array, {"long_name": text} | unit_attributes(written))
-    storeys, places, names = np.arange(1, most_storeys(plan) + 1), plan.links.places, plan.buildings
+    storeys, places, names = np.arange(1, max_storeys(plan) + 1), plan.links.places, plan.buildings
     values: dict[str, Any] = {
         "case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": names,
         "storey": storeys, "floor": storeys,
@@ -212,14 +219,14 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
 def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the variables of buildings and motions, over the axes that change them."""
     study = plan.study
-    storeys = most_storeys(plan)
+    storeys = max_storeys(plan)
     separations = study.separations()
 
     def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> dict[str, Array]:
         """Return what `value` gives at all combinations of the values of the axes that change a section."""
         touched = study.axes_changing(section)
         sizes = [len(plan.axes[k].values) for k in touched]
-        each, found = [value(at) for at in points(plan, section)], {}
+        each, found = [value(at) for at in iter_section_points(plan, section)], {}
         for v in declared:
             array = np.array([one[v.name] for one in each], object if v.kind == "s" else float)
             found[v.name] = array.reshape(*sizes, *array.shape[1:])
@@ -280,12 +287,11 @@ def _study(plan: Plan) -> dict[str, Array]:
     return {name: Array((), np.array(text, object), {"long_name": about}) for name, (text, about) in texts.items()}
 
 
-def _attributes(plan: Plan, solved: Solved) -> dict[str, Any]:
-    there = solved.there
+def _attributes(plan: Plan, solved: Responses) -> dict[str, Any]:
+    there = solved.is_known
     return {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
-        "workflow": plan.workflow,
         "title": plan.study.title,
         "assumed_heights": json.dumps(plan.study.assumed_heights()),
         "swept": json.dumps([list(axis.names) for axis in plan.axes]),
@@ -295,7 +301,7 @@ def _attributes(plan: Plan, solved: Solved) -> dict[str, Any]:
         "methods": json.dumps(sorted(set(solved.texts["method"][there].tolist()))),
         **({} if plan.time_step is None else {"time_step": plan.time_step}),
         "scenes": int(there.sum()),
-        "scenes_failed": int((there & ~solved.ended).sum()),
+        "scenes_failed": int((there & ~solved.has_result).sum()),
         "solver_seconds": float(np.nansum(solved.values["seconds"])),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         **_software(),

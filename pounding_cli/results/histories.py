@@ -13,7 +13,7 @@ import numpy as np
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import pluralize
 from pounding_cli.results.arrays import Array, ResultArrays
-from pounding_cli.results.solved import Row, solution_key
+from pounding_cli.results.responses import Row, solution_key
 from pounding_cli.solver.response import DONE
 
 if TYPE_CHECKING:

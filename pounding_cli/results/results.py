@@ -109,7 +109,7 @@ class ResultTables:
             raise ValueError(f"no {', '.join(missing)}")
         self.attrs = {str(name): plain_value(value) for name, value in arrays.attrs.items()}
         self.title = str(self.attrs["title"])
-        self.workflow = str(self.attrs["workflow"])
+        self.workflow = str(self.attrs.get("workflow", "run"))
         self.answers = tuple(json.loads(self.attrs.get("answers", "[]")))
         self.study_text = str(arrays["study_text"].values.item())
         self.resolved_text = str(arrays["study_resolved"].values.item())

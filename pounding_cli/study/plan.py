@@ -75,7 +75,6 @@ class Plan:
     estimate : which scenes are assessed, for error and sensitivity: none, sample or all
     harder : whether a scene that fails is solved once more, more finely
     kept : rows whose scenes are kept over time, every `every` seconds
-    workflow : what is asked of the scenes
     """
 
     study: Study
@@ -95,7 +94,6 @@ class Plan:
     harder: bool = False
     kept: tuple[Row, ...] = ()
     every: float = 0.002
-    workflow: str = "run"
 
     def __len__(self) -> int:
         """Return the number of different scenes."""

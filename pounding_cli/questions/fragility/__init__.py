@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def _ask(study: Study) -> StudyQuestion:
-    from pounding_cli.questions.fragility.fragility import Fragility
+    from pounding_cli.questions.fragility.question import Fragility
 
     return Fragility(study)
 

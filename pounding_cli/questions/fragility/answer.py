@@ -28,8 +28,8 @@ from pounding_cli.questions.hazard import Hazard, poisson_probability
 from pounding_cli.tables import Table, build_table
 
 if TYPE_CHECKING:
-    from pounding_cli.questions.fragility.fragility import Fragility
-    from pounding_cli.results.solved import Solved
+    from pounding_cli.questions.fragility.question import Fragility
+    from pounding_cli.results.responses import Responses
 
 POINTS_OF_CURVE = 200
 """Intensities of the points of a curve."""
@@ -85,7 +85,7 @@ class _Rows:
         return np.concatenate(parts) if parts else np.zeros(0)
 
 
-def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Solved) -> list[Table]:
+def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Responses) -> list[Table]:
     """Return the tables of curves, motions and points and, with a hazard curve, of rates and contributions."""
     spec = question.spec
     hazard = question.hazard
@@ -100,7 +100,7 @@ def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Solv
         highest = 0.0  # intensity at which a motion holds or passes
         for state, histories in place.histories.items():
             demand = find_demands(question.plan, solved, place, state)
-            curve = fit_curve(intensity, demand, solved.there[histories], draws, spec)
+            curve = fit_curve(intensity, demand, solved.is_known[histories], draws, spec)
             blocks[state] = curve.columns
             if curve.is_fitted:
                 curves[state] = curve

@@ -14,7 +14,7 @@ from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Targe
 from pounding_cli.study.swept import Point
 
 if TYPE_CHECKING:
-    from pounding_cli.results.solved import Solved
+    from pounding_cli.results.responses import Responses
 
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """Quantity of a limit -> the values of time histories that it is compared with."""
@@ -38,7 +38,7 @@ class CurvePlace(NamedTuple):
     histories: dict[str, np.ndarray]
 
 
-def find_demands(plan: Plan, solved: Solved, place: CurvePlace, state: str) -> np.ndarray:
+def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -> np.ndarray:
     """Return demand over limit [-], shape (motions, levels).
 
     It is above 1 where the limit is passed, inf where a collapse ended the time history after that, UNDECIDED where one
@@ -61,11 +61,11 @@ def find_demands(plan: Plan, solved: Solved, place: CurvePlace, state: str) -> n
         is_target = np.zeros_like(is_building)
     is_passed = (demand > 1) | is_target
     demand = np.where(is_fallen, np.where(is_passed, np.inf, UNDECIDED), demand)
-    return np.where(solved.ended[histories], demand, np.nan)
+    return np.where(solved.has_result[histories], demand, np.nan)
 
 
 def _compare_peaks(
-    plan: Plan, solved: Solved, place: CurvePlace, histories: np.ndarray, building_place: int
+    plan: Plan, solved: Responses, place: CurvePlace, histories: np.ndarray, building_place: int
 ) -> np.ndarray:
     """Return demand over limit by the largest values of time histories, whatever ended them; 0 of collapse.
 
@@ -84,7 +84,7 @@ def _compare_peaks(
     return np.fmax.reduce(parts, axis=-1) if parts.shape[-1] else np.zeros(histories.shape)
 
 
-def _compare_links(plan: Plan, solved: Solved, place: CurvePlace, histories: np.ndarray) -> np.ndarray:
+def _compare_links(plan: Plan, solved: Responses, place: CurvePlace, histories: np.ndarray) -> np.ndarray:
     """Return demand over limit of every link that the limit concerns, shape (motions, levels, links)."""
     limit = place.target.limit
     links = plan.links

@@ -90,8 +90,7 @@ class Gap(StudyQuestion):
         """The time histories of every motion and analysis, with nothing between the buildings."""
         resolved = self.apart.resolved
         links = {Apart.name: sweep_map(link_all_facing, resolved.group)}
-        plan = make_plan(self.apart, dataclasses.replace(resolved, links=links))
-        return dataclasses.replace(plan, workflow=self.name)
+        return make_plan(self.apart, dataclasses.replace(resolved, links=links))
 
     def answer(self, solver: Solver) -> Answer:
         """Return what is required, what that means for the cases, and the distances to property lines."""

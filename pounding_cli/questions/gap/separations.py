@@ -27,7 +27,7 @@ from pounding_cli.model.wall import Wall
 from pounding_cli.questions.gap.spec import Gb50011Spec
 from pounding_cli.questions.gap.tables import EXACT, FACING_KEYS, MOTION_RULES
 from pounding_cli.results.arrays import ResultArrays
-from pounding_cli.results.solved import most_storeys
+from pounding_cli.results.responses import max_storeys
 from pounding_cli.study import Plan
 from pounding_cli.study.swept import Point, Swept
 
@@ -245,7 +245,7 @@ def _read_code_displacements(plan: Plan, index: Point, displacements: CodeDispla
 
     They are 0 of the base, and NaN where a building lacks what the rule needs.
     """
-    shape = (len(plan.buildings), 1 + most_storeys(plan))
+    shape = (len(plan.buildings), 1 + max_storeys(plan))
     by_rule = {rule: np.full(shape, np.nan) for rule in (UBC, ASCE7, EN1998)}
     for place, name in enumerate(plan.study.spec.group):
         for rule, floors in displacements[name].at(index).items():

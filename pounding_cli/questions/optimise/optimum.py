@@ -152,7 +152,7 @@ class Optimise(StudyQuestion):
             study_at_points(self.study, self.inputs, np.array(points), and_written=self.written_point is None),
             row_filter=lambda _point, case, analysis, _record: (case, analysis) == (self.case, self.analysis),
         )
-        return dataclasses.replace(plan, workflow="optimise", harder=True)
+        return dataclasses.replace(plan, harder=True)
 
     @cached_property
     def plan(self) -> Plan:

@@ -226,7 +226,7 @@ class Sensitivity(StudyQuestion):
             pairs = np.broadcast(point_of_sample[:, None], self.motions_of_samples)
             needed = {(point, self.motions[number]) for point, number in pairs}
             row_filter = lambda point, _case, _analysis, name: (point[-1], name) in needed  # noqa: E731
-        return dataclasses.replace(make_plan(sampled, row_filter=row_filter), workflow="sensitivity", harder=True)
+        return dataclasses.replace(make_plan(sampled, row_filter=row_filter), harder=True)
 
     def answer(self, solver: Solver) -> Answer:
         """Return indices, distributions of outputs, probabilities of statements and claims, and the samples."""

@@ -29,7 +29,7 @@ SCALARS = (
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
 
 PARTS = {"building.": (*STOREYS, *BASES), "link.": LINKS, "columns.": COLUMNS}
-"""What names in `Solved.values` begin with -> the peaks of a response."""
+"""What names in `Responses.values` begin with -> the peaks of a response."""
 
 Row = tuple[str, bytes]
 """A response: TEXTS and the arguments of `row_type` as JSON, and its numbers, a record of that type."""
@@ -43,8 +43,8 @@ def row_type(buildings: int, storeys: int, links: int) -> np.dtype:
     return np.dtype([*((name, "f8") for name in names), *((name, peaks[name]) for name in peaks.names or ())])
 
 
-def encode(response: Response) -> Row:
-    """A response as a row; its end state is not kept."""
+def encode_response(response: Response) -> Row:
+    """Return a response as a row; its end state is not kept."""
     r = response
     texts = [
         each if isinstance(each, str) else "\n".join(map(str, each)) for each in (getattr(r, name) for name in TEXTS)
@@ -54,11 +54,11 @@ def encode(response: Response) -> Row:
     return json.dumps([texts, size]), np.array(numbers, float).tobytes() + r.peaks.tobytes()
 
 
-class Solved:
-    """The responses of a plan's scenes as arrays by scene number, as they are `put`.  The last place, -1, stands for
+class Responses:
+    """The responses of a plan's scenes as arrays by scene number, as they are added.  The last place, -1, stands for
     a scene that nobody asked for: it has no numbers.
 
-    there : whether a scene was solved, shape (scenes + 1,)
+    is_known : whether a scene was solved, shape (scenes + 1,)
     texts : TEXTS by name, "" of a scene that was not solved, shape (scenes + 1,)
     values : "building.drift" (scenes + 1, buildings, storeys), a building alone at place 0; "building.sway" (scenes +
         1, buildings); "link.impacts", "columns.demand" (scenes + 1, links of `plan.links`); "error_estimate",
@@ -67,15 +67,16 @@ class Solved:
 
     def __init__(self, plan: Plan) -> None:
         count = len(plan) + 1
-        self.plan, self.there = plan, np.zeros(count, bool)
+        self.plan = plan
+        self.is_known = np.zeros(count, bool)
         self.texts = {name: np.full(count, "", object) for name in TEXTS}
-        self._whole = np.full(count, np.nan, row_type(len(plan.buildings), most_storeys(plan), len(plan.links.places)))
+        self._whole = np.full(count, np.nan, row_type(len(plan.buildings), max_storeys(plan), len(plan.links.places)))
         prefixes = {name: prefix for prefix, names in PARTS.items() for name in names}
         self.values = {prefixes.get(name, "") + name: self._whole[name] for name in self._whole.dtype.names}
         self._order = _orders(plan)
 
-    def put(self, rows: Mapping[int, Row]) -> None:
-        """Take in responses by scene number."""
+    def add(self, rows: Mapping[int, Row]) -> None:
+        """Add responses by scene number."""
         alike: dict[tuple[int, ...], list[int]] = {}
         for number, (kind, _) in rows.items():
             texts, size = json.loads(kind)
@@ -84,45 +85,47 @@ class Solved:
                 self.texts[name][number] = sys.intern(text)  # many say the same
         for (buildings, storeys, links), at in alike.items():
             records = np.frombuffer(b"".join(rows[number][1] for number in at), row_type(buildings, storeys, links))
-            self.there[at] = True
-            order, place = self._order[at], (at, slice(buildings), slice(storeys))
+            self.is_known[at] = True
+            order = self._order[at]
+            place = (at, slice(buildings), slice(storeys))
             for name in records.dtype.names or ():
-                whole, mine = self._whole[name], records[name]
+                whole = self._whole[name]
+                values = records[name]
                 if name not in (*LINKS, *COLUMNS):
-                    whole[place[: whole.ndim]] = mine
+                    whole[place[: whole.ndim]] = values
                 elif links:
-                    mine = np.take_along_axis(mine, np.maximum(order, 0), axis=1)
-                    whole[at] = np.where(order < 0, np.nan, mine)
+                    ordered = np.take_along_axis(values, np.maximum(order, 0), axis=1)
+                    whole[at] = np.where(order < 0, np.nan, ordered)
 
     @property
-    def done(self) -> np.ndarray:
+    def is_done(self) -> np.ndarray:
         """Scenes that ended with their motion, shape (scenes + 1,)."""
         return self.texts["status"] == DONE
 
     @property
-    def ended(self) -> np.ndarray:
+    def has_result(self) -> np.ndarray:
         """Scenes that ended with their motion, or with a collapse, shape (scenes + 1,)."""
         return np.isin(self.texts["status"], OUTCOMES)
 
 
 def _orders(plan: Plan) -> np.ndarray:
-    """Of every scene `plan.links.order`, -1 of those that stand alone; shape (scenes, links)."""
+    """Return `plan.links.order` of every scene, -1 of those that stand alone; shape (scenes, links)."""
     rows, columns = plan.first
     each = len(plan.analyses) * len(plan.records)
     order = plan.links.order.reshape(math.prod(plan.shape[:-2]), -1)[rows // each]
     return np.where(columns[:, None] > 0, -1, order)
 
 
-def most_storeys(plan: Plan) -> int:
-    """Storeys of the highest building at any point of the sweep."""
+def max_storeys(plan: Plan) -> int:
+    """Return the number of storeys of the highest building at any point of the sweep."""
     return max(
         plan.study.building(point, place).storeys
         for place, name in enumerate(plan.study.spec.group)
-        for point in points(plan, "buildings", name)
+        for point in iter_section_points(plan, "buildings", name)
     )
 
 
-def points(plan: Plan, *path: str) -> np.ndindex:
+def iter_section_points(plan: Plan, *path: str) -> np.ndindex:
     """Return a point of the sweep for every combination of the values that change a section, or an entry of one."""
     changing = plan.study.axes_changing(*path)
     return np.ndindex(*(len(axis) if number in changing else 1 for number, axis in enumerate(plan.axes)))
@@ -147,6 +150,6 @@ def solver_version() -> str:
 
 
 def solution_key(plan: Plan) -> str:
-    """What two solutions of one scene share exactly when they are the same number for number."""
+    """Return a text that two solutions of one scene share exactly when they are the same number for number."""
     asked = f"accuracy {plan.accuracy!r}" if plan.time_step is None else f"time step {plan.time_step!r}"
     return f"solver {solver_version()} | method {plan.method} | {asked} | estimate {plan.estimate}"

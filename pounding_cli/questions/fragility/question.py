@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -78,7 +77,7 @@ class Fragility(StudyQuestion):
     @cached_property
     def plan(self) -> Plan:
         """The time histories of every motion at every intensity, of which `ida` solves some."""
-        return dataclasses.replace(make_plan(self.study), workflow="fragility")
+        return make_plan(self.study)
 
     @property
     def expected_count(self) -> int:
