@@ -27,7 +27,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic_core import PydanticCustomError
-from scipy.special import log_ndtr, ndtr
 
 from pounding_cli import records
 from pounding_cli.errors import InputError, Problem
@@ -142,6 +141,8 @@ def _score(x: np.ndarray, intercept: np.ndarray, slope: np.ndarray) -> np.ndarra
 
 def _rate_at_end(x: np.ndarray, score: np.ndarray, k0: np.ndarray, k: np.ndarray) -> np.ndarray:
     """Return P(x) lambda(x) at one end of a piece; 0 at the intensities 0 and inf."""
+    from scipy.special import ndtr  # here: reading a study takes no SciPy
+
     return np.where(np.isinf(x) | (x == 0), 0.0, ndtr(score) * k0 * x**-k)
 
 
@@ -150,6 +151,8 @@ def _scaled_difference(low: np.ndarray, high: np.ndarray, log_size: np.ndarray) 
 
     In the upper tail it is taken from the complements, whose logarithms are exact.
     """
+    from scipy.special import log_ndtr
+
     is_upper = (np.maximum(low, high) > 0) & (np.minimum(low, high) > -np.inf)
     first = np.where(is_upper, -high, low)
     second = np.where(is_upper, -low, high)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.fragility.answer import build_tables
 from pounding_cli.questions.fragility.demands import CurvePlace, find_demands
 from pounding_cli.questions.fragility.hunt import expected_levels, next_levels
 from pounding_cli.questions.fragility.spec import FragilitySpec
@@ -142,6 +141,8 @@ class Fragility(StudyQuestion):
 
     def answer(self, solver: Solver) -> Answer:
         """Return the curves, the capacities or demands of all motions and, with a hazard curve, annual rates."""
+        from pounding_cli.questions.fragility.answer import build_tables  # with pandas and SciPy
+
         places = list(self._iter_places())
         asked = self._hunt(places, solver) if self.spec.method == "ida" else np.arange(len(self.plan))
         solved = solver.solve_plan(self.plan, asked)
