@@ -221,7 +221,7 @@ def _check_kind(file: h5py.File, path: Path, version: int | None) -> None:
     if version is None:
         return
     if kind := file.attrs.get("kind"):
-        hint = "its table, figures and page are in the folder of its name; xarray opens the file where h5netcdf is installed"
+        hint = "its table, figures and page are in the folder of its name; xarray with h5netcdf opens the file"
         raise _bad(path, f"holds results of `pound {kind}`", hint)
     if (its := int(file.attrs["format_version"])) != version:
         hint = "install the pounding_cli that wrote it, or a newer one"
