@@ -11,8 +11,8 @@ import pandas as pd
 
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.bootstrap import build_estimate, draw_motions
-from pounding_cli.questions.fragility.curves import UNDECIDED, Curve, find_brackets, fit_curve
-from pounding_cli.questions.fragility.demands import CurvePlace, find_demands
+from pounding_cli.questions.fragility.curves import Curve, find_brackets, fit_curve
+from pounding_cli.questions.fragility.demands import UNDECIDED, CurvePlace, find_demands
 from pounding_cli.questions.fragility.tables import (
     CONTRIBUTIONS,
     CURVES,

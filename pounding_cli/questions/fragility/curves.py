@@ -28,6 +28,7 @@ import numpy as np
 from scipy.special import log_ndtr, ndtr
 
 from pounding_cli.questions.bootstrap import build_estimate
+from pounding_cli.questions.fragility.demands import UNDECIDED
 from pounding_cli.questions.fragility.spec import FragilitySpec
 
 MAX_SPREAD = 10.0
@@ -35,10 +36,6 @@ MAX_SPREAD = 10.0
 
 MIN_CLOUD_MOTIONS = 3
 """Motions that a line through a cloud and the scatter around it take."""
-
-UNDECIDED = float("-inf")
-"""Demand over limit of a time history that a collapse ended before the limit was passed: the whole motion might have
-passed it or not."""
 
 _MAX_STEPS = 100
 _MAX_HALVINGS = 40

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pounding_cli.questions.fragility.curves import UNDECIDED
 from pounding_cli.questions.fragility.targets import takes_blow
 from pounding_cli.questions.frames import ALONE
 from pounding_cli.study import Plan
@@ -15,6 +14,10 @@ from pounding_cli.study.swept import Point
 
 if TYPE_CHECKING:
     from pounding_cli.results.responses import Responses
+
+UNDECIDED = float("-inf")
+"""Demand over limit of a time history that a collapse ended before the limit was passed: the whole motion might have
+passed it or not."""
 
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """Quantity of a limit -> the values of time histories that it is compared with."""

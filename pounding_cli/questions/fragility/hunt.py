@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pounding_cli.questions.fragility.curves import UNDECIDED
+from pounding_cli.questions.fragility.demands import UNDECIDED
 
 _OVERSHOOT = 1.1
 """Factor by which the first step beyond a capacity aims too high: a bracket from above is worth more than another
