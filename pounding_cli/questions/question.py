@@ -64,7 +64,6 @@ class Question:
     further_sections : results, further arguments of the report -> sections of the page behind the answer
     is_sampled : whether its time histories are those of samples, whose own tables say nothing by themselves
     cite : study with every default filled in -> keys of references, and what each was used for
-    options : names of the options that its command has besides those of all questions
     """
 
     name: str
