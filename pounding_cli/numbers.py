@@ -64,7 +64,7 @@ class Unit:
 
     name : as in the study, e.g. "cm"; "" for a pure number
     factor : one such unit in SI [SI unit of the quantity]
-    si : SI unit of the quantity; "" for a pure number
+    si : SI unit of the quantity; "1" or "" for a pure number
     """
 
     name: str = ""

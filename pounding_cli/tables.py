@@ -227,7 +227,7 @@ def build_table(
 ) -> Table:
     """Return a table of a frame whose columns are declared.
 
-    declared : in any order; of the columns of the frame those that it lacks are refused
+    declared : columns in any order, at least those of the frame
     units : column -> the unit that people read it in, where a study decides it
 
     Raises KeyError: a column of the frame is not declared.

@@ -171,7 +171,7 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
         click.echo(f"{more} with --format csv: {', '.join(csv_alone)}", err=True)
 
 
-def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame, hidden: Sequence[str]) -> Table:
+def _table_to_print(results: ResultTables, name: str, frame: pd.DataFrame, hidden: Sequence[str] = ()) -> Table:
     """Return rows of a table for a terminal, which leaves out columns at the right where it is too narrow.
 
     Columns before the first number say where a row stands, and are always printed.

@@ -31,7 +31,7 @@ TITLES = {
 def load_question(name: str) -> Question:
     """Return a question by its name.  Raises InputError: there is none."""
     if name not in TITLES:
-        raise InputError(Problem(f"there is no workflow {name}", f"write one of {', '.join(TITLES)}"))
+        raise InputError(Problem(f"there is no question {name}", f"write one of {', '.join(TITLES)}"))
     question: Question = importlib.import_module(f"pounding_cli.questions.{name}").QUESTION
     return question
 

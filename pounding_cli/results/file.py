@@ -158,6 +158,7 @@ def _arrays_of_table(table: Table) -> ResultArrays:
             values = values.astype(np.int8)
         attrs = {"long_name": column.text} | unit_attributes(column.unit)
         attrs |= {name: getattr(column, name) for name in _OF_COLUMNS if getattr(column, name) != ""}
+        attrs["is_truth"] = int(table.frame[column.name].dtype.kind == "b")
         arrays[column.name] = Array(("row",), values, attrs)
     attrs = {"columns": json.dumps([column.name for column in table.columns]), "caption": table.caption}
     return ResultArrays(arrays, {}, attrs)
@@ -172,7 +173,7 @@ def read_table(path: Path, name: str) -> Table:
     columns = []
     for key in json.loads(arrays.attrs["columns"]):
         array = arrays[key]
-        frame[key] = array.values
+        frame[key] = array.values.astype(bool) if array.attrs.get("is_truth") else array.values
         further = {each: plain_value(array.attrs[each]) for each in _OF_COLUMNS if each in array.attrs}
         columns.append(Column(key, str(array.attrs["long_name"]), read_unit(array.attrs), **further))
     return Table(name, pd.DataFrame(frame), columns, str(arrays.attrs["caption"]))

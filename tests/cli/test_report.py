@@ -102,9 +102,9 @@ def test_several_files_of_any_study_are_compared(made, folder, pound):
     assert pound("report", *files, "-o", "all", "--no-figures", "-q") == (0, "", "")
     page = Path("all/comparison.md").read_text(encoding="utf-8")
     for name in ("near", "wide"):
-        table = report(pounding_cli.open_results(f"{name}.h5")).answer.tables[0].frame
+        table = report(pounding_cli.open_results(f"{name}.h5")).answer.tables[0]
         row = next(line for line in page.splitlines() if line.startswith(f"| {name} | gap | inelastic |"))
-        assert table.iloc[3, 2].split("\n")[0] in row  # the largest ductility
+        assert table.cells()[3][2].split("\n")[0] in row  # the largest ductility
     assert "penetration" in page
     assert "| wide | gap | inelastic |" in page.split("## Ratios")[0]
     widths = report(pounding_cli.open_results(made / "gap.h5")).answer.tables[0]

@@ -48,6 +48,7 @@ def test_a_file_and_a_line_make_a_question(folder):
     assert "The largest interstorey drift is" in done.stdout
     rows = _pound(folder, "show", "results/study-drift.h5", "--format", "csv").stdout.splitlines()
     assert rows[0] == "case,analysis,building,storey,drift,limit,exceeded"
+    assert {row.split(",")[-1] for row in rows[1:]} <= {"True", "False"}
     largest = max(float(row.split(",")[4]) for row in rows[1:])
     assert f"{100 * largest:.3g}" in done.stdout.split("drift is")[1].split("%")[0]
     assert ("more than" in done.stdout) == (largest > 0.005)

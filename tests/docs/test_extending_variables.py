@@ -43,7 +43,7 @@ column = results.column("link", "mean_force")
 print(json.dumps({
     "equal": bool(np.array_equal(link["mean_force"][struck], expected[struck]) and struck.any()),
     "never closes": bool(link["mean_force"][~struck].isna().all()),
-    "meaning": [column.unit.name, column.text],
+    "meaning": [column.unit.name, column.unit.si, column.text],
     "dataset": results.dataset["mean_force"].attrs["units"],
     "worst": float(over_sweep(results, "mean_force", {"case": "touching"})["mean"]),
     "largest": float(link["mean_force"].max()),
@@ -77,7 +77,7 @@ def test_one_entry_makes_a_variable_of_the_file_and_all_that_reads_it(folder):
     assert found == {
         "equal": True,
         "never closes": True,
-        "meaning": ["N", "mean link force while there is one"],
+        "meaning": ["kN", "N", "mean link force while there is one"],
         "dataset": "N",
         "unit": "N",
         "charted": True,

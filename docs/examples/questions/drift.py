@@ -52,9 +52,9 @@ class Drift(StudyQuestion):
         arrays = solver.solve_arrays(self.plan)
         storeys = ResultTables(Path(self.study.path), arrays).storey("drift_ratio")
         place = [*storeys.columns[: list(storeys.columns).index("record")], "building"]
-        rows = storeys.loc[
-            storeys.groupby(place, sort=False)["drift_ratio"].idxmax(), [*place, "storey", "drift_ratio"]
-        ]
+        known = storeys[storeys["drift_ratio"].notna()]  # not so where a storey collapsed, or the run failed
+        largest = known.groupby(place, sort=False)["drift_ratio"].idxmax()
+        rows = known.loc[largest, [*place, "storey", "drift_ratio"]]
         rows = rows.rename(columns={"drift_ratio": "drift"}).reset_index(drop=True)
         rows["limit"] = self.spec.limit
         rows["exceeded"] = rows["drift"] > self.spec.limit
@@ -65,11 +65,14 @@ class Drift(StudyQuestion):
 def list_sentences(results: ResultTables) -> Sequence[str]:
     """Return which storey drifts most, and whether that is too much."""
     table = results.answer("drift")
+    if table.frame.empty:
+        return ["No interstorey drift is known: every time history failed or ended with a collapse."]
     row = table.frame.loc[table.frame["drift"].idxmax()].to_dict()
     drift = table.column("drift").format_with_unit(row)
     limit = table.column("limit").format_with_unit(row)
     verdict = f"more than the {limit} that are allowed" if row["exceeded"] else f"within the {limit} that are allowed"
-    where = f"storey {row['storey']} of {row['building']}, case {row['case']}, {row['analysis']}"
+    point = "".join(f", {key} = {results.value_label(key, row[key])}" for key in results.axes)
+    where = f"storey {row['storey']} of {row['building']}, case {row['case']}, {row['analysis']}{point}"
     return [f"The largest interstorey drift is {drift} ({where}), {verdict}."]
 
 
