@@ -1,4 +1,4 @@
-"""docs/extending.md: its question, put into a copy of the package as the page says."""
+"""docs/extending.md: its question, put into the program as the page says."""
 
 from __future__ import annotations
 
@@ -13,29 +13,36 @@ from pages import ROOT, blocks
 
 PAGE = ROOT / "docs" / "extending.md"
 
+PROGRAM = """
+import importlib.util, sys
+import pounding_cli.questions as questions
+
+questions.TITLES.update({LINE})
+spec = importlib.util.spec_from_file_location("pounding_cli.questions.drift", "drift.py")
+sys.modules[spec.name] = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(sys.modules[spec.name])
+
+from pounding_cli.cli.main import main
+main()
+"""
+"""The program with the line and the file of the page; a copy of the package would compile its solver."""
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A copy of the package with the question of the page, and its study."""
-    copy = tmp_path_factory.mktemp("question")
-    shutil.copytree(ROOT / "pounding_cli", copy / "pounding_cli", ignore=shutil.ignore_patterns("__pycache__"))
-    (copy / "records").symlink_to(ROOT / "records")
-    questions = copy / "pounding_cli" / "questions"
-    shutil.copy(ROOT / "docs" / "examples" / "questions" / "drift.py", questions)
+    """The question and the study of the page, and the program with them."""
+    folder = tmp_path_factory.mktemp("question")
+    shutil.copy(ROOT / "docs" / "examples" / "questions" / "drift.py", folder)
     line = next(block.text for block in blocks(PAGE) if block.text.startswith('    "drift": '))
-    registry = questions / "__init__.py"
-    before, start, after = registry.read_text().partition("TITLES = {\n")
-    assert start
-    registry.write_text(before + start + line + after)
+    (folder / "program.py").write_text(PROGRAM.replace("LINE", line))
     study = next(block.text for block in blocks(PAGE) if "drift: {limit: 0.5 %}" in block.text)
-    (copy / "study.yaml").write_text(study)
-    return copy
+    (folder / "study.yaml").write_text(study)
+    return folder
 
 
 def _pound(folder, *arguments):
-    environment = os.environ | {"PYTHONPATH": str(folder)}
-    program = "from pounding_cli.cli.main import main; main()"
-    command = [sys.executable, "-c", program, *arguments]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "program.py", *arguments]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
