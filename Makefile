@@ -14,7 +14,7 @@ export UV_DEFAULT_INDEX := $(PIP_INDEX_URL)
 endif
 PAGES := $(foreach study,fig5 fig6 fig7 fig8,results/$(study)/report.html)
 
-.PHONY: all setup figures studies pages test lint lock docs peers reference bench fuzz dist clean
+.PHONY: all setup figures studies pages test lint lock docs peers reference bench pictures fuzz dist clean
 
 all: figures
 
@@ -94,6 +94,10 @@ peers: $(PEERS)
 # minutes on a quiet machine).
 bench: $(PEERS)
 	$(BIN)/python -m tests.bench
+
+# The pictures of the documentation that show reports (half a minute; needs Chromium).
+pictures: setup
+	$(BIN)/python -m tests.bench pictures
 
 # The independent integrator's runs once more, into tests/physics/references.npz (five minutes); with CHECK=--check they
 # are compared with those kept there instead. Then the documentation, the matrix and the kernel cache with the tests that

@@ -46,6 +46,7 @@ class Column:
     below : second line of a cell, such as where a maximum occurs
     optional : whether a terminal that is too narrow leaves the column out
     is_right : whether cells that `write` makes are numbers, which are aligned to the right
+    is_given : whether the numbers are those of the study, which are shown as it writes them: 5, not 5.000
     """
 
     name: str
@@ -61,6 +62,7 @@ class Column:
     below: FormatRow | None = None
     optional: bool = False
     is_right: bool = False
+    is_given: bool = False
 
     @property
     def head(self) -> str:
@@ -77,6 +79,11 @@ class Column:
         """Return one number of the column [SI] in its unit, without the name of the unit."""
         if self.digits == 0 and math.isfinite(value):
             return f"{value / self.unit.factor:.0f}"
+        if self.is_given and math.isfinite(value):
+            number = self.unit.number(value)
+            short = f"{number:.{self.digits}g}"
+            if float(short) == number and "e" not in short:
+                return short.replace("-", "−")
         return format_number(value / self.unit.factor, self.digits)
 
     def format_with_unit(self, row: Row) -> str:

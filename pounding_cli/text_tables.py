@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
-import textwrap
 from dataclasses import dataclass, replace
 from typing import Literal
+
+from pounding_cli.texts import wrap_text
 
 PIPE_WIDTH = 250
 """Characters of a line where no terminal sets them: nothing is cut or wrapped."""
@@ -66,7 +67,7 @@ class TextTable:
         if not left_out:
             return text
         note = f"Left out for lack of room: {', '.join(left_out)}"
-        return text + "\n".join(_wrap(note, width)) + "\n"
+        return text + "\n".join(wrap_text(note, width)) + "\n"
 
     def _fits(self, width: int) -> bool:
         """Return whether a grid of so many characters cuts no cell, and wraps none into many lines."""
@@ -74,7 +75,7 @@ class TextTable:
             return False
         if self._min_width(wraps=False) <= width:
             return True
-        lines = [len(_wrap(line, MIN_TEXT_WIDTH)) for row in self.rows for cell in row for line in cell.split("\n")]
+        lines = [len(wrap_text(line, MIN_TEXT_WIDTH)) for row in self.rows for cell in row for line in cell.split("\n")]
         return max(lines, default=1) <= MAX_WRAPPED_LINES
 
     def _min_width(self, wraps: bool = True) -> int:
@@ -113,7 +114,7 @@ class TextTable:
         from rich.console import Console
         from rich.table import Table
 
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=self.caption or None, title_justify="left")
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
         for place, column_width in enumerate(self._choose_widths(width)):
             justify: Literal["right", "left"] = "right" if self.is_right[place] else "left"
             table.add_column(self.heads[place], justify=justify, width=column_width, overflow="fold")
@@ -121,7 +122,8 @@ class TextTable:
             table.add_row(*row)
         drawn = io.StringIO()
         Console(file=drawn, width=width, markup=False, highlight=False).print(table)  # [cm] is a unit
-        return "".join(f"{line.rstrip()}\n" for line in drawn.getvalue().splitlines())
+        caption = wrap_text(self.caption, width) if self.caption else []
+        return "".join(f"{line.rstrip()}\n" for line in [*caption, *drawn.getvalue().splitlines()])
 
     def _choose_widths(self, width: int) -> list[int]:
         """Return the width of every column: that of its cells, or less for the widest texts where there is no room."""
@@ -140,23 +142,23 @@ class TextTable:
     def _lay_out_blocks(self, width: int) -> str:
         """Return a block of lines for every row: its names at the left as heading, then a line a column."""
         heading_count = self._count_headings()
-        lines = _wrap(self.caption, width) if self.caption else []
+        lines = wrap_text(self.caption, width) if self.caption else []
         heads = self.heads[heading_count:]
         label_width = max(map(_measure, heads), default=0)
         is_beside = width - label_width - 4 >= MIN_BLOCK_WIDTH
         for row in self.rows:
             lines.append("")
             names = zip(self.heads[:heading_count], row[:heading_count], strict=True)
-            lines += _wrap(", ".join(f"{head} {cell}" for head, cell in names if cell), width)
+            lines += wrap_text(", ".join(f"{head} {cell}" for head, cell in names if cell), width)
             for head, cell in zip(heads, row[heading_count:], strict=True):
                 text = "; ".join(filter(None, cell.split("\n")))
                 if is_beside:
                     label = "  " + head + " " * (label_width - _measure(head) + 2)
-                    values = _wrap(text, width - len(label)) or [""]
+                    values = wrap_text(text, width - len(label)) or [""]
                     lines += [(label + values[0]).rstrip(), *(" " * (label_width + 4) + each for each in values[1:])]
                 else:
-                    lines += [f"  {each}" for each in _wrap(head, width - 2)]
-                    lines += [f"    {each}" for each in _wrap(text, width - 4)]
+                    lines += [f"  {each}" for each in wrap_text(head, width - 2)]
+                    lines += [f"    {each}" for each in wrap_text(text, width - 4)]
         return "\n".join(lines) + "\n"
 
     def _count_headings(self) -> int:
@@ -175,8 +177,3 @@ def _measure(text: str) -> int:
     from rich.cells import cell_len
 
     return cell_len(text)
-
-
-def _wrap(text: str, width: int) -> list[str]:
-    """Return the lines of a text; a word longer than a line is broken, as nothing may be cut."""
-    return textwrap.wrap(text, max(width, 1), break_on_hyphens=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,9 @@ CONTROL = re.compile(
     "|\r(?!\n)"
 )
 """Characters that move a cursor or turn the direction of writing, and codes of no character; not line ends and tabs."""
+
+_NUMBER_AND_UNIT = re.compile(r"(?<=\d) (?=(?:%|[A-Za-zµ]{1,2}|[kM]N/?m{0,2}|ms)(?!\w))|(?<=\d [kM]N) (?=[ms]\b)")
+"""The blank between a number and a short unit."""
 
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _LONGEST_NAME = 120
@@ -42,6 +46,20 @@ def escape_controls_in_tree(value: Any) -> Any:
     if isinstance(value, list):
         return [escape_controls_in_tree(item) for item in value]
     return escape_controls(value) if isinstance(value, str) else value
+
+
+def join_units(text: str) -> str:
+    """Return a text in which no line ends between a number and its unit: the blank there is one that does not break."""
+    return _NUMBER_AND_UNIT.sub("\N{NO-BREAK SPACE}", text)
+
+
+def wrap_text(text: str, width: int, breaks_words: bool = True) -> list[str]:
+    """Return the lines of a text; a number and its unit stay together where a line has room for both.
+
+    breaks_words : whether a word longer than a line is broken, so that no line is longer than the width
+    """
+    lines = textwrap.wrap(join_units(text), max(width, 1), break_long_words=breaks_words, break_on_hyphens=False)
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 
 
 def escape_formulas(frame: pd.DataFrame) -> pd.DataFrame:

@@ -281,7 +281,7 @@ def list_connector_sentences(points: Sequence[SweepPoint]) -> list[str]:
     peaks = [describe_extremes(points, column) for column in COLUMNS if column.name in ("peak1", "peak2")]
     return [
         f"The connector increases {verdict}: where it moves most, system 1 moves {peaks[0]} times as far as alone, "
-        f"system 2 {peaks[1]} times (at Ω/ω₁₀ from {low:g} to {high:g})."
+        f"and system 2 moves {peaks[1]} times as far (at Ω/ω₁₀ from {low:g} to {high:g})."
     ]
 
 

@@ -36,7 +36,7 @@ MESH = ("element", "side", "axis")
 
 STATUS_COLUMNS = (
     Column("status", "done, or what went wrong"),
-    Column("seconds", "processor time", Unit("ms", 1e-3, "s")),
+    Column("seconds", "processor time", Unit("ms", 1e-3, "s"), "time"),
 )
 """Columns behind the numbers of every point."""
 

@@ -55,7 +55,8 @@ def list_swept_columns(axes: Sequence[Axis]) -> list[Column]:
         for number, name in enumerate(axis.names):
             is_text = any(isinstance(values[number], str) for values in axis.values)
             unit = axis.units[number]
-            columns.append(Column(name, f"swept: {name}", Unit(unit.name, unit.factor, "") if is_text else unit))
+            unit = Unit(unit.name, unit.factor, "") if is_text else unit
+            columns.append(Column(name, f"swept: {name}", unit, is_given=True))
     return columns
 
 

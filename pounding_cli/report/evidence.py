@@ -163,6 +163,12 @@ def format_point(results: ResultTables, row: Mapping[Any, Any]) -> str:
     return ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row)
 
 
+def list_acting_keys(results: ResultTables, case: str) -> list[str]:
+    """Return the swept keys that a case may depend on: all but those of other cases alone."""
+    others = tuple(f"cases.{other}." for other in results.names("case") if other != case)
+    return [key for keys in results.swept for key in keys if not all(each.startswith(others) for each in keys)]
+
+
 def list_points(results: ResultTables, keys: Sequence[str]) -> list[tuple[Any, ...]]:
     """Return the points of the axis of some swept keys: a value of every key."""
     return list(zip(*(results.axes[key] for key in keys), strict=True))

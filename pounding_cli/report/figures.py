@@ -11,7 +11,6 @@ import pandas as pd
 import xarray as xr
 
 from pounding_cli.laws import link_symbol
-from pounding_cli.numbers import pluralize
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import RESPONSES, Evidence, describe_motions
 from pounding_cli.report.style import (
@@ -97,7 +96,7 @@ def _draw_over_height(
         ax.set_xlabel(label)
         ax.axvline(1, color="0.35", lw=1.0, zorder=1)
     sentences = [
-        f"{caption}: mean over the {pluralize(len(evidence.records), 'motion')}; whiskers: smallest to largest.",
+        f"{caption}{_describe_spread(len(evidence.records))}.",
         remark,
         describe_motions(evidence.records),
         f"Point of the sweep: {evidence.label}." if evidence.label else "",
@@ -106,6 +105,11 @@ def _draw_over_height(
     title = f"{building} (T = {evidence.periods[building]:.2f} s): {evidence.title}"
     finish(figure, title, " ".join(filter(None, sentences)))
     return figure
+
+
+def _describe_spread(motions: int) -> str:
+    """Return what points and whiskers of some motions mean, for a caption; "" for a single motion."""
+    return f": mean over the {motions} motions; whiskers: smallest to largest" if motions > 1 else ""
 
 
 def new_framed_panels(

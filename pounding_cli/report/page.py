@@ -16,6 +16,7 @@ from pounding_cli import __version__
 from pounding_cli.report.document import Report, Section
 from pounding_cli.report.page_tables import BREAK, fit_table
 from pounding_cli.report.style import PAGE, data_address, drawing_for
+from pounding_cli.texts import join_units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -112,11 +113,14 @@ def _format_keys(text: str) -> Any:
     """Return a sentence as HTML, with the keys of a study, which stand in backticks, as code."""
     import markupsafe
 
-    return markupsafe.Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(markupsafe.escape(text))))
+    parts = re.split(r"`([^`]+)`", str(markupsafe.escape(text)))  # words and keys by turns
+    return markupsafe.Markup(
+        "".join(f"<code>{part}</code>" if place % 2 else join_units(part) for place, part in enumerate(parts))
+    )
 
 
 def _allow_breaks(text: str) -> Any:
-    """Return a cell as HTML in which lines may end within long names."""
+    """Return a cell as HTML in which lines may end within long names, and not before a unit."""
     import markupsafe
 
-    return markupsafe.Markup("<wbr>").join(BREAK.split(text))
+    return markupsafe.Markup("<wbr>").join(BREAK.split(join_units(text)))

@@ -7,13 +7,13 @@ import hashlib
 import json
 import shutil
 import sys
-import textwrap
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from pounding_cli.numbers import pluralize
 from pounding_cli.text_tables import TextTable
+from pounding_cli.texts import wrap_text
 
 PARAGRAPH_WIDTH = 118
 """Characters of a line of a paragraph, where the terminal is not narrower."""
@@ -43,7 +43,7 @@ class Summary:
         room = PARAGRAPH_WIDTH if width is None else min(width, PARAGRAPH_WIDTH)
         yield self.title
         for sentence in self.sentences:
-            yield _fill(sentence, room)
+            yield "\n".join(wrap_text(sentence, room, breaks_words=False))
         for table in self.tables:
             yield ""
             yield table.lay_out(width).strip("\n")
@@ -52,18 +52,11 @@ class Summary:
         if self.tables and self.notes:
             yield ""
         for note in self.notes:
-            yield _fill(note, room)
+            yield "\n".join(wrap_text(note, room, breaks_words=False))
 
     def to_json(self) -> str:
         """Return it as JSON, for `read_summary`."""
         return json.dumps(asdict(self))
-
-
-def _fill(paragraph: str, width: int) -> str:
-    """Return the lines of a paragraph; a number and its % stay together."""
-    joined = paragraph.replace(" %", "\N{NO-BREAK SPACE}%")
-    filled = textwrap.fill(joined, width, break_long_words=False, break_on_hyphens=False)
-    return filled.replace("\N{NO-BREAK SPACE}%", " %")
 
 
 def read_summary(text: str) -> Summary | None:

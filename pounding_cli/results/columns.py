@@ -82,6 +82,7 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None, table: str = "
     table : that has the column; the floor of a link is that of its left building
     """
     kind = ""
+    is_given = False
     label = name.replace("_", " ")
     variable = VARIABLES.get(name) or VARIABLES.get(f"record_{name}")
     if name in _FURTHER or name in COORDINATE_VARIABLES:
@@ -97,10 +98,11 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None, table: str = "
         si = ""
         text = "swept; as in the study file, SI"
         label = name
+        is_given = True
     unit = find_display_unit(name, Unit("" if si == "1" else si, 1.0, si), units)
     digits = 0 if kind == "i" or name in _COUNTS else 4
     is_optional = name.endswith(_OPTIONAL_ENDINGS.get(table, ()))
-    return Column(name, text, unit, label, digits=digits, optional=is_optional)
+    return Column(name, text, unit, label, digits=digits, optional=is_optional, is_given=is_given)
 
 
 def find_display_unit(name: str, unit: Unit, units: Mapping[str, Unit] | None = None) -> Unit:

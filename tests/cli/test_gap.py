@@ -467,7 +467,7 @@ def test_no_interval_of_few_motions(pound, motions):
     results = open_results("results/few-gap.h5")
     exact = pd.concat([results.table(name).query("rule == 'exact'") for name in ("gap", "property_line")])
     assert exact["contact_10"].notna().all()
-    why = f"No confidence interval for fewer than 5 motions: {motions} motions cannot tell it"
+    why = f"No confidence interval: it needs at least 5 motions, and there are {motions} motions."
     if motions < 5:
         assert exact[["contact_10_low", "contact_10_high"]].isna().all(axis=None)
         assert why in said
@@ -477,9 +477,9 @@ def test_no_interval_of_few_motions(pound, motions):
     else:
         assert (exact["contact_10_low"] < exact["contact_10"]).all()
         assert (exact["contact_10"] < exact["contact_10_high"]).all()
-        assert "In brackets: 90% confidence interval." in said
+        assert "In brackets: 90 % confidence interval." in said
         assert "No confidence interval" not in said + page
-        assert "In brackets: 90% confidence interval." in page
+        assert "In brackets: 90 % confidence interval." in page
 
 
 def test_where_every_scene_collapses_nothing_is_required(pound):

@@ -368,8 +368,8 @@ def test_notes_stand_where_they_belong(solve):
     assert "not estimated" not in plain
     assert "The numerical error was not estimated (estimate: none)." in rough
     assert "Numerical error" not in rough
-    assert "No confidence interval for fewer than 5 motions: 3 motions cannot tell it." in plain
-    assert "In brackets: 90% confidence interval." in many
+    assert "No confidence interval: it needs at least 5 motions, and there are 3 motions." in plain
+    assert "In brackets: 90 % confidence interval." in many
     assert "No confidence" not in many
     assert "Not compared: filled." in filled
     assert "Not compared" not in plain

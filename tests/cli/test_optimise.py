@@ -48,7 +48,7 @@ def test_prints_the_optimum_and_reports_it(pound, tmp_path):
     row = table.iloc[0]
     text = " ".join(out.split())
     assert text.startswith("Two small buildings The best values are stiffness of joined ")
-    assert f": largest V/V₀ {format_number(row['optimum'], 5)} ± {row['error']:.1g} in place of " in text
+    assert f": largest V/V₀ {format_number(row['optimum'], 5)} ± {format_number(row['error'], 1)} in place of " in text
     assert "% lower (mean of 2 motions)." in text
     assert 0 < row["error"] < 1e-5
     assert f" in place of {format_number(row['as_written'], 5)} as written" in text  # though the file says no e

@@ -47,7 +47,7 @@ def test_which_system_a_connector_makes_move_farther(peaks, start):
     (sentence,) = list_connector_sentences([ratio_point(*peaks)])
     assert sentence.startswith(start)
     first, second = (f"{peak:#.4g}" for peak in peaks)
-    assert f"system 1 moves {first} times as far as alone, system 2 {second} times" in sentence
+    assert f"system 1 moves {first} times as far as alone, and system 2 moves {second} times" in sentence
 
 
 def test_one_point_of_a_sweep_that_increases_is_enough():
@@ -55,7 +55,7 @@ def test_one_point_of_a_sweep_that_increases_is_enough():
     (sentence,) = list_connector_sentences(points)
     assert "increases the largest displacement of system 1, and at no frequency that of system 2" in sentence
     assert "system 1 moves 0.9000 (a = 1) to 1.400 (a = 2) times" in sentence
-    assert "system 2 0.7000 (a = 2) to 0.8000 (a = 1) times" in sentence
+    assert "system 2 moves 0.7000 (a = 2) to 0.8000 (a = 1) times" in sentence
 
 
 def test_bands_in_words():

@@ -214,6 +214,29 @@ def test_at_a_point_of_a_sweep(pound, folder):
     assert "Nowhere in the sweep do the elastic storey shears of low rise." in answer
 
 
+def test_a_sweep_of_another_case_is_no_place_of_a_case(pound, folder):
+    """Fails if a case that the sweep leaves as it is has its largest response at a point of it, or counts its motions
+    once a point."""
+
+    def solve(scene, accuracy=1e-6, method="taylor", **more):
+        factor = {0: 1.0, 0.01: 1.4}.get(round(scene.links[0].gap, 4) if scene.links else 0, 1.2)
+        return solver({"low": [[factor, 1.0]] * 2})(scene, accuracy, method, **more)
+
+    other = STUDY.replace("gap: 1 cm}", "gap: 1 cm}, wide: {link: pounding, gap: 2 cm}")
+    (folder / "two.yaml").write_text(other + "sweep: {cases.wide.gap: [2 cm, 3 cm, 5 cm]}\n")
+    answer = " ".join(pound("run", "two.yaml", solve=solve)[1].split())
+    assert (
+        "the elastic storey shears of low rise most in case touching, which the sweep does not change: by up to 40 % "
+        "(storey 1, mean of 2 motions)."
+    ) in answer
+    peaks = answer.partition("Peak responses")[2].partition("Ratios to")[0]
+    touching, wide = peaks.partition(" wide elastic ")[::2]
+    assert "of 2 time histories, gap 1 cm" in touching
+    assert "gap of wide = " not in touching
+    assert "of 6 time histories" in wide
+    assert "gap of wide = " in wide
+
+
 def test_nothing_solved_and_some_failed(pound, folder):
     answer = answer_of(pound, UP, status="stalled")
     assert answer.startswith("All time histories failed: there is no result to show.")

@@ -182,7 +182,8 @@ def test_the_sketch_is_to_scale_and_says_which_heights_are_assumed(pound, folder
     (folder / "two.yaml").write_text(PLAIN)
     pound("run", "two.yaml", "-o", "r2.h5")
     pound("report", "r2.h5", "-o", "page2", "--no-figures")
-    assert "Heights of low, high: 3 m, as the study writes no height." in (folder / "page2/report.html").read_text()
+    page = (folder / "page2/report.html").read_text(encoding="utf-8").replace("\N{NO-BREAK SPACE}", " ")
+    assert "Heights of low, high: 3 m, as the study writes no height." in page
 
 
 def test_sensitivity_says_the_case_in_every_line_though_there_is_one(pound, folder):

@@ -27,7 +27,7 @@ def test_figure_5(folder, pound):
     """The ratios of the two masses against the ground are harmonics of one linear system: their sum is 2."""
     code, out, _ = pound("connector", CONFIGS / "fig5.yaml", "-o", "fig5.h5")
     assert code == 0
-    assert re.search(r"5\.000 +3\.980 +0\.7014 +4\.087", out)
+    assert re.search(r"5 +3\.980 +0\.7014 +4\.087", out)
     bands = "both systems move farther than alone at Ω/ω₁₀ = 0.652 to 0.772 and 1.086 to 1.163"
     assert f"damping = 5 %: {bands}" in out
     answer = " ".join(out.split())

@@ -349,8 +349,8 @@ def list_notes(results: ResultTables) -> list[str]:
         beyond = results.answer(RATES).frame["beyond"].max()
         if beyond > MIN_TOLD_BEYOND:
             notes.append(
-                f"Up to {beyond:.0%} of a rate comes from intensities beyond the last one of the hazard curve, where "
-                "its last line goes on: extend the curve."
+                f"Up to {100 * beyond:.0f} % of a rate comes from intensities beyond the last one of the hazard curve, "
+                "where its last line goes on: extend the curve."
             )
     return notes
 

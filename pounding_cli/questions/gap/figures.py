@@ -76,7 +76,7 @@ def draw_profiles(evidence: GapEvidence) -> Figure:
 def _describe_figure(evidence: GapEvidence) -> str:
     """Return what the lines of the figure are."""
     where = f"At {evidence.shown.label}. " if evidence.shown.label else ""
-    lines = f"Grey: every motion, exact. Lines: mean over the motions. Band: {CONFIDENCE:.0%} confidence."
+    lines = f"Grey: every motion, exact. Lines: mean over the motions. Band: {100 * CONFIDENCE:.0f} % confidence."
     return f"{where}{lines} {describe_motions(evidence.shown.records)}"
 
 

@@ -303,7 +303,7 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
         widths.append(f"{column.format_with_unit(row)} for {article}{KINDS[row['analysis']]} {noun}")
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
     share = column.name.removeprefix("contact_")
-    return f"A probability of contact of {share} % at {floors}{where}: {', '.join(widths)}."
+    return f"A probability of contact of {share} % at {floors}{where} needs {', '.join(widths)}."
 
 
 def _describe_rate(evidence: GapEvidence, pair: tuple[str, str]) -> str:

@@ -160,7 +160,7 @@ def list_share_columns(table: str, percentiles: Sequence[float], contact: Sequen
         )
         for share in percentiles
     ]  # fmt: skip
-    interval = f"{CONFIDENCE:.0%} confidence interval, from {MIN_MOTIONS} motions on"
+    interval = f"{100 * CONFIDENCE:.0f} % confidence interval, from {MIN_MOTIONS} motions on"
     for share in contact:
         text = f"{meaning} with a probability{of_contact} of {100 * share:g} % by the lognormal fit"
         column = Column(name_contact(share), text, LENGTH, f"{event} {100 * share:g} %", digits=3)

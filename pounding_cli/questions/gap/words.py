@@ -146,10 +146,11 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
     fewest = int(exact["motions"].min())
     if fewest >= MIN_MOTIONS:
-        yield f"In brackets: {CONFIDENCE:.0%} confidence interval."
+        yield f"In brackets: {100 * CONFIDENCE:.0f} % confidence interval."
     else:
         motions = pluralize(fewest, "motion")
-        yield f"No confidence interval for fewer than {MIN_MOTIONS} motions: {motions} cannot tell it."
+        is_are = "is" if fewest == 1 else "are"
+        yield f"No confidence interval: it needs at least {MIN_MOTIONS} motions, and there {is_are} {motions}."
     if len(results.names("building")) > 2:
         yield (
             "A building between two others moves alone only while neither of them strikes it. Where the gap on one "

@@ -15,7 +15,7 @@ from pounding_cli.questions.optimise.tables import OPTIMUM, POINTS
 from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions, find_nominal
-from pounding_cli.report.style import finish, grid, name_axis, shared_legend, styled
+from pounding_cli.report.style import finish, grid, is_for_page, name_axis, shared_legend, styled
 from pounding_cli.tables import Row
 
 if TYPE_CHECKING:
@@ -60,7 +60,8 @@ def draw_optimum(results: ResultTables) -> Figure:
         ax.tick_params(labelsize=7.5)
     shared_legend(figure, axes)
     motions = describe_motions(find_nominal(results.first_sample()).records)
-    finish(figure, results.title, f"{' '.join(list_sentences(results))} {motions}")
+    answer = [] if is_for_page() else list_sentences(results)  # stands above the figure on a page
+    finish(figure, results.title, " ".join([*answer, "Every point that was tried.", motions]))
     return figure
 
 

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.numbers import NOTHING, Unit, count_histories, join_limited, pluralize
+from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
 from pounding_cli.questions.optimise.optimum import CONTACTS, FAILED, FLAGGED, UNSETTLED, WITH_CONTACT
 from pounding_cli.questions.optimise.optimum import NOTHING as NO_OPTIMUM
@@ -130,7 +130,7 @@ def describe_optimum(results: ResultTables) -> str:
     unit = sought_unit(results)
     best = Column("optimum", unit=unit, digits=5).format_with_unit(first)
     error = first["error"] / unit.factor
-    worth = f" ± {error:.1g}" if error > 0 else ""
+    worth = f" ± {format_number(error, 1)}" if error > 0 else ""
     number = best.replace(f" {unit.name}", f"{worth} {unit.name}") if unit.name else f"{best}{worth}"
     over = [describe_reduction(results), ON_CONTACT if _is_on_contact(results, _design_rows(results)[0]) else ""]
     brackets = f" ({', '.join(filter(None, over))})" if any(over) else ""

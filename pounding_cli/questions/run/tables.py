@@ -12,7 +12,7 @@ import pandas as pd
 
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import NOTHING, count_histories, pluralize
-from pounding_cli.report.evidence import MARK, RESPONSES, Evidence
+from pounding_cli.report.evidence import MARK, RESPONSES, Evidence, list_acting_keys
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
 from pounding_cli.results.plausible import MAX_DUCTILITY
@@ -170,11 +170,11 @@ def _find_places(results: ResultTables, peak: Peak) -> pd.DataFrame:
 
 
 def _format_point(results: ResultTables, row: Row) -> str:
-    """Return the point of the sweep of a row: "gap = 5 cm"; "" where nothing is swept."""
+    """Return the point of the sweep of a row: "gap = 5 cm"; "" where nothing is swept that its case depends on."""
+    keys = list_acting_keys(results, row["case"])
     words = [key_words(key) for key in results.axes]
-    labels = [word if words.count(word) == 1 else key for key, word in zip(results.axes, words, strict=True)]
-    values = [results.value_label(key, row[key]) for key in results.axes]
-    return ", ".join(f"{label} = {value}" for label, value in zip(labels, values, strict=True))
+    labels = {key: word if words.count(word) == 1 else key for key, word in zip(results.axes, words, strict=True)}
+    return ", ".join(f"{labels[key]} = {results.value_label(key, row[key])}" for key in keys)
 
 
 def _peak_column(results: ResultTables, peak: Peak) -> Column:
@@ -236,7 +236,8 @@ def _find_gaps(results: ResultTables) -> pd.DataFrame:
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
         beyond = here["max_closing"] - here["gap"]
         worst = here.iloc[int(beyond.argmax())]
-        is_struck = here.groupby([*results.axes, "record"], sort=False)["impacts"].max() > 0
+        keys = list_acting_keys(results, place[0])
+        is_struck = here.groupby([*keys, "record"], sort=False)["impacts"].max() > 0
         rows[place] = {
             "closing": worst["max_closing"],
             "gap": worst["gap"],
@@ -275,7 +276,8 @@ def _gap_column(results: ResultTables) -> Column:
             return f"{contact}, gap {unit.text(row['gap'])}"
         return contact if row["struck"] else "no contact"
 
-    return Column("closing", "largest closing of two floors", unit, "gap", 3, write=write, below=write_contact)
+    label = "gap"  # without a unit, which the cells have
+    return Column("closing", "largest closing of two floors", label=label, write=write, below=write_contact)
 
 
 def _count_flags(scene: pd.DataFrame) -> pd.DataFrame:

@@ -19,7 +19,7 @@ from pounding_cli.questions.run.tables import (
     build_peaks_table,
 )
 from pounding_cli.report.background import ADVICE, describe_accuracy, list_advice
-from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_nominal
+from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_nominal, list_acting_keys
 from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
 from pounding_cli.results.plausible import MAX_DUCTILITY
@@ -392,14 +392,18 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
         if ratio <= 1 + MIN_CHANGE:
             sentences.append(f"Nowhere in the sweep do the {response.noun} of {shown.main_building} rise.")
             continue
+        case = shown.cases[place["case"]]
         point = {key: results.axes[key][place[keys[0]]] for keys in results.swept for key in keys if keys[0] in place}
-        words = ", ".join(f"{key} = {results.value_label(key, value)}" for key, value in point.items())
+        acting = list_acting_keys(results, case)
+        words = [f"{key} = {results.value_label(key, value)}" for key, value in point.items() if key in acting]
         amount = f"by up to {_format_rise(ratio)}" if ratio <= 2 else f"up to {_format_rise(ratio)}"
         motions = len(shown.names("record"))
         mean = f", mean of {motions} motions" if motions > 1 else ""
+        where = f"at {', '.join(words)}" if words else f"in case {case}, which the sweep does not change"
+        details = f"storey {place['storey'] + 1}{mean}"
         sentences.append(
-            f"Over the sweep the {response.noun} of {shown.main_building} rise most at {words}: {amount} "
-            f"(case {shown.cases[place['case']]}, storey {place['storey'] + 1}{mean})."
+            f"Over the sweep the {response.noun} of {shown.main_building} rise most {where}: {amount} "
+            f"({f'case {case}, {details}' if words else details})."
         )
     return sentences
 
