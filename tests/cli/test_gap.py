@@ -61,7 +61,7 @@ def results(tmp_path_factory):
 def test_prints_what_the_floors_need_that_need_most(pound):
     code, out, _ = pound("gap", "two.yaml")
     assert code == 0
-    assert re.search(r"^ 0.400\d* +elastic +exact +[\d.]+ ", out, re.MULTILINE)
+    assert re.search(r"^ 0\.4 +elastic +exact +[\d.]+ ", out, re.MULTILINE)
     assert "Time histories: 30 solved, 0 reused, 0 failed" in out
     assert "Results: results/two-gap.h5" in out
     rows = open_results("results/two-gap.h5").table("gap")
@@ -435,7 +435,7 @@ def test_property_line_is_printed_and_exported(pound):
     code, out, _ = pound("gap", "two.yaml")
     assert code == 0
     assert "Distance to a property line, at the floors whose mean over the motions is the largest" in out
-    assert re.search(r"^ 0.400\d* +B +right +2 +elastic +exact +[\d.]+ ", out, re.MULTILINE)
+    assert re.search(r"^ 0\.4 +B +right +2 +elastic +exact +[\d.]+ ", out, re.MULTILINE)
     results = open_results("results/two-gap.h5")
     line, floor = results.table("property_line"), results.floor()
     assert len(line) == 2 * 2 * (3 + 2) * 2

@@ -214,6 +214,8 @@ def _view_optimum(results: ResultTables) -> Table:
     def format_value(row: Row, number: str, option: str) -> str:
         if row[option] or math.isnan(row[number]):
             return row[option] or NOTHING
+        if row["option"]:  # of a choice, whose options are texts with their units
+            return results.value_label(row["key"], row[number])
         return Unit().text(key_unit(results, row["key"]).number(row[number]), 4)
 
     def format_unit(row: Row) -> str:
