@@ -175,8 +175,8 @@ def read_table(path: Path, name: str) -> Table:
         array = arrays[key]
         frame[key] = array.values.astype(bool) if array.attrs.get("is_truth") else array.values
         further = {each: plain_value(array.attrs[each]) for each in _OF_COLUMNS if each in array.attrs}
-        columns.append(Column(key, str(array.attrs["long_name"]), read_unit(array.attrs), **further))
-    return Table(name, pd.DataFrame(frame), columns, str(arrays.attrs["caption"]))
+        columns.append(Column(key, plain_value(str(array.attrs["long_name"])), read_unit(array.attrs), **further))
+    return Table(name, pd.DataFrame(frame), columns, plain_value(str(arrays.attrs["caption"])))
 
 
 def plain_value(value: Any) -> Any:

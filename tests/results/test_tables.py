@@ -84,3 +84,12 @@ def test_a_table_comes_back_from_its_file(tmp_path):
     assert read.caption == table.caption
     assert read.cells() == table.cells()
     assert read.column("gap") == GAP
+
+
+def test_words_of_a_table_in_a_file_move_no_cursor(tmp_path):
+    """Fails where a caption, a label or a meaning from a file reaches a terminal as it is."""
+    table = Table("gap", pd.DataFrame([ROW]), [Column("gap", "a\x1b[2Jb", CM, "c\x1b[2Jd")], "e\x1b[2Jf")
+    write_results(tmp_path / "r.h5", _arrays_of_table(table), [table])
+    read = read_table(tmp_path / "r.h5", "gap")
+    assert "\x1b" not in read.caption + read.column("gap").text + read.column("gap").label
+    assert read.caption.startswith("e")
