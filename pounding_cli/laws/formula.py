@@ -431,6 +431,10 @@ class WrittenJoint(WrittenLaw):
     invalidates = True
     joins = True
 
+    def soften(self, flexibility: float) -> WrittenJoint:
+        """Return the law itself: what of its formula is a spring is not known."""
+        return self
+
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.tension_cut:

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
 from pounding_cli.laws.guards import HIGH, LOW, SIGN_CHANGE, START
-from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
+from pounding_cli.laws.law import Behaviour, LinkLaw, in_series, parameter, set_line, set_open
 from pounding_cli.laws.pounding import DASHPOT_CITATION, DashpotLaw, reduced_mass
 
 MIN_THICKNESS = 1e-6
@@ -160,6 +160,12 @@ class Infill(LinkLaw):
         else:  # at which floors swing through half the width of the jump
             held_rate = math.sqrt(0.5 * jump * width_of_jump(d) / reduced_mass(left_mass, right_mass))
         return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cuts_tension), held_rate
+
+    def soften(self, flexibility: float) -> Infill:
+        """Return the law with both of its springs in series with another: exact where it is not pressed, and in its
+        slope beyond its thickness."""
+        stiffness = in_series(self.stiffness, flexibility)
+        return replace(self, stiffness=stiffness, impact_stiffness=in_series(self.impact_stiffness, flexibility))
 
     @property
     def max_slopes(self) -> tuple[float, float]:

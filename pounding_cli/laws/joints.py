@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pounding_cli.laws.bilinear import BILINEAR
-from pounding_cli.laws.law import JOINED, Behaviour, LinkLaw, parameter, set_line
+from pounding_cli.laws.law import JOINED, Behaviour, LinkLaw, in_series, parameter, set_line
 from pounding_cli.laws.pounding import DASHPOT_CITATION, DashpotLaw, dashpot_constant
 
 
@@ -48,6 +48,10 @@ class Connector(Joint):
         mass = self.dashpot.mass(left_mass, right_mass)
         return self.stiffness, dashpot_constant(self.damping_ratio, self.stiffness, mass)
 
+    def soften(self, flexibility: float) -> Connector:
+        """Return the law with its spring in series with another."""
+        return replace(self, stiffness=in_series(self.stiffness, flexibility))
+
     def stored_energy(self, closing: float, force: float) -> float:
         """k v^2 / 2 [J]."""
         return 0.5 * self.stiffness * closing**2
@@ -67,6 +71,10 @@ class Damper(Joint):
     def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """No spring, c [N s/m]."""
         return 0.0, self.damping_coefficient
+
+    def soften(self, flexibility: float) -> Damper:
+        """Return the law itself: it has no spring, and a dashpot moves by far more than columns bend under it."""
+        return self
 
 
 MAX_STABLE_STEP_AT_REST = 10.0
@@ -110,6 +118,10 @@ class Viscous(Joint):
         """c [N], a [-], w^4."""
         return self.force_at_1_m_s, self.exponent, self.straight_below**4
 
+    def soften(self, flexibility: float) -> Viscous:
+        """Return the law itself: it has no spring, and a dashpot moves by far more than columns bend under it."""
+        return self
+
     @property
     def max_slopes(self) -> tuple[float, float]:
         """The slope at rest."""
@@ -148,6 +160,10 @@ class Maxwell(Joint):
         """k [N/m], c [N s/m]."""
         return self.stiffness, self.damping_coefficient
 
+    def soften(self, flexibility: float) -> Maxwell:
+        """Return the law with its spring in series with another."""
+        return replace(self, stiffness=in_series(self.stiffness, flexibility))
+
     def stored_energy(self, closing: float, force: float) -> float:
         """F^2 / 2 k in the spring [J]."""
         return 0.5 * force**2 / self.stiffness
@@ -171,6 +187,10 @@ class Friction(Joint):
     def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
         """k [N/m], Fs / k [m], no hardening."""
         return self.stiffness, self.slip_force / self.stiffness, 0.0
+
+    def soften(self, flexibility: float) -> Friction:
+        """Return the law with its spring in series with another."""
+        return replace(self, stiffness=in_series(self.stiffness, flexibility))
 
     def stored_energy(self, closing: float, force: float) -> float:
         """F^2 / 2 k [J]."""

@@ -143,6 +143,12 @@ JOINED = Behaviour(_set_joined)
 """A spring and a dashpot at all times: connectors, dampers, storeys that cannot yield, foundation springs."""
 
 
+def in_series(stiffness: float, flexibility: float) -> float:
+    """Return the stiffness of two springs in series [N/m] from the stiffness of one and the flexibility of the other
+    [m/N]."""
+    return 1.0 / (1.0 / stiffness + flexibility)
+
+
 @dataclass(frozen=True)
 class LinkLaw(Law):
     """Law of a link between two floors. It acts on v, their closing u_left - u_right, less the gap if so declared.
@@ -186,6 +192,17 @@ class LinkLaw(Law):
         """Return (parameter, what is wrong, what to write) of values (SI) that do not fit together; None where they do.
 
         Each value is in its range; not all need be given.
+        """
+        return None
+
+    def soften(self, flexibility: float) -> LinkLaw | None:
+        """Return the law in series with a spring, such as columns that bend; None where that is not known.
+
+        A law without a spring of its own stays as it is.
+
+        Parameters
+        ----------
+        flexibility : deformation of that spring per force [m/N], >= 0
         """
         return None
 

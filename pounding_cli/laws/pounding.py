@@ -4,12 +4,12 @@ from the coefficient of restitution."""
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
 from pounding_cli.laws.guards import LOW, SIGN_CHANGE, START
-from pounding_cli.laws.law import Behaviour, LinkLaw, parameter, set_line, set_open
+from pounding_cli.laws.law import Behaviour, LinkLaw, in_series, parameter, set_line, set_open
 
 
 def reduced_mass(left_mass: float, right_mass: float) -> float:
@@ -103,6 +103,10 @@ class Pounding(LinkLaw):
         mass = self.dashpot.mass(left_mass, right_mass)
         c = dashpot_constant(self.damping_ratio, self.stiffness, mass)
         return self.stiffness, c, float(self.cuts_tension)
+
+    def soften(self, flexibility: float) -> Pounding:
+        """Return the law with its spring in series with another; the damping ratio stays."""
+        return replace(self, stiffness=in_series(self.stiffness, flexibility))
 
     def stored_energy(self, closing: float, force: float) -> float:
         """Return k v^2 / 2 while the floors press [J]."""

@@ -31,6 +31,8 @@ class Link:
     law : its law with its parameters: `Pounding`, `Infill`, `Connector`, ...
     columns : part of the storey's stiffness and yield shear in the columns that it ends on, 0 to 1; 0 where their shear
         is not asked for
+    cosine : of the angle between the link and the horizontal, 0 to 1: the link deforms by the closing times it, and
+        its force times it acts on the floors; 1 for a level link [-]
 
     Raises
     ------
@@ -44,6 +46,7 @@ class Link:
     left_at: float = 1.0
     right_at: float = 1.0
     columns: float = 0.0
+    cosine: float = 1.0
 
     def __post_init__(self) -> None:
         if self.left < 0:
@@ -56,8 +59,12 @@ class Link:
         has_one_end_on_columns = (self.left_at < 1.0) != (self.right_at < 1.0)
         if not 0.0 <= self.columns <= 1.0 or (self.columns > 0.0 and not has_one_end_on_columns):
             raise ValueError(f"link: columns is {self.columns:g}; give a part of 1 where one end stands between floors")
-        if self.columns > 0.0 and not self.law.subtracts_gap:
-            raise ValueError(f"link: columns is given for {self.kind}, which strikes nothing; leave it out")
+        if not 0.0 < self.cosine <= 1.0:
+            raise ValueError(
+                f"link: cosine is {self.cosine:g}; give a number above 0 and at most 1, 1 for a level link"
+            )
+        if self.cosine < 1.0 and not self.law.joins:
+            raise ValueError(f"link: {self.kind} acts across a gap, which is level; leave cosine out")
 
     def __hash__(self) -> int:
         return self._hash
@@ -66,7 +73,7 @@ class Link:
     def _hash(self) -> int:
         """The hash, computed once: what scenes share is looked up by their links."""
         ends = (self.left_floor, self.left_at, self.right_floor, self.right_at)
-        return hash((self.left, ends, self.law, self.columns))
+        return hash((self.left, ends, self.law, self.columns, self.cosine))
 
     @classmethod
     @lru_cache(maxsize=1024)  # the same at every gap of a sweep
@@ -105,6 +112,8 @@ class Link:
             parts += [repr(self.left_at), repr(self.right_at)]
         if self.columns:
             parts.append(f"columns {self.columns!r}")
+        if self.cosine < 1.0:
+            parts.append(f"cosine {self.cosine!r}")
         return " ".join(parts)
 
 

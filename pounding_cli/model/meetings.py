@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding_cli.model.building import Building
+from pounding_cli.model.links import Link
 from pounding_cli.model.wall import Wall
 
 FLOOR_TOLERANCE = 1e-3
@@ -76,7 +77,7 @@ def _find_slab_meetings(
 ) -> tuple[tuple[tuple[int, int], ...], tuple[Strike, ...]]:
     """Return the same from elevations [m] as bytes and slab thickness [m] of both buildings."""
     elevations = [np.frombuffer(levels) for levels, _ in (left, right)]
-    reach = 0.5 * (left[1] + right[1]) + FLOOR_TOLERANCE
+    reach = reach_of_slabs(left[1], right[1])
     distance = np.abs(elevations[0][:, None] - elevations[1])
     meet: np.ndarray = distance <= reach
     nearest = [
@@ -98,17 +99,33 @@ def _find_slab_meetings(
     return tuple((i + 1, j + 1) for i, j in nearest), ordered
 
 
-def column_flexibility(building: Building, storey: int, height: float) -> float:
-    """Return the deflection of struck columns per force [m/N], clamped in the floors above and below.
+def end_level(building: Building, floor: int, at: float) -> float:
+    """Return the elevation of a link's end at a building [m]; floor and `at` as of `Link`."""
+    if floor == 0:
+        return 0.0
+    return building.level(floor) - (1.0 - at) * float(building.height[floor - 1])
 
-    a^3 b^3 / (3 E I L^3) at a = height L above one end and b above the other, where 12 E I / L^3 is `building.columns`
-    of the storey's stiffness.
+
+def face_each_other(link: Link, left: Building, right: Building) -> bool:
+    """Return whether the ends of a link are as high as each other, within the slabs of both buildings."""
+    if isinstance(left, Wall) or isinstance(right, Wall):
+        return True
+    rise = end_level(left, link.left_floor, link.left_at) - end_level(right, link.right_floor, link.right_at)
+    return abs(rise) <= reach_of_slabs(left.slab, right.slab)
+
+
+def reach_of_slabs(left_slab: float, right_slab: float) -> float:
+    """Return how far apart in height the middles of two slabs may be that meet [m]; thicknesses [m]."""
+    return 0.5 * (left_slab + right_slab) + FLOOR_TOLERANCE
+
+
+def deflection_of_columns(height: float) -> float:
+    """Return the deflection of columns under a force, clamped in the floors above and below, times 12 E I / L^3 [-].
+
+    The deflection per force is a^3 b^3 / (3 E I L^3) at a = height L above one end and b above the other.
 
     Parameters
     ----------
-    storey : from 1
     height : of the force in the storey over the storey height L [-]
     """
-    assert building.columns is not None
-    stiffness = building.columns * float(building.stiffness[storey - 1])
-    return 4.0 * (height * (1.0 - height)) ** 3 / stiffness
+    return 4.0 * (height * (1.0 - height)) ** 3

@@ -67,19 +67,32 @@ def max_order(tolerance: float) -> int:
     return math.ceil(-0.35 * math.log(tolerance)) + 8
 
 
-Tie = tuple[tuple[LinkEnd, LinkEnd], float, type[LinkLaw]]
-"""Of a link what scenes have in common whose laws have other parameters: its ends, `Link.columns`, its law."""
+class Tie(NamedTuple):
+    """Of a link what scenes have in common whose laws have other parameters; fields as of `Link`."""
+
+    ends: tuple[LinkEnd, LinkEnd]
+    columns: float
+    cosine: float
+    law: type[LinkLaw]
 
 
 class Columns(NamedTuple):
-    """Columns whose shear is asked for because link number `link` strikes them: building, storey from 1, height of the
-    blow in the storey [-], part of the storey that they have [-], whether they are those on the building's left."""
+    """Columns whose shear is asked for because a link ends on them.
+
+    link : its number
+    building, storey : of the columns, from 0 and from 1
+    at : height of its end in the storey [-]
+    share : part of the storey that the columns have [-]
+    cosine : part of the link's force that is level [-]
+    on_left : whether they are those on the building's left
+    """
 
     link: int
     building: int
     storey: int
     at: float
     share: float
+    cosine: float
     on_left: bool
 
 
@@ -89,10 +102,11 @@ class Layout:
     everything stands.
 
     masses : what moves with the two ends of every link [kg]
+    cosines : of the angles of the links, shape (links,): a link deforms by the closing of its ends times it [-]
     floors : degrees of freedom of the floors of every building
     bases, feet : those of a base that sways, and that rocks; -1 where none does
     drags : dashpots to the ground of buildings on foundations; their elements stand before those of links
-    struck : columns that links strike; two shears each stand in `columns`, below and above the blow
+    struck : columns that links end on; two shears each stand in `columns`, below and above that end
     """
 
     buildings: tuple[Building, ...]
@@ -101,6 +115,7 @@ class Layout:
     terms: np.ndarray
     columns: np.ndarray
     masses: tuple[tuple[float, float], ...]
+    cosines: np.ndarray
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     feet: tuple[int, ...]
@@ -196,6 +211,19 @@ def _moving(weights: Weights) -> Weights:
     return {dof: weight for dof, weight in weights.items() if dof >= 0 and weight}
 
 
+def _scaled(weights: Weights, factor: float) -> Weights:
+    """Weights times a factor."""
+    return {dof: factor * weight for dof, weight in weights.items()}
+
+
+def _columns_of(number: int, tie: Tie) -> Columns:
+    """The columns that a link ends on, of which one end stands between floors; number : of the link."""
+    left, right = tie.ends
+    on_left = left[2] == 1.0  # the link comes from the left, to the columns on the left of the right building
+    building, storey, at = right if on_left else left
+    return Columns(number, building, storey, at, tie.columns, tie.cosine, on_left)
+
+
 def _filled(dtype: np.dtype, rows: Sequence[Mapping[str, Any]], least: int = 0) -> np.ndarray:
     """Records with these fields, zero where nothing is said."""
     records = np.zeros(max(len(rows), least), dtype)
@@ -217,8 +245,9 @@ def _tie(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> 
 def _column_shears(
     struck: Sequence[Columns], floors: Sequence[slice], first_link: int, terms: list[tuple[float, int]]
 ) -> list[dict[str, Any]]:
-    """The shears below and above every blow: what the columns have of the storey's shear, and of the forces of all
-    blows on them the reaction of a clamped beam at that end; between two blows, that of both sides."""
+    """The shears below and above the end of every link on columns: what the columns have of the storey's shear, and of
+    the level forces of all links on them the reaction of a clamped beam at that end; between two links, that of both
+    sides."""
     made = []
     for own in struck:
         for above in (False, True):
@@ -228,7 +257,7 @@ def _column_shears(
                     continue
                 to_above = other.at * other.at * (3.0 - 2.0 * other.at)
                 higher = other.at > own.at if above else other.at >= own.at
-                weight = 1.0 - to_above if higher else -to_above
+                weight = other.cosine * (1.0 - to_above if higher else -to_above)
                 terms.append((weight if own.on_left else -weight, first_link + other.link))
             storey = floors[own.building].start + own.storey - 1
             made.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
@@ -238,7 +267,7 @@ def _column_shears(
 def layout_of(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
     effects, links = effects_of(scene), scene.links
-    ties = tuple((link.ends, link.columns, type(link.law)) for link in links)
+    ties = tuple(Tie(link.ends, link.columns, link.cosine, type(link.law)) for link in links)
     return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
 
 
@@ -249,9 +278,9 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         made.append(_Building(building, sum(len(each.dofs) for each in made), yields, collapses))
     dofs = _filled(DOF, [dof for each in made for dof in each.dofs])
     storeys, drags = [each for b in made for each in b.storeys], [each for b in made for each in b.drags]
-    n, behaviours, all_weights, masses = dofs.size, [law.behaviour for _, _, law in ties], [], []
-    for ends, _, _ in ties:
-        left, right = (made[b].end(floor, at) for b, floor, at in ends)
+    n, behaviours, all_weights, masses = dofs.size, [tie.law.behaviour for tie in ties], [], []
+    for tie in ties:
+        left, right = (_scaled(made[b].end(floor, at), tie.cosine) for b, floor, at in tie.ends)
         all_weights.append(left | {dof: -weight for dof, weight in right.items()})
         moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]
         masses.append((1.0 / moving[0] if moving[0] else math.inf, 1.0 / moving[1] if moving[1] else math.inf))
@@ -264,11 +293,8 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         element["last"] = len(terms)
     for element, weights in zip(elements[n:], [*(own for _, own in drags), *all_weights], strict=True):
         _tie(element, weights, terms)
-    struck = tuple(
-        Columns(number, *(right if left[2] == 1.0 else left), share, left[2] == 1.0)
-        for number, ((left, right), share, _) in enumerate(ties)
-        if share > 0.0
-    )
+    struck = tuple(_columns_of(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
+    cosines = np.array([tie.cosine for tie in ties])
     floors = tuple(each.floors for each in made)
     columns = _filled(COLUMN, _column_shears(struck, floors, n + len(drags), terms), 1)
     table = np.zeros(max(len(terms), 1), TERM)
@@ -279,7 +305,7 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     changing = [e for e, own in enumerate(each) if own.history_rate is not None or own is Maxwell.behaviour]
     elements["state"][changing] = 2 * n + np.arange(len(changing))
     return Layout(
-        buildings, dofs, elements, table, columns, tuple(masses), floors, tuple(each.base for each in made),
+        buildings, dofs, elements, table, columns, tuple(masses), cosines, floors, tuple(each.base for each in made),
         tuple(each.foot for each in made), len(drags), struck, any(own.force is not None for own in each),
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import run_time, segments
-from pounding_cli.solver.outcome import ENDS, stored_in_storeys
+from pounding_cli.solver.outcome import ENDS, closings_of, stored_in_storeys
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import SceneRun, prepare_run
 
@@ -121,7 +121,7 @@ def _evaluated(run: SceneRun) -> History:
         "rocking": of_foundation(layout.feet),
         "base_force": of_foundation(layout.bases, force),
         "link_force": of_links[..., 1],
-        "closing": of_links[..., 0] + run.data.elements["offset"][0, layout.of_links],
+        "closing": closings_of(layout, of_links[..., 0], run.data.elements["offset"][0, layout.of_links]),
         "energy_input": put_in,
         "energy_kinetic": kinetic,
         "energy_stored": stored,

@@ -9,6 +9,7 @@ import numpy as np
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.formula import WrittenJoint
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.meetings import face_each_other
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.solver import records
@@ -66,7 +67,7 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest:
         _put_building(peaks, b, layout, data, drift_at_rest)
     links = data.elements[:, layout.of_links]
     peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
-    peaks["max_closing"] = links["peak_v"] + links["offset"]
+    peaks["max_closing"] = closings_of(layout, links["peak_v"], links["offset"])
     closes = [[link.law.can_act for link in scene.links] for scene in scenes]
     peaks["contact_time"] = np.where(closes, links["time"], 0.0)
     for k, struck in enumerate(layout.struck):
@@ -76,6 +77,12 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest:
         if np.isfinite(strength):
             peaks["demand"][:, struck.link] = np.maximum(below, above) / strength
     return peaks
+
+
+def closings_of(layout: Layout, deformation: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """The closings u_left - u_right of the ends of links [m] from the deformations and offsets of their elements [m],
+    shape (..., links)."""
+    return (deformation + offset) / layout.cosines
 
 
 def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data, drift_at_rest: np.ndarray) -> None:
@@ -177,8 +184,11 @@ def collapse_of(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
 
 def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
     """One flag for each base that moved further than its isolators can, and for each link compressed beyond its
-    thickness or its gap (paper, after eqs 9 and 10); its severity is how far beyond [m]. Where another link lets the
-    floors strike, nothing is left out."""
+    thickness or its gap (paper, after eqs 9 and 10); its severity is how far beyond [m].
+
+    Where another link lets the floors strike, nothing is left out. The ends of a joint that are not as high as each
+    other have no gap between them: there it is enough that links let these neighbours strike where they face each
+    other."""
     flags = list[Flag]()
     for building, sway in zip(scene.buildings, peaks["sway"].tolist(), strict=True):
         isolation = None if building.foundation is None else building.foundation.isolation
@@ -186,15 +196,19 @@ def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
             beyond = sway - isolation.capacity
             detail = f"{building.name}, by {1000 * beyond:.3g} mm"
             flags.append(Flag("isolators moved beyond their capacity", detail, beyond))
-    places = [(link.left, link.left_floor, link.right_floor) for link in scene.links]
-    striking = {place for place, link in zip(places, scene.links, strict=True) if link.law.subtracts_gap}
-    for place, link, closing in zip(places, scene.links, peaks["max_closing"].tolist(), strict=True):
+    striking = [link for link in scene.links if link.law.subtracts_gap]
+    striking_ends = {link.ends for link in striking}
+    striking_pairs = {link.left for link in striking}
+    for link, closing in zip(scene.links, peaks["max_closing"].tolist(), strict=True):
         if not (closing > link.gap and link.law.beyond_gap):
             continue
-        if not (link.law.invalidates and place in striking):
-            left, right = scene.buildings[link.left].name, scene.buildings[link.left + 1].name
+        left, right = scene.buildings[link.left : link.left + 2]
+        lets_strike = link.ends in striking_ends
+        if link.left in striking_pairs and not face_each_other(link, left, right):
+            lets_strike = True
+        if not (link.law.invalidates and lets_strike):
             beyond = closing - link.gap
-            detail = f"{left} | {right}, floor {link.left_floor}, by {1000 * beyond:.3g} mm"
+            detail = f"{left.name} | {right.name}, floor {link.left_floor}, by {1000 * beyond:.3g} mm"
             flags.append(Flag(link.law.beyond_gap, detail, beyond))
     return (*flags, *flags_of_passing_floors(scene, peaks))
 

@@ -31,7 +31,7 @@ from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import NOTHING_KEPT, Layout, term_matrix
 from pounding_cli.solver.events import TOUCH
-from pounding_cli.solver.outcome import forces_now
+from pounding_cli.solver.outcome import closings_of, forces_now
 from pounding_cli.solver.records import Data, Room
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     cost where nothing holds a storey away from where it was, else where they are asked for."""
     layout, n, links = run.layout, run.layout.number, run.data.elements[:, run.layout.of_links]
     offsets, peaks = links["offset"], run.data.elements["peak_v"][:, :n].copy()
-    rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), links["peak_v"] + offsets)
+    rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), closings_of(layout, links["peak_v"], offsets))
     is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
         rest.drift[is_done] = 0.0
@@ -124,7 +124,7 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
             if is_at_rest[row] and not reasons[row]:
                 rest.drift[place] = state.drift[row, :n]
             closing = np.maximum(data.elements["peak_v"][row], state.drift[row])[layout.of_links]
-            rest.max_closing[place] = closing + offsets[place]
+            rest.max_closing[place] = closings_of(layout, closing, offsets[place])
         goes_on = np.array([not (done or reason) for done, reason in zip(is_at_rest, reasons, strict=True)], bool)
         places = places[goes_on]
         data = _copy_scenes(data, np.flatnonzero(goes_on))

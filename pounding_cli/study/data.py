@@ -28,6 +28,7 @@ from pounding_cli.study.links import (
     complete_links,
     evaluate_multiples,
     find_floors,
+    find_linked_pairs,
     list_multiples,
 )
 from pounding_cli.study.quantity import Quantity
@@ -108,12 +109,12 @@ def links_between(
     types = {building.name: building for building in buildings}
     with _placed_in(tree):
         group = Group(tuple(buildings), types)
-        check_meetings(group)
         names = Names((), tuple(types), len(buildings) - 1)
         element = check_impact_names(read_spec(tree, ("impact",)), names)
         spec = check_case_names(name, read_spec(tree, ("cases", name)), names)
         links = check_links(name, spec, complete_links(name, spec, element), names)
         stiffnesses = evaluate_multiples(list_multiples(links, element), group)
+        check_meetings(group, find_linked_pairs(name, spec, names.pairs))
         floors = find_floors(name, spec, group.meetings)
         laws = build_laws(links, element, {}, stiffnesses, floors)
         return build_links(links, laws, floors, group.meetings)

@@ -101,7 +101,7 @@ def _describe_links(case: Any, name: str, impact: Any) -> list[dict[str, Any]]:
     links = []
     for link in complete_links(name, case, impact):
         spec = link.spec
-        place = {"link": link.title, "floors": spec.floors, "pair": spec.pair, "at": spec.at}
+        place = {"link": link.title, "floors": spec.floors, "pair": spec.pair, "at": spec.at, "distance": spec.distance}
         law = link.law_class
         values = dict(link.values)
         if law is not None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE
-from pounding_cli.model.meetings import Strike, column_flexibility, find_meetings
+from pounding_cli.model.meetings import Strike, deflection_of_columns, find_meetings, reach_of_slabs
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.file import nearest
@@ -25,45 +26,96 @@ COLUMNS = (
 """What to write where slabs strike columns."""
 
 
-@dataclass(frozen=True)
-class ColumnStrike:
-    """A slab that strikes columns of which the study says their share of the storey.
+class LinkEnds(NamedTuple):
+    """Where both ends of a link stand; fields as of `Link`.
 
-    flexibility : deflection of these columns per force where they are struck [m/N]
-    share : their part of the storey's stiffness and yield shear [-]
+    flexibility : deflection per force of the columns that it ends on [m/N]
     """
 
-    strike: Strike
-    flexibility: float
-    share: float
+    left_floor: int
+    right_floor: int
+    left_at: float = 1.0
+    right_at: float = 1.0
+    cosine: float = 1.0
+    columns: float = 0.0
+    flexibility: float = 0.0
+
+
+class Side(NamedTuple):
+    """What a link must know of the building on one of its sides.
+
+    levels : elevations of its base and its floors [m]
+    base_moves : whether a link may end at its base
+    is_wall : whether it is a wall, which has no floors of its own
+    columns : part of a storey's stiffness and yield shear in the columns that links may end on [-]; None: not known
+    column_stiffnesses : of these columns in every storey, 12 E I / L^3 [N/m]; empty where `columns` is None
+    """
+
+    name: str
+    levels: tuple[float, ...]
+    base_moves: bool
+    is_wall: bool
+    columns: float | None
+    column_stiffnesses: tuple[float, ...]
+
+    @classmethod
+    def of(cls, building: Building) -> Side:
+        """Return the side of a building."""
+        levels = (0.0, *building.elevation.tolist())
+        stiffnesses: tuple[float, ...] = ()
+        if building.columns is not None:
+            stiffnesses = tuple((building.columns * building.stiffness).tolist())
+        is_wall = isinstance(building, Wall)
+        return cls(building.name, levels, building.has_floor(0), is_wall, building.columns, stiffnesses)
+
+    @property
+    def storeys(self) -> int:
+        """Number of storeys."""
+        return len(self.levels) - 1
+
+    def level(self, floor: int, at: float) -> float:
+        """Return the elevation of a link's end [m]; arguments as of `Link`."""
+        if floor == 0:
+            return self.levels[0]
+        return at * self.levels[floor] + (1.0 - at) * self.levels[floor - 1]
+
+    def deflection(self, floor: int, at: float) -> float:
+        """Return the deflection per force of the columns that a link ends on [m/N]; arguments as of `Link`."""
+        return deflection_of_columns(at) / self.column_stiffnesses[floor - 1]
 
 
 @dataclass(frozen=True)
 class Meeting:
     """The floors at which two neighbours meet, and blows on columns.
 
-    left, right : their names
+    left, right : the two sides
     floors : of both, from 1, that meet; 0 is a base
-    strikes : slabs that strike columns
+    strikes : where slabs strike columns of which the share of the storey is known
+    reach : slabs no further apart than this in height meet [m]
     """
 
-    left: str
-    right: str
+    left: Side
+    right: Side
     floors: tuple[tuple[int, int], ...]
-    strikes: tuple[ColumnStrike, ...]
+    strikes: tuple[LinkEnds, ...]
+    reach: float
 
     @classmethod
     def of(cls, left: Building, right: Building) -> Meeting:
         """Return where two neighbours meet."""
         floors, strikes = find_meetings(left, right)
-        pair = (left, right)
-        known = [strike for strike in strikes if pair[strike.side].columns is not None]
-        return cls(left.name, right.name, floors, tuple(_build_column_strike(pair[s.side], s) for s in known))
+        sides = (Side.of(left), Side.of(right))
+        known = [strike for strike in strikes if sides[strike.side].columns is not None]
+        ends = tuple(_find_ends_of_strike(sides[strike.side], strike) for strike in known)
+        return cls(*sides, floors, ends, reach_of_slabs(left.slab, right.slab))
 
 
-def _build_column_strike(struck: Building, strike: Strike) -> ColumnStrike:
+def _find_ends_of_strike(struck: Side, strike: Strike) -> LinkEnds:
+    """Return the ends of the link between a slab and the columns that it strikes."""
     assert struck.columns is not None  # of these the share is known
-    return ColumnStrike(strike, column_flexibility(struck, strike.storey, strike.height), struck.columns)
+    places = (strike.left_floor, strike.right_floor, strike.left_at, strike.right_at)
+    flexibility = struck.deflection(strike.storey, strike.height)
+    return LinkEnds(*places, columns=struck.columns, flexibility=flexibility)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +150,6 @@ def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
     """Return the buildings in their places; a wall without a height of its own is as high as they are.
 
     names : of the types, left to right
-
-    Raises
-    ------
-    IssuesFound : two neighbours meet nowhere
     """
     placed = [
         types[name] if types[name].name == label else replace(types[name], name=label)
@@ -109,9 +157,7 @@ def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
     ]
     roof = max((float(each.elevation[-1]) for each in placed if not isinstance(each, Wall)), default=0.0)
     placed = [each.raise_to(roof) if isinstance(each, Wall) else each for each in placed]
-    group = Group(tuple(placed), types)
-    check_meetings(group)
-    return group
+    return Group(tuple(placed), types)
 
 
 def unique_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -142,16 +188,20 @@ def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[
     return names
 
 
-def check_meetings(group: Group) -> None:
-    """Raise IssuesFound where two neighbours cannot strike each other."""
+def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> None:
+    """Raise IssuesFound where two neighbours cannot strike each other.
+
+    linked_pairs : pairs from 0 whose floors a link of a case names, wherever they are
+    """
     issues = []
     for place, meeting in enumerate(group.meetings):
-        if not meeting.floors and not meeting.strikes:
+        if not meeting.floors and not meeting.strikes and place not in linked_pairs:
             pair = group.buildings[place : place + 2]
             levels = (join_limited(f"{elevation:g}" for elevation in each.elevation) for each in pair)
-            names = f"{meeting.left} and {meeting.right}"
+            names = f"{meeting.left.name} and {meeting.right.name}"
             message = f"{names} have no floor at one elevation: {' against '.join(levels)} m"
-            issues.append(Issue(("group", place + 1), message, f"let the storey heights agree somewhere; {COLUMNS}"))
+            hint = f"let the storey heights agree somewhere; {COLUMNS}; or name both ends of links, `floors: [[2, 3]]`"
+            issues.append(Issue(("group", place + 1), message, hint))
     if issues:
         raise IssuesFound(issues)
 

@@ -13,8 +13,10 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.study.base import Model, Name, SpecIssue, one_or_many, spec_field, tagged_union
+from pounding_cli.study.floor_places import FloorPair, FloorPairParser
 from pounding_cli.study.quantity import (
     GAP,
+    LENGTH,
     LINK_STIFFNESS,
     MeasuredValue,
     ParsedText,
@@ -39,7 +41,7 @@ SHARED = ("gap", "stiffness", *LOSSES, "tension_cut")
 MAX_PAIR = 19
 """Largest number of a pair of neighbours."""
 
-PLACES = ("link", "floors", "pair", "at")
+PLACES = ("link", "floors", "pair", "at", "distance")
 """Keys that say which link it is and where it stands."""
 
 _DERIVED = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}
@@ -171,9 +173,15 @@ def _floors_kind(value: Any) -> str:
     return "word" if isinstance(value, str) and value != "base" else "floors"
 
 
+def _floor_kind(value: Any) -> str:
+    return "ends" if isinstance(value, list | tuple | FloorPair) else "floor"
+
+
+_FloorOrEnds = tagged_union(_floor_kind, floor=_Floor, ends=Annotated[Any, FloorPairParser()])
 Floors: Any = tagged_union(
-    _floors_kind, word=Literal["all", "rest"], mapping=ExceptSpec, floors=one_or_many(_Floor, as_list=True)
+    _floors_kind, word=Literal["all", "rest"], mapping=ExceptSpec, floors=one_or_many(_FloorOrEnds, as_list=True)
 )
+DISTANCE = LENGTH.replace(name="distance", example="2 m", high=100.0)
 
 
 class LinkSpec(Model):
@@ -185,7 +193,8 @@ class LinkSpec(Model):
     floors: Floors = spec_field(
         "all",
         "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
-        "link of the pair lists; `base`: the moving base of a building beside a wall",
+        "link of the pair lists; `base`: the moving base of a building beside a wall; [[4, 5], [6, 7 + 1.2 m]]: from "
+        "floor 4 of the left building to floor 5 of the right one, and from floor 6 to 1.2 m above floor 7",
     )
     pair: Annotated[int, WholeNumber(1, MAX_PAIR)] | None = spec_field(
         None, "number of the pair of neighbours, from the left; default: every pair"
@@ -194,6 +203,12 @@ class LinkSpec(Model):
         None,
         "`columns`: this link stands where slabs strike columns, and no other there; without it links that list no "
         "floors stand there too",
+    )
+    distance: Annotated[float, DISTANCE] | None = spec_field(
+        None,
+        "of a connector or a damper: how far its ends are apart along the row [m], which with their heights gives its "
+        "angle; without it the link is level",
+        "2 m",
     )
 
     def issues(self) -> Iterator[SpecIssue]:

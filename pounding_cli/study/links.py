@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from pounding_cli.errors import Problem
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.law import LinkLaw
-from pounding_cli.laws.pounding import DashpotLaw, Pounding, damping_ratio, restitution_from_damping
+from pounding_cli.laws.pounding import DashpotLaw, damping_ratio, restitution_from_damping
 from pounding_cli.model.links import BASE, Link
-from pounding_cli.model.meetings import Strike
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.file import nearest
-from pounding_cli.study.group import ColumnStrike, Group, Meeting
+from pounding_cli.study.floor_places import FloorPair, FloorPlace
+from pounding_cli.study.group import Group, LinkEnds, Meeting, Side
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.link_specs import (
     LOSSES,
@@ -334,64 +335,158 @@ def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
 
 # Floors
 
-Floors = tuple[tuple[tuple[int, ...], ...], ...]
-"""Floors of the left building that links join: of every pair of neighbours, of every link of the case."""
+Floors = tuple[tuple[tuple[LinkEnds, ...], ...], ...]
+"""Where links stand: of every pair of neighbours, of every link of the case."""
 
 
 def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
-    """Return the floors that the links of a case join.
+    """Return where the links of a case stand between floors; those between slabs and columns that meet are not among
+    them.
 
     Raises
     ------
-    IssuesFound : a link names a floor that does not meet one of the neighbour
+    IssuesFound : a link names a floor that does not meet one of the neighbour, or ends where it cannot
     """
-    issues: list[Issue] = []
+    issues = Issues()
     links = list_links(name, case)
     floors = []
     for number, meeting in enumerate(meetings, 1):
-        members = [link for link, _ in links if link.pair in (None, number)]
-        listed = {floor for link in members if isinstance(link.floors, tuple) for floor in link.floors}
-        of_pair: list[tuple[int, ...]] = []
-        for link, path in links:
-            if link.pair not in (None, number):
-                of_pair.append(())
-                continue
-            issues += _find_unknown_floors(link, path, meeting)
-            of_pair.append(_choose_floors(link, meeting, listed))
-        floors.append(tuple(of_pair))
-    if issues:
-        raise IssuesFound(issues)
+        members = [(link, path) for link, path in links if link.pair in (None, number)]
+        listed = {path: _find_listed_ends(link, path, meeting, issues) for link, path in members}
+        taken = {ends[:4] for of_link in listed.values() for ends in of_link}
+        floors.append(
+            tuple(
+                _choose_ends(link, meeting, listed[path], taken) if link.pair in (None, number) else ()
+                for link, path in links
+            )
+        )
+    issues.check()
     return tuple(floors)
 
 
-def _find_unknown_floors(link: LinkSpec, path: KeyPath, meeting: Meeting) -> list[Issue]:
+def find_linked_pairs(name: str, case: Any, pairs: int) -> set[int]:
+    """Return the pairs of neighbours, from 0, of which a link of a case names both of its ends.
+
+    pairs : number of all pairs
+    """
+    linked: set[int] = set()
+    for link, _ in list_links(name, case):
+        floors = link.floors if isinstance(link.floors, tuple) else ()
+        if any(isinstance(floor, FloorPair) for floor in floors):
+            linked |= {link.pair - 1} if link.pair is not None else {*range(pairs)}
+    return linked
+
+
+def _find_listed_ends(link: LinkSpec, path: KeyPath, meeting: Meeting, issues: Issues) -> tuple[LinkEnds, ...]:
+    """Return where a link stands that lists its floors; of `except` nothing, but unknown floors are noted."""
     is_list = isinstance(link.floors, tuple)
-    common = [floor for floor, _ in meeting.floors]
-    issues = []
+    right_floors = dict(meeting.floors)
+    found: dict[LinkEnds, None] = {}
     for place, floor in enumerate(_listed_floors(link)):
-        if floor not in common:
-            at = (*path, "floors", *(() if is_list else ("except",)), place)
-            message = f"{meeting.left} and {meeting.right} have no common floor {floor or BASE}"
-            hint = f"write floors among {', '.join(str(each or BASE) for each in common)}"
-            issues.append(Issue(at, message, hint))
-    return issues
+        at = (*path, "floors", *(() if is_list else ("except",)), place)
+        try:
+            if isinstance(floor, FloorPair):
+                found[_build_ends(link, floor, meeting, at)] = None
+                continue
+            if floor not in right_floors:
+                message = f"{meeting.left.name} and {meeting.right.name} have no common floor {floor or BASE}"
+                raise IssuesFound([Issue(at, message, _hint_to_floors(floor, meeting))])
+        except IssuesFound as refused:
+            issues.add_written(refused.issues)
+            continue
+        if is_list:
+            found[_join_floors(link, floor, right_floors[floor], meeting)] = None
+    return tuple(found)
 
 
-def _listed_floors(link: LinkSpec) -> tuple[int, ...]:
+def _hint_to_floors(floor: int, meeting: Meeting) -> str:
+    """Return what to write for a floor that meets none of the neighbour."""
+    common = ", ".join(str(each or BASE) for each, _ in meeting.floors)
+    both_ends = f"both ends, e.g. `[[{floor}, {min(max(floor, 1), meeting.right.storeys)}]]`"
+    return f"write floors among {common}, or {both_ends}" if common else f"write {both_ends}"
+
+
+def _listed_floors(link: LinkSpec) -> tuple[Any, ...]:
     """Return the floors that a link names, or leaves out by `except`."""
     if isinstance(link.floors, tuple):
         return link.floors
     return getattr(link.floors, "floors", ())
 
 
-def _choose_floors(link: LinkSpec, meeting: Meeting, listed: Collection[int]) -> tuple[int, ...]:
-    """Return the floors of a link of a pair; listed : those that links of the pair list."""
+def _choose_ends(
+    link: LinkSpec, meeting: Meeting, listed: tuple[LinkEnds, ...], taken: Collection[tuple[Any, ...]]
+) -> tuple[LinkEnds, ...]:
+    """Return where a link of a pair stands.
+
+    listed : the ends that it lists itself
+    taken : floors and heights of all ends that links of the pair list
+    """
     if link.at is not None:
         return ()
     if isinstance(link.floors, tuple):
-        return link.floors
-    left_out = listed if link.floors == "rest" else _listed_floors(link)
-    return tuple(floor for floor, _ in meeting.floors if floor not in left_out)
+        return listed
+    ends = tuple(_join_floors(link, *both, meeting) for both in meeting.floors)
+    if link.floors == "rest":
+        return tuple(each for each in ends if each[:4] not in taken)
+    return tuple(each for each in ends if each.left_floor not in _listed_floors(link))
+
+
+def _join_floors(link: LinkSpec, left_floor: int, right_floor: int, meeting: Meeting) -> LinkEnds:
+    """Return the ends of a link between two floors."""
+    cosine = _find_cosine(link, meeting.left.level(left_floor, 1.0), meeting.right.level(right_floor, 1.0))
+    return LinkEnds(left_floor, right_floor, cosine=cosine)
+
+
+def _find_cosine(link: LinkSpec, left_level: float, right_level: float) -> float:
+    """Return the cosine of the angle between a link and the horizontal [-], from the elevations of its ends [m]."""
+    if link.distance is None:
+        return 1.0
+    return link.distance / math.hypot(link.distance, left_level - right_level)
+
+
+def _build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath) -> LinkEnds:
+    """Return where both ends of a link stand.  Raises IssuesFound."""
+    if meeting.left.is_wall or meeting.right.is_wall:
+        hint = f"write the floor alone: `floors: [{(pair.right if meeting.left.is_wall else pair.left).floor}]`"
+        raise IssuesFound([Issue(path, "a wall has no floors of its own", hint)])
+    if not pair.left.is_at_floor and not pair.right.is_at_floor:
+        hint = "let one of them be at a floor, e.g. `[4, 2 + 1.2 m]`"
+        raise IssuesFound([Issue(path, "both ends of the link stand between floors", hint)])
+    left_floor, left_at = _find_end(pair.left, meeting.left, path)
+    right_floor, right_at = _find_end(pair.right, meeting.right, path)
+    cosine = _find_cosine(link, meeting.left.level(left_floor, left_at), meeting.right.level(right_floor, right_at))
+    ends = LinkEnds(left_floor, right_floor, left_at, right_at, cosine)
+    if pair.left.is_at_floor and pair.right.is_at_floor:
+        return ends
+    side, floor, at = (
+        (meeting.right, right_floor, right_at) if pair.left.is_at_floor else (meeting.left, left_floor, left_at)
+    )
+    if side.columns is None:
+        message = f"the link ends on columns of {side.name} in storey {floor}, of which nothing is known"
+        hint = f"write `columns:` in {side.name}, their part of the storey's stiffness, e.g. `columns: 20 %`"
+        raise IssuesFound([Issue(path, message, hint)])
+    return ends._replace(columns=side.columns, flexibility=side.deflection(floor, at))
+
+
+def _find_end(place: FloorPlace, side: Side, path: KeyPath) -> tuple[int, float]:
+    """Return the floor at or above an end of a link, and where in the storey below it the end stands, as of `Link`.
+
+    Raises IssuesFound: the building has no such place.
+    """
+    has = f"{side.name} has {pluralize(side.storeys, 'floor')}"
+    if place.is_at_floor:
+        if place.floor > side.storeys or (place.floor == 0 and not side.base_moves):
+            message = f"{has}, not {place.floor}" if place.floor else f"the base of {side.name} does not move"
+            raise IssuesFound([Issue(path, message, f"write a floor from 1 to {side.storeys}")])
+        return place.floor, 1.0
+    if place.floor >= side.storeys:
+        raise IssuesFound([Issue(path, f"{has}: '{place}' is above its roof", "write a place below the roof")])
+    height = side.levels[place.floor + 1] - side.levels[place.floor]
+    at = place.share or place.above / height
+    if not at < 1.0:
+        message = f"'{place}' is not below floor {place.floor + 1} of {side.name}: that storey is {height:g} m high"
+        raise IssuesFound([Issue(path, message, f"write {place.floor + 1} for the floor, or a place below it")])
+    return place.floor + 1, at
 
 
 # Laws
@@ -439,8 +534,8 @@ def build_laws(
     built = []
     for number, link in enumerate(links):
         law = None
-        is_at_columns = link.spec.at is not None or link.law_class is Pounding
-        joins = is_at_columns or any(of_pair[number] for of_pair in floors)
+        may_be_at_columns = link.spec.at is not None or (link.law_class is not None and not link.law_class.joins)
+        joins = may_be_at_columns or any(of_pair[number] for of_pair in floors)
         found: Sequence[Issue | Problem] = ()
         try:
             law = _build_law(link, impact, laws, dict(multiples))
@@ -496,57 +591,98 @@ def build_links(
 
     Raises
     ------
-    IssuesFound : two links are alike, or slabs strike columns through anything but pounding
+    IssuesFound : two links are alike, a link across a gap is inclined, or stands between a slab and columns without
+        a law for that
     """
     issues: dict[Issue, None] = {}
     built: list[Link] = []
     for pair, meeting in enumerate(meetings):
-        for floor, right_floor in meeting.floors:
-            here = [number for number, law in enumerate(laws) if law is not None and floor in floors[pair][number]]
-            for place, number in enumerate(here):
-                law = laws[number]
-                assert law is not None
-                if law in [laws[other] for other in here[:place]]:
-                    message = f"two {law.name} links alike between the same floors"
-                    issues[Issue(links[number].path, message, "give one, or let them differ")] = None
-                built.append(Link(pair, floor, right_floor, law))
+        at_meeting_floors = [LinkEnds(*both) for both in meeting.floors]
+        elsewhere = {ends for of_link in floors[pair] for ends in of_link}.difference(at_meeting_floors)
+        for ends in (*at_meeting_floors, *sorted(elsewhere)):
+            here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
+            built += _build_links_at(pair, ends, here, links, laws, issues)
         members = [number for number, link in enumerate(links) if link.spec.pair in (None, pair + 1)]
-        built += _build_column_links(pair, meeting, members, links, laws, issues)
+        at_columns = _choose_links_at_columns(meeting, members, links, laws, issues)
+        for ends in meeting.strikes:
+            built += _build_links_at(pair, ends, at_columns, links, laws, issues)
     if issues:
         raise IssuesFound(issues)
     return tuple(built)
 
 
-def _build_column_links(
+def _build_links_at(
     pair: int,
+    ends: LinkEnds,
+    numbers: Sequence[int],
+    links: Sequence[CompleteLink],
+    laws: Sequence[LinkLaw | None],
+    issues: dict[Issue, None],
+) -> list[Link]:
+    """Return the links of a case that stand between the same ends.
+
+    numbers : of these links among those of the case
+    """
+    built: list[Link] = []
+    for place, number in enumerate(numbers):
+        path = links[number].path
+        law = laws[number]
+        assert law is not None
+        if law in [laws[other] for other in numbers[:place]]:
+            message = f"two {law.name} links alike between the same floors"
+            issues[Issue(path, message, "give one, or let them differ")] = None
+        distance = links[number].spec.distance
+        if distance is not None and not law.joins:
+            message = f"'distance' does not apply to link: {links[number].title}, which acts level across its gap"
+            issues[Issue((*path, "distance"), message, "remove it", at_key=True)] = None
+            continue
+        if distance is not None and distance < law.gap:
+            message = f"the ends of the link are {distance:g} m apart, closer than the gap of {law.gap:g} m"
+            issues[Issue((*path, "distance"), message, "write the distance of its ends along the row")] = None
+        if ends.flexibility:
+            softened = law.soften(ends.flexibility)
+            if softened is None:
+                issues[_refuse_at_columns(links[number], links[number].title)] = None
+                continue
+            law = softened
+        built.append(
+            Link(pair, ends.left_floor, ends.right_floor, law, ends.left_at, ends.right_at, ends.columns, ends.cosine)
+        )
+    return built
+
+
+def _choose_links_at_columns(
     meeting: Meeting,
     members: Sequence[int],
     links: Sequence[CompleteLink],
     laws: Sequence[LinkLaw | None],
     issues: dict[Issue, None],
-) -> list[Link]:
-    """Return the links of slabs that strike columns: those that say so, else those that list no floors."""
-    speaking = [number for number in members if links[number].spec.at is not None]
-    speaking = speaking or [number for number in members if not isinstance(links[number].spec.floors, tuple)]
-    speaking = [number for number in speaking if links[number].law != NO_LINK]
-    if not meeting.strikes or not speaking:
+) -> list[int]:
+    """Return the links that stand where slabs strike columns: those that say so, else those across a gap that list no
+    floors.
+
+    members : numbers of the links of the pair
+    """
+    if not meeting.strikes:
         return []
-    number = speaking[0] if len(speaking) == 1 else speaking[1]
-    link = links[number]
-    law = laws[number]
-    if len(speaking) == 1 and isinstance(law, Pounding):
-        return [_build_column_link(pair, strike, law) for strike in meeting.strikes]
-    words = link.law if len(speaking) == 1 else "several links"
-    message = f"slabs strike columns here, and {words} between a slab and columns is not modelled"
+    speaking = [number for number in members if links[number].spec.at is not None]
+    if not speaking:
+        unlisted = [number for number in members if not isinstance(links[number].spec.floors, tuple)]
+        unlisted = [number for number in unlisted if laws[number] is not None]
+        speaking = [number for number in unlisted if not _is_joint(laws[number])]
+        if unlisted and not speaking:
+            number = unlisted[0]
+            issues[_refuse_at_columns(links[number], f"a {links[number].law} that does not say so")] = None
+    return [number for number in speaking if laws[number] is not None]
+
+
+def _is_joint(law: LinkLaw | None) -> bool:
+    return law is not None and law.joins
+
+
+def _refuse_at_columns(link: CompleteLink, words: str) -> Issue:
+    """Return what is wrong with a link that does not stand between a slab and columns; words : what it is."""
+    message = f"slabs strike columns here, and {words} does not stand between a slab and columns"
     hint = "write an entry `{link: pounding, at: columns}`, and `impact: {law: kelvin-voigt}`; or `link: none`"
-    is_of_impact = len(speaking) == 1 and link.law != link.spec.link
-    issues[Issue(("impact", "law") if is_of_impact else (*link.path, "link"), message, hint)] = None
-    return []
-
-
-def _build_column_link(pair: int, struck: ColumnStrike, law: Pounding) -> Link:
-    """Return the spring of a blow in series with the columns that it bends."""
-    in_series = replace(law, stiffness=1.0 / (1.0 / law.stiffness + struck.flexibility))
-    strike: Strike = struck.strike
-    ends = (strike.left_at, strike.right_at)
-    return Link(pair, strike.left_floor, strike.right_floor, in_series, *ends, struck.share)
+    is_of_impact = link.law != link.spec.link
+    return Issue(("impact", "law") if is_of_impact else (*link.path, "link"), message, hint)

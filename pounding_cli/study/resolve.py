@@ -17,7 +17,7 @@ from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.buildings import build_building, find_code_displacements
 from pounding_cli.study.drafts import check_draft, check_draft_names, read_draft, read_impact_draft
 from pounding_cli.study.file import Map, get, with_value
-from pounding_cli.study.group import Group, build_group, check_group_names
+from pounding_cli.study.group import Group, build_group, check_group_names, check_meetings
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.like import inherits_key
 from pounding_cli.study.links import (
@@ -32,6 +32,7 @@ from pounding_cli.study.links import (
     complete_links,
     evaluate_multiples,
     find_floors,
+    find_linked_pairs,
     list_multiples,
 )
 from pounding_cli.study.motions import MotionReader, Suite, read_suite
@@ -209,7 +210,8 @@ class _Resolver:
         own_laws = self.build_own_laws()
         checked_impact = self.map(check_contact_law, impact_of_known_names, own_laws)
         meetings = self.map(lambda group: group.meetings, group).merge_equal()
-        complete, link_laws, links = {}, {}, {}
+        complete, link_laws, links, sound_cases = {}, {}, {}, {}
+        pairs = self.map(lambda meetings: len(meetings), meetings)
         for name in self.entries("cases"):
             case = self.sweep_spec("cases", name)
             if not case.is_sound:
@@ -225,6 +227,9 @@ class _Resolver:
             stiffnesses = self.map(evaluate_multiples, multiples, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, checked_impact, own_laws, stiffnesses, floors)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
+            sound_cases[name] = sound_case
+        linked_pairs = [self.map(partial(find_linked_pairs, name), case, pairs) for name, case in sound_cases.items()]
+        self.map(lambda group, *linked: check_meetings(group, set[int]().union(*linked)), group, *linked_pairs)
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
 
