@@ -188,10 +188,14 @@ def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[
     return names
 
 
-def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> None:
-    """Raise IssuesFound where two neighbours cannot strike each other.
+def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> Group:
+    """Return the group unchanged.
 
     linked_pairs : pairs from 0 whose floors a link of a case names, wherever they are
+
+    Raises
+    ------
+    IssuesFound : two neighbours cannot strike each other, and no link joins them
     """
     issues = []
     for place, meeting in enumerate(group.meetings):
@@ -204,6 +208,7 @@ def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> None:
             issues.append(Issue(("group", place + 1), message, hint))
     if issues:
         raise IssuesFound(issues)
+    return group
 
 
 def find_ignored_blows(group: Group) -> list[Issue]:

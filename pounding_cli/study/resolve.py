@@ -209,11 +209,11 @@ class _Resolver:
         impact_of_known_names = self.map(partial(check_impact_names, names=names), impact)
         own_laws = self.build_own_laws()
         checked_impact = self.map(check_contact_law, impact_of_known_names, own_laws)
+        cases = {name: self.sweep_spec("cases", name) for name in self.entries("cases")}
+        group = self.check_meetings(group, cases, names)
         meetings = self.map(lambda group: group.meetings, group).merge_equal()
-        complete, link_laws, links, sound_cases = {}, {}, {}, {}
-        pairs = self.map(lambda meetings: len(meetings), meetings)
-        for name in self.entries("cases"):
-            case = self.sweep_spec("cases", name)
+        complete, link_laws, links = {}, {}, {}
+        for name, case in cases.items():
             if not case.is_sound:
                 self.note_faulty_case(name, impact, meetings, names)
             if not impact.is_sound:
@@ -227,9 +227,6 @@ class _Resolver:
             stiffnesses = self.map(evaluate_multiples, multiples, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, checked_impact, own_laws, stiffnesses, floors)
             links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
-            sound_cases[name] = sound_case
-        linked_pairs = [self.map(partial(find_linked_pairs, name), case, pairs) for name, case in sound_cases.items()]
-        self.map(lambda group, *linked: check_meetings(group, set[int]().union(*linked)), group, *linked_pairs)
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
 
@@ -261,6 +258,16 @@ class _Resolver:
             return build_group(names, dict(zip(types, buildings, strict=True)))
 
         return self.map(build, sound, *types.values())
+
+    def check_meetings(self, group: Swept[Group], cases: Mapping[str, Swept[Any]], names: Names) -> Swept[Group]:
+        """Return the group; neighbours that cannot strike each other, and that no case links, are noted.
+
+        Of a faulty case it is not known which neighbours it links.
+        """
+        if not all(case.is_sound for case in cases.values()):
+            return group
+        linked = [self.map(partial(find_linked_pairs, name, pairs=names.pairs), case) for name, case in cases.items()]
+        return self.map(lambda group, *pairs: check_meetings(group, set[int]().union(*pairs)), group, *linked)
 
     def build_own_laws(self) -> Swept[Any]:
         """Return the laws of the study's own."""
