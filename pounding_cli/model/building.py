@@ -13,6 +13,7 @@ from pounding_cli.laws.bilinear import Bilinear
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.laws.slider import Slider
 from pounding_cli.laws.storey import StoreyLaw
+from pounding_cli.model.plan import FloorPlan, FrameLine
 from pounding_cli.numbers import pluralize
 from pounding_cli.records.motion import GRAVITY
 
@@ -104,6 +105,7 @@ class Building:
     slab : thickness of the floor slabs [m], >= 0, below every storey height; says which floors of neighbours meet
     columns : part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-],
         0 < columns <= 1; None: not known
+    plan : of floors that twist; its lines add up to `stiffness` and `yield_shear`; None for floors that do not
     collapse : drift over storey height at which a storey counts as collapsed [-], > 0, inf for never; None: 0.10 where
         storeys that yield may lose all resistance, never elsewhere
 
@@ -128,6 +130,7 @@ class Building:
     collapse: float | None = None
     slab: float = 0.0
     columns: float | None = None
+    plan: FloorPlan | None = None
 
     def __post_init__(self) -> None:
         loads = () if self.gravity_load is None else ("gravity_load",)
@@ -235,6 +238,11 @@ class Building:
         each = zip(self.stiffness.tolist(), self.yield_shear.tolist(), self.hardening.tolist(), strict=True)
         return tuple(self.storey_law(*values, **dict(self.law_parameters)) for values in each)
 
+    def laws_of_line(self, line: FrameLine) -> tuple[StoreyLaw, ...]:
+        """Return the law of every storey of one of its frame lines, from the ground up."""
+        each = zip(line.stiffness.tolist(), line.yield_shear.tolist(), self.hardening.tolist(), strict=True)
+        return tuple(self.storey_law(*values, **dict(self.law_parameters)) for values in each)
+
     @cached_property
     def isolators(self) -> Bilinear | Slider | None:
         """Law of the isolators under its weight; None where it has none, or linear ones."""
@@ -282,8 +290,10 @@ class Building:
             value = getattr(self, each.name)
             if each.name in ("name", *_MEETING_FIELDS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
                 continue  # bilinear storeys have the digest that they had before there were others
-            if each.name in ("gravity_load", "collapse") and value is None:
+            if each.name in ("gravity_load", "collapse", "plan") and value is None:
                 continue  # nor do these change the digests of buildings without them
+            if each.name == "plan":
+                value = value.identity
             if each.name == "storey_law":
                 value = self.storey_law.name
             if each.name in ("gravity_load", "collapse"):

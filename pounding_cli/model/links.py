@@ -33,6 +33,7 @@ class Link:
         is not asked for
     cosine : of the angle between the link and the horizontal, 0 to 1: the link deforms by the closing times it, and
         its force times it acts on the floors; 1 for a level link [-]
+    left_y, right_y : places of its ends across the row, from the centres of mass of floors that twist [m]
 
     Raises
     ------
@@ -47,6 +48,8 @@ class Link:
     right_at: float = 1.0
     columns: float = 0.0
     cosine: float = 1.0
+    left_y: float = 0.0
+    right_y: float = 0.0
 
     def __post_init__(self) -> None:
         if self.left < 0:
@@ -73,7 +76,8 @@ class Link:
     def _hash(self) -> int:
         """The hash, computed once: what scenes share is looked up by their links."""
         ends = (self.left_floor, self.left_at, self.right_floor, self.right_at)
-        return hash((self.left, ends, self.law, self.columns, self.cosine))
+        places = (self.left_y, self.right_y)
+        return hash((self.left, ends, self.law, self.columns, self.cosine, places))
 
     @classmethod
     @lru_cache(maxsize=1024)  # the same at every gap of a sweep
@@ -114,6 +118,8 @@ class Link:
             parts.append(f"columns {self.columns!r}")
         if self.cosine < 1.0:
             parts.append(f"cosine {self.cosine!r}")
+        if self.left_y or self.right_y:
+            parts.append(f"y {self.left_y!r} {self.right_y!r}")
         return " ".join(parts)
 
 

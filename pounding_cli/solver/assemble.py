@@ -24,6 +24,7 @@ from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import LinkEnd
+from pounding_cli.model.plan import FloorPlan
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.records.motion import Motion
@@ -68,12 +69,31 @@ def max_order(tolerance: float) -> int:
 
 
 class Tie(NamedTuple):
-    """Of a link what scenes have in common whose laws have other parameters; fields as of `Link`."""
+    """Of a link what scenes have in common whose laws have other parameters; fields as of `Link`.
+
+    places : y of both ends from the centres of mass [m]
+    """
 
     ends: tuple[LinkEnd, LinkEnd]
     columns: float
     cosine: float
+    places: tuple[float, float]
     law: type[LinkLaw]
+
+
+class Line(NamedTuple):
+    """A storey of a frame line of a building whose floors twist.
+
+    element : its fields
+    weights : of the degrees of freedom in its drift
+    storey : from 0
+    number : of the line, those across the row behind those along it
+    """
+
+    element: dict[str, Any]
+    weights: Weights
+    storey: int
+    number: int
 
 
 class Columns(NamedTuple):
@@ -105,7 +125,10 @@ class Layout:
     cosines : of the angles of the links, shape (links,): a link deforms by the closing of its ends times it [-]
     floors : degrees of freedom of the floors of every building
     bases, feet : those of a base that sways, and that rocks; -1 where none does
-    drags : dashpots to the ground of buildings on foundations; their elements stand before those of links
+    turns : degrees of freedom of the rotations of the floors of every building, none where they do not twist
+    drags : dashpots to the ground of buildings on foundations; their elements stand behind those of the storeys
+    lines : building, storey from 0 and number of every frame line; their elements stand behind these dashpots
+    sums : buildings from 0 whose storey shears are sums over lines; they stand behind those of `struck` in `columns`
     struck : columns that links end on; two shears each stand in `columns`, below and above that end
     """
 
@@ -119,7 +142,10 @@ class Layout:
     floors: tuple[slice, ...]
     bases: tuple[int, ...]
     feet: tuple[int, ...]
+    turns: tuple[slice, ...]
     drags: int
+    lines: tuple[tuple[int, int, int], ...]
+    sums: tuple[int, ...]
     struck: tuple[Columns, ...]
     has_smooth: bool
 
@@ -131,7 +157,13 @@ class Layout:
     @property
     def of_links(self) -> slice:
         """Where the elements of the links stand."""
-        return slice(self.number + self.drags, self.elements.size)
+        return slice(self.of_lines.stop, self.elements.size)
+
+    @property
+    def of_lines(self) -> slice:
+        """Where the elements of the frame lines stand."""
+        first = self.number + self.drags
+        return slice(first, first + len(self.lines))
 
 
 def _element(behaviour: Behaviour, p: Sequence[float] = (), **more: float) -> dict[str, Any]:
@@ -148,8 +180,9 @@ def _storey(k: float, c: float, law: StoreyLaw | None = None) -> dict[str, Any]:
     """The element of a storey or under a base, with a dashpot c [N s/m]; with a spring k [N/m] where it cannot
     yield."""
     if law is None:
-        return _element(JOINED, (k, c), c=c)
-    return _element(law.behaviour, law.element_parameters(), c=c, yields=1, slides=int(isinstance(law, Slider)))
+        return _element(JOINED, (k, c), c=c, drifts=1)
+    slides = int(isinstance(law, Slider))
+    return _element(law.behaviour, law.element_parameters(), c=c, yields=1, slides=slides, drifts=1)
 
 
 class _Building:
@@ -159,6 +192,7 @@ class _Building:
     def __init__(self, b: Building, first: int, yields: bool, collapses: bool) -> None:
         self.dofs, self.storeys = list[dict[str, Any]](), list[dict[str, Any]]()
         self.drags = list[tuple[dict[str, Any], Weights]]()
+        self.lines = list[Line]()
         self.building, f = b, b.foundation
         self.base = self.foot = -1
         if f is not None and f.sways:
@@ -166,6 +200,7 @@ class _Building:
             self._add(f.mass, _storey(*b.base_spring, b.isolators))
         start = first + len(self.dofs)
         self.floors = slice(start, start + b.storeys)
+        self.turns = slice(start, start)
         if isinstance(b, Wall) and not b.moves:
             self._add(math.inf, _storey(0.0, 0.0))
             return
@@ -177,6 +212,8 @@ class _Building:
             limit = float(b.collapse_drift[j]) if collapses else math.inf
             load = 0.0 if b.gravity_load is None else float(b.gravity_load[j]) / height
             storey = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
+            if b.plan is not None:  # its lines resist
+                storey, limit = _storey(0.0, 0.0), math.inf
             self._add(
                 mass, storey | {"collapse": limit, "load": load}, drag=b.alpha if f is None else 0.0,
                 below=1.0 if j or self.base >= 0 else 0.0, lean=-height if rocks else 0.0, foot=max(self.foot, 0),
@@ -186,6 +223,39 @@ class _Building:
                 self.drags.append((_element(JOINED, (0.0, b.alpha * mass)), _moving(ends)))
         if f is not None and rocks:
             self._add(f.inertia, _storey(f.rocking_stiffness, f.rocking_damping), loaded=0.0)
+        if b.plan is not None:
+            self._add_turns(b.plan, first + len(self.dofs))
+            self._add_lines(b.plan, yields, collapses)
+
+    def _add_turns(self, plan: FloorPlan, first: int) -> None:
+        """The rotations of the floors, from the degree of freedom `first` on; lines across the row that cannot yield
+        stand between them, and P-Delta acts on them by the radii of gyration of what stands above."""
+        b = self.building
+        self.turns = slice(first, first + b.storeys)
+        square_radius = np.cumsum(plan.inertia[::-1])[::-1] / np.cumsum(b.mass[::-1])[::-1]
+        for j, stiffness in enumerate(plan.torsional_stiffness.tolist()):
+            load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] * square_radius[j] / b.height[j])
+            self._add(
+                float(plan.inertia[j]), _storey(stiffness, b.beta * stiffness) | {"load": load},
+                drag=b.alpha, below=1.0 if j else 0.0, loaded=0.0,
+            )  # fmt: skip
+
+    def _add_lines(self, plan: FloorPlan, yields: bool, collapses: bool) -> None:
+        """The storeys of the frame lines: v = (u_j - y theta_j) - (u_j-1 - y theta_j-1), across the row
+        x (theta_j - theta_j-1)."""
+        b = self.building
+        for number, line in enumerate((*plan.lines, *plan.lines_across)):
+            is_along = number < len(plan.lines)
+            for j, law in enumerate(b.laws_of_line(line)):
+                below = self.floors.start + j - 1 if j else self.base
+                turn, turn_below = self.turns.start + j, self.turns.start + j - 1 if j else -1
+                arm = -line.place if is_along else line.place
+                weights = {turn: arm, turn_below: -arm}
+                if is_along:
+                    weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
+                element = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
+                limit = float(b.collapse_drift[j]) if collapses else math.inf
+                self.lines.append(Line(element | {"collapse": limit}, _moving(weights), j, number))
 
     def _add(self, mass: float, storey: dict[str, Any], **more: float) -> None:
         """A degree of freedom and the element below it; a mass of inf does not move."""
@@ -193,9 +263,9 @@ class _Building:
         self.dofs.append({"mass": own, "inv_mass": 1.0 / mass, "loaded": 1.0, **more})
         self.storeys.append(storey)
 
-    def end(self, floor: int, at: float) -> Weights:
+    def end(self, floor: int, at: float, y: float = 0.0) -> Weights:
         """The motion of where a link ends: a floor, or columns clamped in the floors above and below, `at` of the
-        height of the storey below the floor. The floors lean with a base that rocks."""
+        height of the storey below the floor, `y` from the centres of mass. The floors lean with a base that rocks."""
         first, shape = self.floors.start, at * at * (3.0 - 2.0 * at)
         if isinstance(self.building, Wall):
             return {first: 1.0}
@@ -203,7 +273,13 @@ class _Building:
             return {self.base: 1.0}
         below = first + floor - 2 if floor > 1 else self.base
         lean = float(self.building.height[floor - 1]) * (at - shape)
-        return _moving({first + floor - 1: shape, below: 1.0 - shape, self.foot: lean})
+        weights = {first + floor - 1: shape, below: 1.0 - shape, self.foot: lean}
+        if self.building.plan is not None and y:
+            turn = self.turns.start + floor - 1
+            weights |= {turn: -y * shape}
+            if floor > 1:
+                weights |= {turn - 1: -y * (1.0 - shape)}
+        return _moving(weights)
 
 
 def _moving(weights: Weights) -> Weights:
@@ -264,10 +340,36 @@ def _column_shears(
     return made
 
 
+def _storey_shears(
+    number: int, made: Sequence[_Building], first_line: int, terms: list[tuple[float, int]]
+) -> list[dict[str, Any]]:
+    """The shears of the storeys of a building whose floors twist, from the ground up: the sums of its lines along the
+    row.
+
+    number : of the building; first_line : element of the first line of all buildings
+    """
+    building = made[number]
+    assert building.building.plan is not None
+    begin = first_line + sum(len(each.lines) for each in made[:number])
+    along = len(building.building.plan.lines)
+    shears = []
+    for j in range(building.building.storeys):
+        first = len(terms)
+        terms += [
+            (1.0, begin + place)
+            for place, line in enumerate(building.lines)
+            if line.storey == j and line.number < along
+        ]
+        shears.append({"share": 0.0, "storey": building.floors.start + j, "first": first, "last": len(terms)})
+    return shears
+
+
 def layout_of(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
     effects, links = effects_of(scene), scene.links
-    ties = tuple(Tie(link.ends, link.columns, link.cosine, type(link.law)) for link in links)
+    ties = tuple(
+        Tie(link.ends, link.columns, link.cosine, (link.left_y, link.right_y), type(link.law)) for link in links
+    )
     return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
 
 
@@ -278,36 +380,64 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         made.append(_Building(building, sum(len(each.dofs) for each in made), yields, collapses))
     dofs = _filled(DOF, [dof for each in made for dof in each.dofs])
     storeys, drags = [each for b in made for each in b.storeys], [each for b in made for each in b.drags]
+    lines = [line for b in made for line in b.lines]
     n, behaviours, all_weights, masses = dofs.size, [tie.law.behaviour for tie in ties], [], []
     for tie in ties:
-        left, right = (_scaled(made[b].end(floor, at), tie.cosine) for b, floor, at in tie.ends)
+        left, right = (
+            _scaled(made[b].end(floor, at, y), tie.cosine)
+            for (b, floor, at), y in zip(tie.ends, tie.places, strict=True)
+        )
         all_weights.append(left | {dof: -weight for dof, weight in right.items()})
         moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]
         masses.append((1.0 / moving[0] if moving[0] else math.inf, 1.0 / moving[1] if moving[1] else math.inf))
     links = [_element(each, eased=each.force is not None) for each in behaviours]
-    elements, terms = _filled(ELEMENT, [*storeys, *(drag for drag, _ in drags), *links]), list[tuple[float, int]]()
+    elements, terms = (
+        _filled(ELEMENT, [*storeys, *(drag for drag, _ in drags), *(line.element for line in lines), *links]),
+        list[tuple[float, int]](),
+    )
     for i, element in enumerate(elements[:n]):
         element["left"], element["right"], element["hold"] = i, max(i - 1, 0), dofs[i]["below"]
         element["first"] = len(terms)
         terms += [(dofs[i]["lean"], dofs[i]["foot"])] if dofs[i]["lean"] else []
         element["last"] = len(terms)
-    for element, weights in zip(elements[n:], [*(own for _, own in drags), *all_weights], strict=True):
+    for element, weights in zip(
+        elements[n:], [*(own for _, own in drags), *(line.weights for line in lines), *all_weights], strict=True
+    ):
         _tie(element, weights, terms)
     struck = tuple(_columns_of(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
     cosines = np.array([tie.cosine for tie in ties])
     floors = tuple(each.floors for each in made)
-    columns = _filled(COLUMN, _column_shears(struck, floors, n + len(drags), terms), 1)
+    sums = tuple(number for number, building in enumerate(buildings) if building.plan is not None)
+    shears = _column_shears(struck, floors, n + len(drags) + len(lines), terms)
+    for number in sums:
+        shears += _storey_shears(number, made, n + len(drags), terms)
+    columns = _filled(COLUMN, shears, 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
     each = [BEHAVIOURS[kind] for kind in elements["kind"].tolist()]
     in_rows = np.flatnonzero([own.force is not None or own is Slider.behaviour for own in each[:n]])
     elements["row"][in_rows] = elements.size - n + np.arange(in_rows.size)
+    places = tuple((number, line.storey, line.number) for number, b in enumerate(made) for line in b.lines)
     changing = [e for e, own in enumerate(each) if own.history_rate is not None or own is Maxwell.behaviour]
     elements["state"][changing] = 2 * n + np.arange(len(changing))
     return Layout(
-        buildings, dofs, elements, table, columns, tuple(masses), cosines, floors, tuple(each.base for each in made),
-        tuple(each.foot for each in made), len(drags), struck, any(own.force is not None for own in each),
-    )  # fmt: skip
+        buildings=buildings,
+        dofs=dofs,
+        elements=elements,
+        terms=table,
+        columns=columns,
+        masses=tuple(masses),
+        cosines=cosines,
+        floors=floors,
+        bases=tuple(each.base for each in made),
+        feet=tuple(each.foot for each in made),
+        turns=tuple(each.turns for each in made),
+        drags=len(drags),
+        lines=places,
+        sums=sums,
+        struck=struck,
+        has_smooth=any(own.force is not None for own in each),
+    )
 
 
 def _put_links(elements: np.ndarray, scenes: Sequence[Scene], masses: Sequence[tuple[float, float]]) -> np.ndarray:
@@ -401,7 +531,8 @@ def records_of(
             dofs["u0"][:, span], dofs["w"][:, span, 0] = u, v
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
     r, always_smooth = np.zeros(count, RUN), method.name == "dop853"
-    r["n"], r["m"], r["drags"], r["columns"] = n, m, layout.drags, 2 * len(layout.struck)
+    r["n"], r["m"], r["drags"], r["lines"] = n, m, layout.drags, len(layout.lines)
+    r["columns"] = layout.columns.size if layout.struck or layout.sums else 0
     r["dt"], r["tolerance"] = [scene.motion.dt for scene in scenes], tolerance
     r["least"] = [_least_acceleration(*each) for each in zip(scenes, dofs, elements, strict=True)]
     r["most_h"], r["rest"] = r["dt"] / least_steps, [last_segment(scene) for scene in scenes]

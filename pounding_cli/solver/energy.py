@@ -23,7 +23,11 @@ def add_energy(dofs, elements, r, series):
             d.inside[g], d.inside[g + 1], d.inside[g + 2], d.inside[g + 3] = _at_four(d.w, r.order, r.end, g)
     _work_on_storeys(dofs, elements, r)
     for a in range(r.active):
-        _work_on_series(elements[series[a].element], r, series[a])
+        el = elements[series[a].element]
+        if el.drifts:
+            _work_on_line(el, r, series[a])
+        else:
+            _work_on_series(el, r, series[a])
     for i in range(r.n):
         el = elements[i]
         if el.smooth:
@@ -76,3 +80,17 @@ def _work_on_series(el, r, s):
         v0, v1, v2, v3 = _at_four(s.rate, n, r.end, g)
         power += WEIGHTS[g] * f0 * v0 + WEIGHTS[g + 1] * f1 * v1 + WEIGHTS[g + 2] * f2 * v2 + WEIGHTS[g + 3] * f3 * v3
     el.work += r.h * r.end * power
+
+
+@njit(**PART)
+def _work_on_line(el, r, s):
+    """Work done in the step on a frame line that yields, and what its dashpot takes [J]."""
+    squares = 0.0
+    for g in range(0, PLACES_INSIDE, 4):
+        v0, v1, v2, v3 = _at_four(s.rate, r.order - 1, r.end, g)
+        squares += WEIGHTS[g] * v0 * v0 + WEIGHTS[g + 1] * v1 * v1 + WEIGHTS[g + 2] * v2 * v2 + WEIGHTS[g + 3] * v3 * v3
+    r.dashpots += el.c * squares * r.h * r.end
+    if el.smooth:
+        _work_on_series(el, r, s)
+    elif el.yields:  # the force is straight in the drift
+        el.work += (0.5 * el.k * (el.v0 + el.v1) + el.f0) * (el.v1 - el.v0)

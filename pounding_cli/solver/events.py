@@ -94,7 +94,9 @@ def ends_of_elements(dofs, elements, terms, r):
             u, w = terms[x].weight * dofs[terms[x].dof].u1, terms[x].weight * dofs[terms[x].dof].v1
             v, of_v = v + u, of_v + abs(u)
             rate, of_rate = rate + w, of_rate + abs(w)
-        if e >= r.n and (abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO):  # what floors have come to stays in their sums
+        if el.drifts == 0 and (
+            abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO
+        ):  # what floors have come to stays in their sums
             of_v = max(of_v, max(left.u_max, -left.u_min))
             of_rate = max(of_rate, left.fastest)
         el.v1, el.r1 = zero_if_rounding(v, of_v, LAST_DIGITS), zero_if_rounding(rate, of_rate, LAST_DIGITS)
@@ -263,9 +265,9 @@ def first_event(dofs, elements, terms, r, series):
         if el.holds:
             find_drive(dofs, elements, terms, r, series, e)
         for guard in range(COLLAPSE_HIGH + 1):
-            if _may_meet(el, guard, e >= r.n):
+            if _may_meet(el, guard, el.drifts == 0):
                 rate_series(dofs, elements, terms, r, e)
-                if e >= r.n and _moves_by_rounding(dofs, el, r):
+                if el.drifts == 0 and _moves_by_rounding(dofs, el, r):
                     break
                 at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
                 if el.eased and r.still:

@@ -97,8 +97,8 @@ def _end(dofs, elements, terms, r, columns, room, h):
         d.u0, d.w[0], d.a0 = d.u1, d.v1, d.a1
     for e in range(r.m):
         el = elements[e]
-        el.peak_v = max(el.peak_v, abs(el.v1) if e < r.n else el.v1)
-        if e < r.n:
+        el.peak_v = max(el.peak_v, abs(el.v1) if el.drifts else el.v1)
+        if el.drifts:
             el.peak_f = max(el.peak_f, abs(el.k * el.v1 + el.f0))
             if abs(el.v1) > el.collapse:
                 r.status = COLLAPSED

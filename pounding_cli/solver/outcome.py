@@ -62,9 +62,11 @@ def ends_of(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]
 def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest: np.ndarray) -> np.ndarray:
     """The peaks of scenes, records of `peaks_type`, shape (scenes,); `drift_at_rest` as of `rest.Rest`."""
     storeys = [building.storeys for building in layout.buildings]
-    peaks = np.full(len(scenes), np.nan, peaks_type(len(storeys), max(storeys), len(scenes[0].links)))
+    lines = 1 + max((number for _, _, number in layout.lines), default=-1)
+    peaks = np.full(len(scenes), np.nan, peaks_type(len(storeys), max(storeys), len(scenes[0].links), lines))
     for b in range(len(storeys)):
         _put_building(peaks, b, layout, data, drift_at_rest)
+    _put_lines(peaks, layout, data)
     links = data.elements[:, layout.of_links]
     peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
     peaks["max_closing"] = closings_of(layout, links["peak_v"], links["offset"])
@@ -105,6 +107,42 @@ def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data, drift_a
         peaks[name][:, b, : building.storeys] = values
 
 
+def _put_lines(peaks: np.ndarray, layout: Layout, data: Data) -> None:
+    """Enter the peaks of frame lines, of storeys that are sums over them, and of the rotations of floors."""
+    elements = data.elements[:, layout.of_lines]
+    for place, (b, storey, number) in enumerate(layout.lines):
+        building, e = layout.buildings[b], elements[:, place]
+        assert building.plan is not None
+        line = (*building.plan.lines, *building.plan.lines_across)[number]
+        elastic = line.stiffness[storey] * e["peak_v"]
+        peaks["line_shear"][:, b, storey, number] = np.where(e["yields"] > 0, e["peak_f"], elastic)
+        peaks["line_drift"][:, b, storey, number] = e["peak_v"]
+        yield_drift = line.yield_shear[storey] / line.stiffness[storey]
+        peaks["line_ductility"][:, b, storey, number] = e["peak_v"] / yield_drift
+    first = 2 * len(layout.struck)
+    for b in layout.sums:
+        storeys = layout.buildings[b].storeys
+        peaks["shear"][:, b, :storeys] = data.columns["peak"][:, first : first + storeys]
+        turns = data.dofs[:, layout.turns[b]]
+        peaks["twist"][:, b, :storeys] = np.maximum(turns["u_max"], -turns["u_min"])
+        first += storeys
+
+
+def stored_in_lines(layout: Layout, deformation: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(energy in frame lines [J], of them in those that yield) at drifts [m] and forces without dashpots [N], shape
+    (..., lines) each."""
+    elements = layout.elements[layout.of_lines]
+    yields = elements["yields"] > 0
+    stored = np.where(yields, 0.0, 0.5 * elements["p"][:, 0] * deformation**2)
+    for place in np.flatnonzero(yields).tolist():
+        b, storey, number = layout.lines[place]
+        building = layout.buildings[b]
+        assert building.plan is not None
+        law = building.laws_of_line((*building.plan.lines, *building.plan.lines_across)[number])[storey]
+        stored[..., place] = law.stored_energy(deformation[..., place], force[..., place])
+    return stored.sum(axis=-1), stored[..., yields].sum(axis=-1)
+
+
 def stored_in_storeys(
     layout: Layout, deformation: np.ndarray, force: np.ndarray, u: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -139,14 +177,16 @@ def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float =
     dofs, elements, r, n = data.dofs, data.elements, data.run, layout.number
     storeys, of_links = elements[:, :n], elements[:, layout.of_links]
     stored, yielding = stored_in_storeys(layout, storeys["v1"], forces_now(storeys), dofs["u0"])
-    in_links, drags = _stored_in_links(scenes, of_links), elements["work"][:, n : layout.of_links.start]
+    lines = elements[:, layout.of_lines]
+    in_lines, in_yielding_lines = stored_in_lines(layout, lines["v1"], forces_now(lines))
+    in_links, drags = _stored_in_links(scenes, of_links), elements["work"][:, n : layout.of_lines.start]
     entries = {
         "input": r["input"] + before,
         "kinetic": 0.5 * (dofs["mass"] * dofs["w"][..., 0] ** 2).sum(axis=1),
-        "stored": stored,
+        "stored": stored + in_lines,
         "links_stored": in_links,
         "damping": r["drag"] + r["dashpots"] + drags.sum(axis=1),
-        "hysteresis": storeys["work"].sum(axis=1) - yielding,
+        "hysteresis": storeys["work"].sum(axis=1) - yielding + lines["work"].sum(axis=1) - in_yielding_lines,
         "links": of_links["work"].sum(axis=1) - in_links,
     }
     values, stiffness = np.array(list(entries.values())), storeys["p"][..., 0]

@@ -38,7 +38,8 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
             if _may_turn(d.a0, d.a1, d.da):
                 _acceleration_peak(d, r)
     for e in range(r.m):
-        el, storey = elements[e], e < r.n
+        el = elements[e]
+        storey = el.drifts != 0
         if _ends_rise(el, storey):
             rate_series(dofs, elements, terms, r, e)
             _deformation_peaks(el, r, storey)
@@ -141,6 +142,7 @@ def _column_peak(dofs, elements, terms, r, series, column):
         link = elements[terms[x].dof]
         if link.closed and link.acts:
             s = series[link.row]
+            dashpot = link.c if link.drifts and not link.smooth else 0.0
             for k in range(r.order):
-                p[k] += terms[x].weight * s.f[k]
+                p[k] += terms[x].weight * (s.f[k] - dashpot * s.rate[k])
     column.peak = highest(r, n - 1, r.end, column.peak, absolute)

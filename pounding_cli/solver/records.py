@@ -3,7 +3,8 @@
 An element is one-dimensional: it deforms by v = sum of weight x u over its degrees of freedom, less an offset (the gap
 of a contact), and its force acts back on the same degrees of freedom by the same weights. Element i < n is the *storey*
 below degree of freedom i (or the spring under a foundation), v = u_i - below u_(i-1) + lean u_foot, whose forces a walk
-up the storeys adds; the others are links. All have two ends and any number of further terms.
+up the storeys adds; the others are dashpots to the ground, frame lines of floors that twist, and links, in this order.
+All have two ends and any number of further terms. A frame line counts as a storey: its drift is looked at both ways.
 
 SI units: m, m/s, N, kg, s, J; for a rocking base rad, N m, kg m2.
 """
@@ -65,8 +66,9 @@ ELEMENT = _dtype(
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
     # yields: 1 for a storey whose work is kept; eased: 1 for a contact that DOP853 steps (`events.FROM_REST`)
-    # holds: 1 for a slider that sticks; slides: 1 for a slider
-    i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased holds slides",
+    # holds: 1 for a slider that sticks; slides: 1 for a slider; drifts: 1 for what counts as a storey
+    i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased holds slides"
+    " drifts",
     # v = u_left - hold u_right - offset + further terms, first to last; hold: 0 where the right end is the ground
     # formula: place of its formula among those of the scene
     u8="left right first last formula",
@@ -89,9 +91,10 @@ RUN = _dtype(
     # has_sliders: 1 where bases stand on sliders
     # resumes: 1 for a run that goes on from its records, which an earlier one has left
     # follows: a step by DOP853 follows another, in one segment of the motion and without an event between them
+    # drags, lines: numbers of the dashpots to the ground and of the frame lines
     f8="h end g0 g1 tolerance smooth_tolerance least dt longest next onset across input drag dashpots time begun"
     " most_h rest smaller",
-    i8="n m drags columns trials active max_order order steps events orders instant status smooth always_smooth"
+    i8="n m drags lines columns trials active max_order order steps events orders instant status smooth always_smooth"
     " follows has_lean most_steps most_events output still resumes has_sliders",
     # p: room for one polynomial and its derivative
     # values: of a polynomial at the places that it is fitted to

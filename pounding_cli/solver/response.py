@@ -24,12 +24,24 @@ STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "d
 BASES = ("sway", "rocking", "isolator_displacement")
 LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
+LINES = ("line_shear", "line_drift", "line_ductility")
+TURNS = ("twist",)
 
 
 @functools.lru_cache(maxsize=1024)
-def peaks_type(buildings: int, storeys: int, links: int) -> np.dtype:
-    """The record of the peaks of a scene: numbers of every building and storey, of every base, and of every link."""
-    shapes = {STOREYS: (buildings, storeys), BASES: (buildings,), LINKS: (links,), COLUMNS: (links,)}
+def peaks_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.dtype:
+    """The record of the peaks of a scene: numbers of every building and storey, of every base, and of every link.
+
+    lines : most frame lines of a building whose floors twist; 0 where none does
+    """
+    shapes: dict[tuple[str, ...], tuple[int, ...]] = {
+        STOREYS: (buildings, storeys),
+        BASES: (buildings,),
+        LINKS: (links,),
+        COLUMNS: (links,),
+    }
+    if lines:
+        shapes |= {LINES: (buildings, storeys, lines), TURNS: (buildings, storeys)}
     return np.dtype([(name, "f8", shape) for names, shape in shapes.items() for name in names])
 
 

@@ -110,7 +110,7 @@ def begin(dofs, elements, terms, r, series):
     for e in range(r.m):
         el = elements[e]
         el.v0, el.r0 = el.v1, el.r1
-        el.peak_v, el.least = abs(el.v0) if e < r.n else el.v0, el.v0
+        el.peak_v, el.least = abs(el.v0) if el.drifts else el.v0, el.v0
 
 
 @njit(**CALLED)
@@ -126,7 +126,7 @@ def keep(dofs, elements, r, watch):
     for e in range(r.m):
         el = elements[e]
         f = el.acts * (el.f1 if el.smooth else line_force(el, el.v1, el.r1))
-        if e < r.n:
+        if el.drifts:
             f -= 0.0 if el.smooth else el.c * el.r1
             f += el.f1 if el.holds else 0.0
         elif e < r.n + r.drags:

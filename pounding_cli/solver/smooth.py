@@ -220,12 +220,13 @@ def _take_polynomials(dofs, elements, terms, r, series, room):
         el = elements[e]
         if el.closed if e >= n else el.smooth:
             rate_series(dofs, elements, terms, r, e)
-            _fit_force(el, r, series[el.row], states[el.state], room.formulas[el.formula], e < n)
+            _fit_force(el, r, series[el.row], states[el.state], room.formulas[el.formula], el.drifts)
 
 
 @njit(**CALLED)
 def _fit_force(el, r, s, state, formula, storey):
-    """Polynomials of the rate of an element, which stands in r.p, and of its force: of a storey without its dashpot."""
+    """Polynomials of the rate of an element, which stands in r.p, and of its force: of a storey or a frame line without
+    its dashpot."""
     for k in range(POINTS):
         s.rate[k] = r.p[k]
     integral(r, 1.0, el.v0)

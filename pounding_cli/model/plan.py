@@ -1,0 +1,143 @@
+"""The plan of a building whose floors twist: rotary inertias, frame lines along the row, and lines across it.
+
+Coordinates of a floor, from its centre of mass: x along the row, y across it; its rotation is positive from x to y. The
+place (x, y) of a floor that moves by u and turns by theta moves along the row by u - y theta."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+
+def _as_storeys(values: np.ndarray, storeys: int, name: str) -> np.ndarray:
+    """Return numbers of every storey as an array that nobody changes.  Raises ValueError: there are not so many."""
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    if array.shape != (storeys,):
+        raise ValueError(f"plan: {name} has shape {array.shape}, expected ({storeys},)")
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class FrameLine:
+    """Frames or walls of one line, which resist its floors; arrays run from the ground up, shape (n,).
+
+    Parameters
+    ----------
+    name : what tables call it
+    place : of a line along the row its y, of one across the row its x, from the centres of mass [m]
+    stiffness : initial stiffness of every storey [N/m], > 0
+    yield_shear : of every storey [N], > 0; inf where it cannot yield
+    """
+
+    name: str
+    place: float
+    stiffness: np.ndarray
+    yield_shear: np.ndarray
+
+    def __post_init__(self) -> None:
+        storeys = np.size(self.stiffness)
+        for name in ("stiffness", "yield_shear"):
+            array = _as_storeys(getattr(self, name), storeys, f"{name} of line {self.name}")
+            object.__setattr__(self, name, array)
+            if not (array > 0).all():
+                raise ValueError(f"plan: {name} of line {self.name} must be above zero")
+        if not np.isfinite(self.stiffness).all():
+            raise ValueError(f"plan: stiffness of line {self.name} must be finite")
+
+
+@dataclass(frozen=True, eq=False)
+class FloorPlan:
+    """What makes the floors of a building twist.
+
+    Parameters
+    ----------
+    inertia : rotary inertias of the floors about the vertical axes through their centres of mass [kg m2], > 0,
+        shape (n,)
+    lines : along the row
+    torsional_stiffness : of elastic lines across the row [N m], >= 0, shape (n,)
+    lines_across : further lines across the row, which may yield
+    low, high : edges of the floors, y from the centres of mass [m]
+    place : y of the centres of mass along the street [m], the same for all buildings of a row
+
+    Raises
+    ------
+    ValueError : an array has another shape, or a value is outside its range
+    """
+
+    inertia: np.ndarray
+    lines: tuple[FrameLine, ...]
+    torsional_stiffness: np.ndarray
+    lines_across: tuple[FrameLine, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    place: float = 0.0
+
+    def __post_init__(self) -> None:
+        storeys = np.size(self.inertia)
+        for name in ("inertia", "torsional_stiffness"):
+            object.__setattr__(self, name, _as_storeys(getattr(self, name), storeys, name))
+        if not (np.isfinite(self.inertia).all() and (self.inertia > 0).all()):
+            raise ValueError("plan: inertia must be finite and above zero")
+        if not (np.isfinite(self.torsional_stiffness).all() and (self.torsional_stiffness >= 0).all()):
+            raise ValueError("plan: torsional_stiffness must be finite and not negative")
+        if not self.lines:
+            raise ValueError("plan: no lines along the row; give at least one")
+        for line in (*self.lines, *self.lines_across):
+            if line.stiffness.shape != (storeys,):
+                raise ValueError(f"plan: line {line.name} has {line.stiffness.size} storeys, not {storeys}")
+        if not self.low <= self.high:
+            raise ValueError("plan: low must not be above high")
+
+    @property
+    def storeys(self) -> int:
+        """Number of storeys n."""
+        return self.inertia.size
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Storey stiffnesses along the row, the sums of their lines [N/m], shape (n,)."""
+        return np.sum([line.stiffness for line in self.lines], axis=0)
+
+    @cached_property
+    def yield_shear(self) -> np.ndarray:
+        """Storey yield shears along the row, the sums of their lines [N], shape (n,)."""
+        return np.sum([line.yield_shear for line in self.lines], axis=0)
+
+    @cached_property
+    def eccentricity(self) -> np.ndarray:
+        """Places of the centres of stiffness, y from the centres of mass [m], shape (n,)."""
+        return np.sum([line.place * line.stiffness for line in self.lines], axis=0) / self.stiffness
+
+    @cached_property
+    def identity(self) -> str:
+        """All that makes the floors twist, in a line."""
+        lines = [
+            (line.place, line.stiffness.tolist(), line.yield_shear.tolist())
+            for line in (*self.lines, *self.lines_across)
+        ]
+        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist()))
+
+    @property
+    def is_eccentric(self) -> bool:
+        """True where the floors twist by themselves, without eccentric links."""
+        size = np.sum([abs(line.place) * line.stiffness for line in self.lines], axis=0)
+        is_centred = np.abs(self.eccentricity * self.stiffness) <= 1e-12 * np.maximum(size, 1e-300)
+        return not bool(np.all(is_centred)) or not _is_symmetric(self.lines)
+
+
+def _is_symmetric(lines: tuple[FrameLine, ...]) -> bool:
+    """Return whether every line has one like it on the other side, so that they yield together."""
+    for line in lines:
+        mirrored = [
+            other
+            for other in lines
+            if other.place == -line.place
+            and np.array_equal(other.stiffness, line.stiffness)
+            and np.array_equal(other.yield_shear, line.yield_shear)
+        ]
+        if not mirrored:
+            return False
+    return True
