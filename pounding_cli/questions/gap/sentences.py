@@ -271,9 +271,32 @@ def _describe_codes(evidence: GapEvidence, pair: tuple[str, str], needs: Mapping
     """Yield in a sentence what codes ask for, beside what the motions require."""
     rules: dict[str, list[str]] = {}
     for rule, gap in evidence.iter_code_gaps(pair):
-        rules.setdefault(_compare_with_needs(gap, needs), []).append(f"{rule} {unit_text(gap, evidence.unit)}")
+        worth = _describe_worth(evidence.find_worth(pair, rule))
+        text = f"{rule} {unit_text(gap, evidence.unit)}{f' ({worth})' if worth else ''}"
+        rules.setdefault(_compare_with_needs(gap, needs), []).append(text)
     if rules:
         yield f"Codes: {'; '.join(f'{_join(gaps)}, {comparison}' for comparison, gaps in rules.items())}."
+
+
+def _describe_worth(worth: Mapping[str, Row]) -> str:
+    """Return how many motions close the gap of a code, and how often a year the pair touches: "3 of 5 motions close it
+    elastic, none yielding; 0.12 and 0.05 % a year".
+
+    It is "" where no motion closes it and no rate is known.
+
+    worth : row of CODES_TABLE by analysis
+    """
+    counts: list[str] = []
+    for analysis, row in worth.items():
+        motions = f"{row['closed'] or 'none'} of {row['motions']}"
+        if not counts:
+            motions += " motion closes it" if row["motions"] == 1 else " motions close it"
+        counts.append(f"{motions} {KINDS[analysis]}" if len(worth) > 1 else motions)
+    rates = [f"{format_number(100 * row['rate'], 2)}" for row in worth.values() if math.isfinite(row["rate"])]
+    parts = [", ".join(counts)] if any(row["closed"] for row in worth.values()) else []
+    if rates and len(rates) == len(worth):
+        parts.append(f"{_join(rates)} % a year" if parts else f"contact {_join(rates)} % a year")
+    return "; ".join(parts)
 
 
 def _compare_with_needs(gap: float, needs: Mapping[str, Need]) -> str:
