@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pounding_cli.model.separation import CODE_RULES, GB_SHARE, GB_STEP, CodeRule
 from pounding_cli.questions.specs import HAZARD_DESCRIPTION, RATE, Hazards, percents
 from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field
-from pounding_cli.study.quantity import ACCELERATION, Quantity, WholeNumber
+from pounding_cli.study.quantity import ACCELERATION, ParsedText, Quantity, WholeNumber, refuse, written_unit
 
 
 class Gb50011Spec(Model):
@@ -20,12 +20,23 @@ class Gb50011Spec(Model):
     structure: Literal[tuple(GB_SHARE)] = spec_field("frame", "system of the building that needs the wider joint")  # type: ignore[valid-type]
 
 
+_GROUND_ACCELERATION = ACCELERATION.replace(name="ground acceleration a_g", example="0.25 g", high=30.0)
+
+
+def _read_ground_acceleration(value: Any) -> float:
+    """Return an acceleration that is written with its unit.  Raises PydanticCustomError."""
+    acceleration = float(_GROUND_ACCELERATION.read(value))
+    if not written_unit(str(value)):
+        raise refuse(f"'{value}' lacks its unit", f"write `{value} g`, or `{value} m/s2` if that is meant")
+    return acceleration
+
+
 class NtcSpec(Model):
     """Seismic action of the Italian code at the limit state of life safety (SLV)."""
 
-    ag: Annotated[float, ACCELERATION.replace(name="ground acceleration a_g", example="0.25 g")] = spec_field(
-        ..., "ground acceleration a_g on rock at the limit state of life safety [m/s2]", "0.25 g"
-    )
+    ag: Annotated[
+        float, ParsedText(_read_ground_acceleration, "ground acceleration", ("0.25 g",), _GROUND_ACCELERATION)
+    ] = spec_field(..., "ground acceleration a_g on rock at the limit state of life safety [m/s2]", "0.25 g")
     soil: Annotated[float, Quantity("soil factor S", "", "1.2", 1.0, 3.0)] = spec_field(
         1.0, "factor S of soil and topography [-]"
     )

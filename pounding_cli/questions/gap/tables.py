@@ -142,13 +142,13 @@ CODES_COLUMNS = (
             "probability of contact at some floor at this gap, by a lognormal fit to the motions",
             Unit("%", 0.01, "1"),
             "contact",
-            digits=3,
+            digits=2,
         ),
         f"{100 * CONFIDENCE:.0f} % confidence interval, from {MIN_MOTIONS} motions on",
     ),
     *list_estimate_columns(
         Column(
-            "rate", "annual rate of contact at this gap, with a hazard curve", Unit("1/year", 1.0, "1/year"), digits=3
+            "rate", "annual rate of contact at this gap, with a hazard curve", Unit("%/year", 0.01, "1/year"), digits=2
         ),
         "bootstrap interval",
     ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.model.separation import CODE_RULES, UBC
-from pounding_cli.numbers import NOTHING, join_limited, pluralize
+from pounding_cli.numbers import NOTHING, format_number, join_limited, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.gap.evidence import (
     describe_floors,
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 __all__ = ["list_notes", "list_references", "list_sentences", "list_tables"]
+
+MIN_PERCENT = 0.01
+"""Probability of contact, or of none, below which no number is shown [%]."""
 
 _PAIR = Column("left", "two neighbours, left and right of the gap", label="between", write=describe_pair)
 _FLOORS = Column("floor", "floors that face each other", label="floors", write=describe_floors)
@@ -127,11 +131,32 @@ def _show_codes(results: ResultTables) -> Table:
     closed = Column("closed", "motions that close it", label="closed by", write=_count_closed)
     caption = "Gaps of codes, and how likely the pair touches at some floor"
     places, caption = _move_constants(table.frame, [_PAIR, table.column("analysis")], caption)
-    columns: list[str | Column] = [table.column("rule"), table.column("gap"), closed, table.column("probability")]
+    probability = replace(table.column("probability"), write=_format_probability, is_right=True)
+    columns: list[str | Column] = [table.column("rule"), table.column("gap"), closed, probability]
     if table.frame["rate"].notna().any():
         columns.append(table.column("rate"))
     rows = table.frame.sort_values([*keys, "left", "right"], kind="stable")
     return table.view(*keys, *places, *columns, frame=rows, caption=caption)
+
+
+def _format_probability(row: Row) -> str:
+    """Return a probability of contact in percent with its interval: "12 (1.6 to 44)", "<0.01 (<0.01 to 7.5)".
+
+    A fit to a few motions tells nothing of probabilities beyond MIN_PERCENT.
+    """
+    value, low, high = (100 * row[name] for name in ("probability", "probability_low", "probability_high"))
+    if not math.isfinite(value):
+        return NOTHING
+    text = _format_percent(value)
+    return f"{text} ({_format_percent(low)} to {_format_percent(high)})" if math.isfinite(low) else text
+
+
+def _format_percent(value: float) -> str:
+    if value < MIN_PERCENT:
+        return f"<{MIN_PERCENT:g}"
+    if value > 100 - MIN_PERCENT:
+        return f">{100 - MIN_PERCENT:g}"
+    return format_number(value, 4 if value > 99 else 2)
 
 
 def _count_closed(row: Row) -> str:
