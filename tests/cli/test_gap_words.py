@@ -211,16 +211,27 @@ NONE = (0, np.nan)
         ((NONE, (1, np.nan)), " (none of 3 motions close it elastic, 1 of 3 yielding)"),
         (
             ((2, 0.12), (1, 0.05)),
-            " (2 of 3 motions close it elastic, 1 of 3 yielding; 0.12 and 0.050 % a year)",
+            " (2 of 3 motions close it elastic, 1 of 3 yielding; contact 0.12 % a year elastic, 0.050 % yielding)",
         ),
-        (((0, 0.05), (0, 0.12)), " (contact 0.050 and 0.12 % a year)"),
+        (((0, 0.05), (0, 0.12)), " (contact 0.050 % a year elastic, 0.12 % yielding)"),
     ],
 )
 def test_a_gap_of_a_code_says_what_it_is_worth(solve, worth, said):
     """Elastic buildings first. Fails if the analyses are swapped, or if a rate is told that is not known."""
     told = retell(solve(STUDY), BOTH, codes=10.0, worth=worth)
     comparison = "less than elastic buildings need, no less than yielding ones do"
-    assert f"Codes: UBC-1991 10.0 cm{said}, {comparison}." in list_sentences(told)[0]
+    assert f"Codes: UBC-1991 10.0 cm, {comparison}{said}." in list_sentences(told)[0]
+    tables = {name: told.table(name) for name in ("gap", "gap_codes")}
+    twice = {
+        name: pd.concat([frame, frame[frame["rule"] == "UBC-1991"].assign(rule="E.030")])
+        for name, frame in tables.items()
+    }
+    twice["gap_codes"]["rate"] += np.where(twice["gap_codes"]["rule"] == "E.030", 0.0102, 0)
+    first = list_sentences(with_frames(told, **twice))[0]
+    several = said.replace(" it ", " them ")
+    for rate, further in (("0.12", "1.1"), ("0.050", "1.1")):
+        several = several.replace(f"{rate} %", f"{rate} to {further} %")
+    assert f"Codes: UBC-1991 10.0 cm and E.030 10.0 cm, {comparison}{several}." in first
 
 
 def test_codes_that_say_nothing_are_named_with_their_keys(solve):
