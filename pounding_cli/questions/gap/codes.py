@@ -47,6 +47,7 @@ def build_codes_table(plan: Plan, separations: pd.DataFrame, basis: RateBasis | 
     closings = _find_closings(separations)
     of_codes = separations[~separations["rule"].isin(MOTION_RULES) & separations["value"].notna()]
     gaps = of_codes.groupby([*keys, "rule"], observed=True)["value"].max().reset_index()
+    rates: dict[tuple[Any, ...], dict[str, Any]] = {}
     rows = []
     for point, analysis, number, rule, gap in gaps.itertuples(index=False):
         pair = closings.get((point, analysis, number))
@@ -58,10 +59,13 @@ def build_codes_table(plan: Plan, separations: pd.DataFrame, basis: RateBasis | 
         probabilities = estimate_contact(pair.largest, gap)
         row |= dict(zip(("probability", "probability_low", "probability_high"), probabilities, strict=True))
         if basis is not None:
-            row |= basis.estimate_rate(points[point], analysis, number, gap)
+            place = (basis.drop_intensity(points[point]), analysis, number, gap)
+            if place not in rates:  # once for all intensities
+                rates[place] = basis.estimate_rate(*place)
+            row |= rates[place]
         rows.append(row)
     names = [column.name for column in CODES_COLUMNS]
-    numbers = [column.name for column in CODES_COLUMNS if column.low or column.name == "gap"]
+    numbers = [column.name for column in CODES_COLUMNS if column.unit.si and column.digits]
     frame = pd.DataFrame(rows, columns=["point", *names])
     frame = frame.astype({"point": int, "motions": int, "closed": int} | dict.fromkeys(numbers, float))
     return build_point_table(plan, CODES_TABLE, frame, names)

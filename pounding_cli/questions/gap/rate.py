@@ -42,14 +42,14 @@ class RateBasis:
         """Return a point of the plan without its place on the axis of the intensity."""
         return tuple(place for axis, place in enumerate(point) if axis != self.intensity_axis)
 
-    def estimate_rate(self, point: Point, analysis: str, number: int, gap: float) -> dict[str, Any]:
+    def estimate_rate(self, other: Point, analysis: str, number: int, gap: float) -> dict[str, Any]:
         """Return the annual rate of contact of a pair at a gap [m] with its interval, as columns `rate`, `rate_low` and
         `rate_high`; nothing of fewer than 2 motions.
 
-        point : of the plan
+        other : point of the axes beside the intensity (`drop_intensity`)
         number : of the pair
         """
-        closings = self.closings[self.drop_intensity(point), analysis, number]
+        closings = self.closings[other, analysis, number]
         motions = closings.shape[1]
         if motions < 2 or gap <= 0:
             return {}
