@@ -13,7 +13,7 @@ import click
 from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.questions import load_questions, study_model
-from pounding_cli.questions.gap.spec import Gb50011Spec
+from pounding_cli.questions.gap.spec import Gb50011Spec, NtcSpec
 from pounding_cli.report.references import list_method_sources
 from pounding_cli.study import building_spec, link_specs, records_spec, schema
 from pounding_cli.study.quantity import PLAUSIBLE_RANGES
@@ -98,6 +98,7 @@ MODELS = {
     "`keep.histories`": schema.HistoriesSpec,
     **{f"`{each.name}`": each.section.spec for each in load_questions() if each.section is not None},
     "`gap.gb50011`": Gb50011Spec,
+    "`gap.ntc2018`, `gap.ntc2008`": NtcSpec,
 }
 """Headings of the page of keys, and the mapping under each."""
 

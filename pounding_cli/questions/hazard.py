@@ -273,6 +273,28 @@ MAX_GAP = 1e3
 _HALVINGS = 60
 
 
+def compute_contact_rates(
+    hazard: Hazard, log_gaps: np.ndarray, log_intensities: np.ndarray, log_closings: np.ndarray, draws: np.ndarray
+) -> np.ndarray:
+    """Return the annual rates of contact, of every draw of motions at its gap [1/year], shape (draws,).
+
+    log_gaps : of the gaps [m], shape (draws,)
+    log_intensities : rising, shape (levels,)
+    log_closings : of the closings [m], shape (levels, motions)
+    draws : how often each takes every motion, shape (draws, motions)
+    """
+    count = draws.sum(axis=1, keepdims=True)
+    mean = draws @ log_closings.T / count
+    variance = np.maximum(draws @ (log_closings**2).T / count - mean**2, 0.0)
+    spread = np.maximum(np.sqrt(variance * count / (count - 1)), 1e-6)
+    edges = np.exp(np.concatenate([[-np.inf], log_intensities[:-1], [np.inf]]))  # the last line goes on
+    score = (mean - log_gaps[:, None]) / spread
+    slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(log_intensities)], axis=1)
+    slope[:, -1] = np.maximum(slope[:, -1], 0.0)
+    intercept = score - slope * log_intensities
+    return hazard.contributions(edges, intercept, slope).sum(axis=1)
+
+
 def find_gaps(
     hazard: Hazard, rate: float, log_intensities: np.ndarray, log_closings: np.ndarray, draws: np.ndarray
 ) -> np.ndarray:
@@ -283,20 +305,11 @@ def find_gaps(
     log_closings : of the closings [m], shape (levels, motions)
     draws : how often each takes every motion, shape (draws, motions)
     """
-    count = draws.sum(axis=1, keepdims=True)
-    mean = draws @ log_closings.T / count
-    variance = np.maximum(draws @ (log_closings**2).T / count - mean**2, 0.0)
-    spread = np.maximum(np.sqrt(variance * count / (count - 1)), 1e-6)
-    edges = np.exp(np.concatenate([[-np.inf], log_intensities[:-1], [np.inf]]))  # the last line goes on
     low = np.full(len(draws), np.log(MIN_GAP))
     high = np.full(len(draws), np.log(MAX_GAP))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        score = (mean - middle[:, None]) / spread
-        slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(log_intensities)], axis=1)
-        slope[:, -1] = np.maximum(slope[:, -1], 0.0)
-        intercept = score - slope * log_intensities
-        is_too_often = hazard.contributions(edges, intercept, slope).sum(axis=1) > rate
+        is_too_often = compute_contact_rates(hazard, middle, log_intensities, log_closings, draws) > rate
         low = np.where(is_too_often, middle, low)
         high = np.where(is_too_often, high, middle)
     is_inside = (low > np.log(2 * MIN_GAP)) & (high < np.log(0.5 * MAX_GAP))

@@ -73,6 +73,8 @@ Coefficient = Annotated[float, ParsedText(_read_base_shear, "part of the weight 
 Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
 ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
 DisplacementBehaviourFactor = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
+DisplacementDuctility = Annotated[float, Quantity("displacement ductility factor mu_d", "", "3.9", 1.0, 50.0)]
+ReductionR = Annotated[float, Quantity("reduction factor R", "", "5", 1.0, 20.0)]
 
 
 class BaseShearSpec(Model):
@@ -84,13 +86,24 @@ class BaseShearSpec(Model):
     )
     overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]")
     cd: Amplification | None = spec_field(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
-    ie: ImportanceIe | None = spec_field(None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie")
+    ie: ImportanceIe | None = spec_field(
+        None, "importance factor Ie of ASCE 7, I of TBDY 2018 [-], for `pound gap`", alias="Ie"
+    )
     qd: DisplacementBehaviourFactor | None = spec_field(
         None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`"
     )
+    mu_d: DisplacementDuctility | None = spec_field(
+        None,
+        "displacement ductility factor of NTC 2018, 7.3.3.3 [-], for `pound gap`; without it the displacement is "
+        "estimated from the height",
+    )
+    r: ReductionR | None = spec_field(
+        None, "reduction factor R of IS 1893, TBDY 2018 and E.030 [-], for `pound gap`", alias="R"
+    )
+    irregular: bool = spec_field(False, "whether the structure is irregular by E.030, for `pound gap`")
 
 
-BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
+BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd", "mu_d", "R", "irregular"})
 """Keys of a yield that speak of a base shear."""
 
 

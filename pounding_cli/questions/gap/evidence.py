@@ -11,7 +11,7 @@ import pandas as pd
 
 from pounding_cli.model.links import BASE
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
+from pounding_cli.questions.gap.tables import CASES_TABLE, CODES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.file import parse
@@ -149,6 +149,13 @@ class GapEvidence:
                 )
             entries.append(CaseEntry(str(case), needs, is_uniform))
         return entries
+
+    def find_worth(self, pair: tuple[str, str], rule: str) -> dict[str, Row]:
+        """Return by analysis the row of CODES_TABLE of a rule for two neighbours; nothing where no motion is known."""
+        if CODES_TABLE not in self.results.answers:
+            return {}
+        rows = self.select_pair(self.shown.rows_here(self.results.answer(CODES_TABLE).frame), pair)
+        return {row["analysis"]: row for row in rows[rows["rule"] == rule].to_dict("records")}
 
     def iter_code_gaps(self, pair: tuple[str, str]) -> Iterator[tuple[str, float]]:
         """Yield the rules of codes with the gap that each requires of two neighbours, the largest of all floors [m]."""

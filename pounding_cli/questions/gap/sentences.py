@@ -268,12 +268,54 @@ def _format_width(width: float, unit: Unit, gaps: Sequence[float]) -> str:
 
 
 def _describe_codes(evidence: GapEvidence, pair: tuple[str, str], needs: Mapping[str, Need]) -> Iterator[str]:
-    """Yield in a sentence what codes ask for, beside what the motions require."""
-    rules: dict[str, list[str]] = {}
+    """Yield in a sentence what codes ask for, beside what the motions require, and what their gaps are worth."""
+    groups: dict[tuple[str, str], list[tuple[str, Mapping[str, Row]]]] = {}
     for rule, gap in evidence.iter_code_gaps(pair):
-        rules.setdefault(_compare_with_needs(gap, needs), []).append(f"{rule} {unit_text(gap, evidence.unit)}")
-    if rules:
-        yield f"Codes: {'; '.join(f'{_join(gaps)}, {comparison}' for comparison, gaps in rules.items())}."
+        worth = evidence.find_worth(pair, rule)
+        alike = (_compare_with_needs(gap, needs), _count_closing(worth))
+        groups.setdefault(alike, []).append((f"{rule} {unit_text(gap, evidence.unit)}", worth))
+    parts = []
+    for (comparison, counts), rules in groups.items():
+        closing = counts.replace(" it", " them", 1) if len(rules) > 1 else counts
+        worth_parts = [part for part in (closing, _describe_code_rates([worth for _, worth in rules])) if part]
+        worth_text = f" ({'; '.join(worth_parts)})" if worth_parts else ""
+        parts.append(f"{_join([gap for gap, _ in rules])}, {comparison}{worth_text}")
+    if parts:
+        yield f"Codes: {'; '.join(parts)}."
+
+
+def _count_closing(worth: Mapping[str, Row]) -> str:
+    """Return how many motions close the gap of a code: "3 of 5 motions close it elastic, none of 5 yielding"; "" where
+    none does.
+
+    worth : row of CODES_TABLE by analysis
+    """
+    if not any(row["closed"] for row in worth.values()):
+        return ""
+    counts: list[str] = []
+    for analysis, row in worth.items():
+        motions = f"{row['closed'] or 'none'} of {row['motions']}"
+        if not counts:
+            motions += " motion closes it" if row["motions"] == 1 else " motions close it"
+        counts.append(f"{motions} {KINDS[analysis]}" if len(worth) > 1 else motions)
+    return ", ".join(counts)
+
+
+def _describe_code_rates(worths: Sequence[Mapping[str, Row]]) -> str:
+    """Return how often a year pairs with the gaps of some codes touch: "contact 0.12 % a year elastic, 0.050 to 0.060 %
+    yielding"; "" where no rate is known.
+
+    worths : rows of CODES_TABLE by analysis, of every code
+    """
+    parts: list[str] = []
+    for analysis in worths[0]:
+        rates = [worth[analysis]["rate"] for worth in worths]
+        if not all(math.isfinite(rate) for rate in rates):
+            return ""
+        ends = dict.fromkeys(format_number(100 * rate, 2) for rate in (min(rates), max(rates)))
+        kind = f" {KINDS[analysis]}" if len(worths[0]) > 1 else ""
+        parts.append(f"{' to '.join(ends)} %{'' if parts else ' a year'}{kind}")
+    return f"contact {', '.join(parts)}" if parts else ""
 
 
 def _compare_with_needs(gap: float, needs: Mapping[str, Need]) -> str:

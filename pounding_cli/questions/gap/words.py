@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.numbers import NOTHING, join_limited, pluralize
+from pounding_cli.model.separation import CODE_RULES, UBC
+from pounding_cli.numbers import NOTHING, format_number, join_limited, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.gap.evidence import (
     describe_floors,
@@ -19,7 +21,15 @@ from pounding_cli.questions.gap.evidence import (
     select_widest,
 )
 from pounding_cli.questions.gap.sentences import describe_rate, list_sentences
-from pounding_cli.questions.gap.tables import CASES_TABLE, CONFIDENCE, EXACT, GAP_TABLE, LINE_TABLE, RATE_TABLE
+from pounding_cli.questions.gap.tables import (
+    CASES_TABLE,
+    CODES_TABLE,
+    CONFIDENCE,
+    EXACT,
+    GAP_TABLE,
+    LINE_TABLE,
+    RATE_TABLE,
+)
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Column, Row, Table
 
@@ -28,6 +38,9 @@ if TYPE_CHECKING:
 
 __all__ = ["list_notes", "list_references", "list_sentences", "list_tables"]
 
+MIN_PERCENT = 0.01
+"""Probability of contact, or of none, below which no number is shown [%]."""
+
 _PAIR = Column("left", "two neighbours, left and right of the gap", label="between", write=describe_pair)
 _FLOORS = Column("floor", "floors that face each other", label="floors", write=describe_floors)
 
@@ -35,6 +48,8 @@ _FLOORS = Column("floor", "floors that face each other", label="floors", write=d
 def list_tables(results: ResultTables) -> list[Table]:
     """Return the tables that a terminal prints, those without rows left out."""
     tables = [_show_separations(results), _show_cases(results), _show_distances(results)]
+    if CODES_TABLE in results.answers:
+        tables.insert(1, _show_codes(results))
     if RATE_TABLE in results.answers:
         tables.insert(0, _show_rate(results))
     return [table for table in tables if len(table.frame)]
@@ -109,6 +124,46 @@ def _count_motions(row: Row) -> str:
     return f"{row['enough_for']} of {row['motions']}" if row["motions"] > 0 else NOTHING
 
 
+def _show_codes(results: ResultTables) -> Table:
+    """Return the gaps of codes with what they are worth in these motions, and how often a year they close."""
+    table = results.answer(CODES_TABLE)
+    keys = _list_swept_keys(results, table)
+    closed = Column("closed", "motions that close it", label="closed by", write=_count_closed)
+    caption = "Gaps of codes, and how likely the pair touches at some floor"
+    places, caption = _move_constants(table.frame, [_PAIR, table.column("analysis")], caption)
+    probability = replace(table.column("probability"), write=_format_probability, is_right=True)
+    columns: list[str | Column] = [table.column("rule"), table.column("gap"), closed, probability]
+    if table.frame["rate"].notna().any():
+        columns.append(table.column("rate"))
+    rows = table.frame.sort_values([*keys, "left", "right"], kind="stable")
+    return table.view(*keys, *places, *columns, frame=rows, caption=caption)
+
+
+def _format_probability(row: Row) -> str:
+    """Return a probability of contact in percent with its interval: "12 (1.6 to 44)", "<0.01 (<0.01 to 7.5)".
+
+    A fit to a few motions tells nothing of probabilities beyond MIN_PERCENT.
+    """
+    value, low, high = (100 * row[name] for name in ("probability", "probability_low", "probability_high"))
+    if not math.isfinite(value):
+        return NOTHING
+    text = _format_percent(value)
+    return f"{text} ({_format_percent(low)} to {_format_percent(high)})" if math.isfinite(low) else text
+
+
+def _format_percent(value: float) -> str:
+    if value < MIN_PERCENT:
+        return f"<{MIN_PERCENT:g}"
+    if value > 100 - MIN_PERCENT:
+        return f">{100 - MIN_PERCENT:g}"
+    return format_number(value, 4 if value > 99 else 2)
+
+
+def _count_closed(row: Row) -> str:
+    """Return how many of the motions close a gap: "2 of 5"."""
+    return f"{row['closed']} of {row['motions']}"
+
+
 def _show_rate(results: ResultTables) -> Table:
     """Return the gap of every pair for the annual rate of contact."""
     table = results.answer(RATE_TABLE)
@@ -156,11 +211,32 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
             "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
             "side is not enough, the answer for the other side does not hold."
         )
+    yield from _iter_code_notes(results)
     if left_out := _list_cases_left_out(results, cases):
         yield (
             f"Not compared: {join_limited(left_out)}. There is no link, or one that acts before the gap has closed; "
             "`pound run` simulates them."
         )
+
+
+def _iter_code_notes(results: ResultTables) -> Iterator[str]:
+    """Yield the codes that say nothing of these buildings, with the keys that they need."""
+    evaluated = set(results.answer(GAP_TABLE).frame["rule"])
+    settings = results.resolved.get("gap") or {}
+    named = settings.get("codes") or ()
+    others: list[str] = []
+    for rule in CODE_RULES:
+        if rule.name == UBC or rule.name in evaluated:
+            continue
+        factors = f"{' and '.join(rule.factors)} in `yield`"
+        if rule.name in named:
+            yield f"{rule.name} is left out: it needs {factors} of two neighbours."
+        elif rule.section or rule.by_name:
+            others.append(f"{rule.name} (`gap.{rule.section or 'codes'}`)")
+        else:
+            others.append(f"{rule.name} ({factors})")
+    if others:
+        yield f"Further codes and the keys that they need: {', '.join(others)}."
 
 
 def _describe_rate_basis(row: Row) -> str:
@@ -195,10 +271,11 @@ def list_references(resolved: Mapping[str, Any]) -> list[tuple[str, str]]:
     references = [("jeng1992", "the rule DDC"), ("derkiureghian1981", "the correlation of two oscillators in DDC")]
     buildings = [resolved["buildings"][name] for name in resolved["group"]]
     yields = [building["yield"] for building in buildings if building["yield_shear"] is None]
-    if any(each.get("Cd") and each.get("Ie") for each in yields):
-        references.append(("asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3"))
-    if any(each.get("qd") for each in yields):
-        references.append(("en1998", "the separation of EN 1998-1, 4.4.2.7"))
-    if (resolved.get("gap") or {}).get("gb50011"):
-        references.append(("gb50011-2010", "the joint width of clause 6.1.4"))
+    settings = resolved.get("gap") or {}
+    for rule in CODE_RULES:
+        has_factors = any(all(each.get(key) for key in rule.factors) for each in yields) or not rule.factors
+        is_selected = settings.get(rule.section) if rule.section else not rule.by_name
+        is_named = rule.by_name and rule.name in (settings.get("codes") or ())
+        if rule.source and has_factors and (is_selected or is_named):
+            references.append((rule.source, f"the separation of {rule.name}, {rule.clause}"))
     return references
