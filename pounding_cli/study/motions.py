@@ -51,19 +51,26 @@ class MotionItem:
     """One motion of a study.
 
     name : what tables call it
-    file, spec : its file and how that is read; None of a motion of the catalogue, with durations and scales of Table 1
+    file, spec : its file and how that is read; None of a motion of the catalogue or of a set
+    set_motion : the motion of a set; None of any other
     """
 
     name: str
     file: Path | None = None
     spec: RecordFileSpec | None = None
+    set_motion: records.SetMotion | None = None
+
+    @property
+    def is_of_catalogue(self) -> bool:
+        """Return whether it is a motion of the catalogue, with a duration and a scale in Table 1."""
+        return self.file is None and self.set_motion is None
 
 
 @dataclass(frozen=True)
 class MotionUse:
     """A motion as it is used, without its samples (`MotionReader.used_motion` makes them again).
 
-    source : one of "real", "stand-in", "user"
+    source : label of where it comes from (`Motion.source`)
     digest : SHA-256 of the motion as used
     scale : factor on the motion as read [-]
     window : duration used [s]
@@ -121,6 +128,8 @@ class MotionReader:
 
     def _read(self, item: MotionItem) -> records.Reading | Motion:
         """Return the whole motion, with how it was read where it is a file.  Raises InputError: it cannot be read."""
+        if item.set_motion is not None:
+            return records.read_set_motion(item.set_motion)
         if item.file is None or item.spec is None:
             return records.load_motion(item.name)
         options: dict[str, Any] = item.spec.model_dump(exclude={"file", "name"})
@@ -136,9 +145,11 @@ class MotionReader:
         if isinstance(record, str):
             if record in records.list_names():
                 return (MotionItem(record),)
+            if records.find_set_name(record) is not None:
+                return self._find_set_items(record)
             is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
             if not is_path:
-                records.get_entry(record)  # refuses the name, with the nearest one
+                records.get_entry(record, records.MOTION_SETS)  # refuses the name, with the nearest one
             record = RecordFileSpec(file=record)
         if len(record.file) > MAX_PATH_LENGTH:
             raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
@@ -146,7 +157,10 @@ class MotionReader:
         files = self._find_files(written)
         if not files:
             message = f"there exists no motion {shorten_path(self.folder / written)}"
-            raise InputError(Problem(message, "paths are relative to the study file"))
+            hint = "paths are relative to the study file"
+            if records.find_set_name(written) is not None:
+                hint = f"write `{written}` without `file:` for the set of recorded motions; {hint}"
+            raise InputError(Problem(message, hint))
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"
             raise InputError(Problem(f"'name:' is one for {len(files)} files", hint))
@@ -154,6 +168,20 @@ class MotionReader:
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
         return tuple(MotionItem(record.name or name, each, record) for each, name in zip(files, names, strict=True))
+
+    def _find_set_items(self, record: str) -> tuple[MotionItem, ...]:
+        """Return the motions of a set that an entry of `use` names.
+
+        Raises
+        ------
+        InputError : a file or folder has the name of the set; the set has no such motion, or is not installed
+        """
+        name = records.find_set_name(record)
+        if os.path.exists(self.folder / str(name)):
+            message = f"'{name}' is a set of recorded motions, and {shorten_path(self.folder / str(name))} exists too"
+            hint = f"write `./{record}` for the files; give the folder another name to use the set"
+            raise InputError(Problem(message, hint))
+        return tuple(MotionItem(motion.name, set_motion=motion) for motion in records.select_set_motions(record))
 
     def _find_files(self, written: str) -> list[Path]:
         """A file, the motions in a folder, or the files that a pattern matches."""
@@ -214,7 +242,7 @@ class _Sources:
         readings: list[records.Reading] = []
         for item in items:
             if item.name in self.items:
-                hint = "remove one, or give it another `name:`"
+                hint = "remove one" if item.set_motion is not None else "remove one, or give it another `name:`"
                 issues.add_written([Issue(path, f"the record '{item.name}' occurs twice", hint)])
                 continue
             try:
@@ -233,7 +261,7 @@ class _Sources:
     def has_table1(self, name: str) -> bool:
         """Return whether Table 1 has duration and scale of a motion; a file of that name is not the motion of it."""
         item = self.items.get(name)
-        return name in records.list_names() if item is None else item.file is None
+        return name in records.list_names() if item is None else item.is_of_catalogue
 
     def find_other(self, name: str, key: str) -> Motion:
         """Return a motion that others are scaled to, whole: of the study or of the catalogue."""
