@@ -42,6 +42,9 @@ MAX_FILES = 50_000
 """Files and folders that are looked at for one pattern."""
 
 
+MIN_USUAL_ENERGY = 0.5
+"""Part of the Arias intensity of a motion that a duration should leave [-]: with less, strong shaking is cut off."""
+
 MAX_USED = 1000
 """Motions as they are used that are kept at a time: scenes that are solved together share them."""
 
@@ -289,17 +292,24 @@ class _Scaler:
         """Return the motions as they are used.  Raises IssuesFound, and InputError where they cannot be scaled."""
         cut: dict[str, Motion] = {}
         short: list[str] = []
+        begun: list[str] = []
         duration = self.spec.duration
         for name, motion in self.sources.motions.items():
             seconds = self.find_seconds(duration, name, motion, "duration")
             if isinstance(duration, float) and seconds > motion.duration + motion.dt:
                 short.append(f"{name} ({motion.duration:g} s)")
             cut[name] = motion.cut_to(seconds)
+            is_chosen = isinstance(duration, float) and not self.sources.items[name].is_of_catalogue
+            if is_chosen and records.arias(cut[name]) < MIN_USUAL_ENERGY * records.arias(motion):
+                begun.append(name)
         doubts = [*self.sources.doubts]
         if short:
             message = f"shorter than the {duration:g} s asked for: {join_limited(short)}"
             hint = "the whole length is used; `tail:` adds free vibration"
             doubts.append(Issue(("records", "duration"), message, hint))
+        if begun:
+            message = f"the first {duration:g} s have less than half of the Arias intensity of: {join_limited(begun)}"
+            doubts.append(Issue(("records", "duration"), message, "write `duration: whole` to use all of it"))
         target = self._find_target(cut) if isinstance(self.spec.scale, SpectrumSpec) else None
         factors = self._find_factors(cut, target)
         uses = {name: self._build_use(name, cut[name], factor) for name, factor in factors.items()}

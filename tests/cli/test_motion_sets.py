@@ -135,6 +135,17 @@ def test_motions_are_as_recorded_and_say_where_they_come_from(sets, load):
     )
 
 
+def test_a_duration_that_cuts_off_the_strong_part_is_doubted(sets, pound):
+    """A half wave has half of its Arias intensity before its middle, at 0.2 s."""
+    study = STUDY.replace("use: §USE", "use: [far-field/1, elcentro], duration: §TIME")
+    for time, is_doubted in (("0.19 s", True), ("0.21 s", False), ("whole", False)):
+        Path("s.yaml").write_text(study.replace("§TIME", time))
+        err = " ".join(pound("check", "s.yaml")[2].split())
+        words = f"s.yaml:1:51: the first 0.19 s have less than half of the Arias intensity of: {FIRST}, {SECOND} write"
+        assert (words in err) == is_doubted, err
+        assert ("Arias" in err) == is_doubted
+
+
 def test_python_takes_one_motion_of_a_set(sets):
     assert motion("far-field/1/2", pga="0.2 g").pga == pytest.approx(0.2 * GRAVITY)
     with pytest.raises(InputError, match="is 2 motions"):
