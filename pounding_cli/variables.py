@@ -184,7 +184,7 @@ BUILDING_VARIABLES = (
 )
 
 RECORD_VARIABLES = (
-    Variable("record_source", ("record",), "", "real, stand-in or user", "s"),
+    Variable("record_source", ("record",), "", "real, stand-in, user or the set", "s"),
     Variable("record_digest", ("record",), "", "SHA-256 of the motion as used", "s"),
     Variable("record_scale", ("record",), "1", "factor on the motion as read"),
     Variable("record_window", ("record",), "s", "duration used", label="duration"),

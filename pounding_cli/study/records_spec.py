@@ -139,7 +139,9 @@ class RecordsSpec(Model):
     """The ground motions, the part of each that is used, and its scale."""
 
     use: Annotated[tuple[word_or(str, RecordFileSpec), ...], Field(min_length=1, max_length=5000)] = spec_field(  # type: ignore[valid-type]
-        ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
+        ...,
+        "catalogue names, sets of recorded motions (far-field), files, folders, patterns, {file: PATH, ...}",
+        ["elcentro", {"file": "motions/x.AT2"}],
     )
     duration: Duration = spec_field(
         "auto",
