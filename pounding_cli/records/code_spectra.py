@@ -299,7 +299,7 @@ ASCE7_SUITE = SuiteRules(
 
 CODES: Mapping[str, CodeRules] = MappingProxyType({
     EN1998: CodeRules(build_en1998, "3.2.2.2", "en1998", EN1998_END, suite=EN1998_SUITE),
-    ASCE7: CodeRules(build_asce7, "11.4.6 and 11.4.7", "asce7-16", damping=SPECTRUM_DAMPING, suite=ASCE7_SUITE),
+    ASCE7: CodeRules(build_asce7, "11.4.6 and 11.4.7", "asce2017", damping=SPECTRUM_DAMPING, suite=ASCE7_SUITE),
     NTC2018: CodeRules(build_ntc2018, "3.2.3.2.1", "ntc2018", EN1998_END),
     GB50011: CodeRules(build_gb50011, "5.1.5", "gb50011-2010", GB50011_END),
 })  # fmt: skip
