@@ -214,7 +214,7 @@ class SpectrumMatch:
     ) -> SpectrumMatch:
         """The match of motions already cut and scaled; `each` and `at_least` as in `spectrum_factors`."""
         what = "every motion by a factor of its own" if each else "all motions by one factor"
-        spectrum_in_words = f"the spectrum of {target.name}" if target.name else "a target spectrum"
+        spectrum_in_words = f"the spectrum of {target.name}," if target.name else "a target spectrum"
         words = f"Scaled to {spectrum_in_words} from {target.low:g} to {target.high:g} s, {what}. "
         if at_least is not None:
             # What least squares alone would still change in the motions is the factor that `at_least` added.

@@ -267,6 +267,13 @@ def test_a_study_and_its_results_cite_the_same(results, pound):
         ("soft: {like: stiff,", "soft: {like: stiff, yield_shear: never, storey_law: peak-oriented,", "clough1966", ""),
         ("soft: {like: stiff,", "soft: {like: stiff, storey_law: bouc-wen,", "wen1976", ""),
         ("duration: 3 s", "duration: 3 s, scale: {arias: taft}", "arias1970", ""),
+        (
+            "duration: 3 s",
+            "duration: 3 s, scale: {spectrum: mean, from: 0.1 s, to: 1 s, "
+            "target: {code: ASCE 7-16, sds: 1 g, sd1: 0.6 g, tl: 8 s}}",
+            "asce2017",
+            "",
+        ),
         ("mass: 200 t", "mass: 200 t, yield_shear: never", "", "ubc1991"),
         ("estimate: none", "estimate: none\nmethod: newmark\ntime_step: 1 ms", "newmark1959", "jorba2005"),
     ],
