@@ -223,6 +223,16 @@ def test_parameters_of_a_code_are_swept(tmp_path: Path):
     assert study.unit("acceleration").name == "g"
 
 
+def test_parameters_of_a_code_have_their_own_units(tmp_path: Path):
+    """Fails if a period or a plain number inside the target is taken for an acceleration, as those of points are."""
+    text = filled_in("each", ASCE, "5 %").replace(", at_least: 90 %", "")
+    study = study_of(tmp_path, text + "sweep: {records.scale.target.tl: [8, 12]}\n")
+    assert study.axes[0].display_values(1) == ("12 s",)
+    assert study.unit("acceleration").name == "g"
+    study = study_of(tmp_path, text.replace(ASCE, GB))
+    assert study.unit("acceleration").name == "g"
+
+
 @pytest.mark.parametrize(
     ("inside", "beside"), [("", "damping: 2 %"), (", damping: 2 %", ""), (", damping: 2 %", "damping: 2 %")]
 )
