@@ -315,5 +315,16 @@ class RecordsSpec(Model):
 
 INTENSITY_KEYS = {
     "records.scale": "factor", "records.scale.pga": "pga", "records.scale.pgv": "pgv", "records.scale.sa": "sa",
+    "records.scale.target.ag": "ag",
 }  # fmt: skip
 """Keys whose sweep varies the intensity, and the measure that each is."""
+
+
+def scales_in_proportion(key: str, code: str | None) -> bool:
+    """Return whether motions are scaled in proportion to the value of one of INTENSITY_KEYS.
+
+    Those that are scaled to the spectrum of NTC 2018 are not: its factor of the soil and a corner depend on ag.
+
+    code : of the target spectrum, None without one
+    """
+    return key != "records.scale.target.ag" or code == EN1998

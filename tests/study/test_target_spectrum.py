@@ -10,6 +10,10 @@ import numpy as np
 import pytest
 import yaml
 
+from pounding_cli.api.studies import load_study
+from pounding_cli.errors import InputError
+from pounding_cli.questions.fragility import QUESTION as FRAGILITY
+from pounding_cli.questions.gap import QUESTION as GAP
 from pounding_cli.records import CODES, TargetSpectrum
 from pounding_cli.records.motion import spectrum
 from pounding_cli.study import load_study_file
@@ -19,7 +23,9 @@ from pounding_cli.study.display import to_plain_data
 from pounding_cli.study.group import Group
 from pounding_cli.study.motions import MotionItem, MotionUse, Suite
 from pounding_cli.study.records_spec import CodeTargetSpec, RecordsSpec
+from pounding_cli.study.schema import StudySpec
 from pounding_cli.study.suite_rules import find_suite_issues
+from pounding_cli.study.words import quantity_at
 from pounding_cli.units import GRAVITY
 
 STUDY = """\
@@ -223,11 +229,35 @@ def test_parameters_of_a_code_are_swept(tmp_path: Path):
     assert study.unit("acceleration").name == "g"
 
 
+def test_the_ground_acceleration_of_a_code_is_an_intensity(tmp_path: Path):
+    """Of curves and rates; other measures grow in proportion to it. Fails if the motions are measured at another level,
+    or the spectrum of NTC 2018, which is not in proportion to it, is taken for one that is."""
+    text = filled_in("mean", EN, "5 %").replace(", at_least: 90 %", "")
+    text += "sweep: {records.scale.target.ag: [0.1 g, 0.3 g]}\n"
+    text += "fragility: {limits: [drift > 1 cm], method: stripes}\ngap: {rate: 1/475, hazard: {k0: 1e-4, k: 2}}\n"
+    (tmp_path / "s.yaml").write_text(text)
+    study = load_study(tmp_path / "s.yaml")
+    by_ag = FRAGILITY.ask(study)
+    assert by_ag.intensities[0] / GRAVITY == pytest.approx(np.array([[0.1, 0.3]] * 2))
+    assert GAP.ask(study).intensities / GRAVITY == pytest.approx(np.array([0.1, 0.3]))
+    (tmp_path / "s.yaml").write_text(text.replace("stripes", "stripes, intensity: pga"))
+    by_peak = FRAGILITY.ask(load_study(tmp_path / "s.yaml"))
+    peaks = [[study.motion_uses((level,))[name].pga for level in (0, 1)] for name in ("elcentro", "taft")]
+    assert by_peak.intensities[0] == pytest.approx(np.array(peaks))
+    ntc = "{code: NTC 2018, f0: 2.4, tc_star: 0.3 s, soil: C, ag: 0.25 g}"
+    (tmp_path / "s.yaml").write_text(text.replace(EN, ntc))
+    with pytest.raises(InputError, match="not in proportion"):
+        FRAGILITY.ask(load_study(tmp_path / "s.yaml"))
+    (tmp_path / "s.yaml").write_text(text.replace("target.ag: [0.1 g, 0.3 g]", "target.soil: [A, C]"))
+    assert GAP.ask(load_study(tmp_path / "s.yaml")).intensities / GRAVITY == pytest.approx(np.array([0.25]))
+
+
 def test_parameters_of_a_code_have_their_own_units(tmp_path: Path):
     """Fails if a period or a plain number inside the target is taken for an acceleration, as those of points are."""
     text = filled_in("each", ASCE, "5 %").replace(", at_least: 90 %", "")
     study = study_of(tmp_path, text + "sweep: {records.scale.target.tl: [8, 12]}\n")
     assert study.axes[0].display_values(1) == ("12 s",)
+    assert quantity_at(StudySpec, ("records", "scale", "target", "soil")) is None
     assert study.unit("acceleration").name == "g"
     study = study_of(tmp_path, text.replace(ASCE, GB))
     assert study.unit("acceleration").name == "g"
