@@ -205,7 +205,11 @@ def _find_target_kind(value: Any) -> str:
 
 
 def _check_code(value: Any) -> Any:
-    """Return a target as it is written.  Raises ValidationError: it names no code that is known."""
+    """Return a target as it is written.  Raises ValidationError: it names no code that is known, or nothing else."""
+    if isinstance(value, str) and value in CODE_TARGETS:
+        required = (key for key, field in CODE_TARGETS[value].model_fields.items() if field.is_required())
+        keys = ", ".join(f"{key}: {value if key == 'code' else '...'}" for key in required)
+        raise refuse(f"'{value}' is a code, not a record", f"write its parameters: `target: {{{keys}}}`")
     if not isinstance(value, dict) or _CODE_KEYS.isdisjoint(value) or str(value.get("code")) in CODE_TARGETS:
         return value
     points = "of another code write the points of its spectrum, {0.1 s: 0.8 g, 2 s: 0.2 g}"
@@ -215,7 +219,11 @@ def _check_code(value: Any) -> Any:
     raise errors(value, [(("code",), message, f"{nearest(value['code'], CODE_TARGETS)}; {points}")])
 
 
-_POINTS = Annotated[dict[Period, Acceleration], WrapValidator(_read_once_each)]
+_POINTS = Annotated[
+    dict[Period, Acceleration],
+    WrapValidator(_read_once_each),
+    Field(json_schema_extra={"propertyNames": {"pattern": r"^[-+.0-9]"}}),  # else that of a code would be one too
+]
 Target: Any = Annotated[
     tagged_union(_find_target_kind, word=str, points=_POINTS, **CODE_TARGETS), BeforeValidator(_check_code)
 ]
