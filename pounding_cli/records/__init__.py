@@ -13,6 +13,7 @@ from pounding_cli.records.catalogue import (
     save_motion,
     user_folder,
 )
+from pounding_cli.records.code_spectra import CODES, CodeSpectrum
 from pounding_cli.records.motion import GRAVITY, Motion, arias, displacement, pgv, significant_duration, spectrum
 from pounding_cli.records.motion_sets import (
     INSTALL_COMMAND,
