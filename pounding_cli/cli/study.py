@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli.options import FILE, output_option, study_argument
-from pounding_cli.errors import InputError
+from pounding_cli.cli.options import FILE, changes_argument, output_option, study_argument
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 
 if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast, RunDuration
-    from pounding_cli.errors import Problem
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
     from pounding_cli.numbers import Unit
     from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.changes import Change
 
 
 @click.command()
@@ -65,14 +65,18 @@ def init(name: str, template: str) -> None:  # fmt: skip
 @click.command()
 @study_argument
 @output_option("results/STUDY.h5", "Results file, beside which solved time histories are kept.")
-def check(study: Path, output: Path | None) -> None:
+def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None:
     """Validate STUDY and show what a run would solve, what is solved already and about how long the rest would take.
 
     The command reports every problem as file:line:column, what is wrong and what to write instead. It accepts studies
     of all commands. Nothing is solved, compiled or written; times are by the rates of earlier runs on this computer.
+    KEY=VALUE puts a value in place of that of STUDY (docs/how-to/change.md): what is shown is about a run with it.
     Exit code 0: the study is valid; 2: it was refused.
 
-    Example: pound check configs/fig6.yaml
+    \b
+    Example:
+      pound check configs/fig6.yaml
+      pound check configs/fig6.yaml accuracy=1e-8
     """
     from pounding_cli.api.studies import load_study
     from pounding_cli.paper import TITLES as POINT_TITLES
@@ -84,12 +88,12 @@ def check(study: Path, output: Path | None) -> None:
     if kind in POINT_TITLES:
         from pounding_cli.paper.points import load_sweep
 
-        sweep = load_sweep(study, kind)
+        sweep = load_sweep(study, kind, changes)
         for warning in sweep.warnings:
             click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {pluralize(len(sweep.points), 'point')} to compute")
         return
-    read = load_study(study)
+    read = load_study(study, changes)
     questions = _read_questions(read, [each for each in TITLES if each == "run" or read.tree.get(each) is not None])
     plan, *_ = [each.plan for each in questions]
     for warning in read.warnings:
@@ -129,7 +133,8 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
     from pounding_cli.api.standing import find_standing
     from pounding_cli.api.studies import default_output
 
-    path = output or default_output(Path(question.study.path), question.name)
+    study = question.study
+    path = output or default_output(study.path, question.name, study.changes)
     try:
         standing = find_standing(question, path)
     except InputError as refused:  # another run is using these results
@@ -255,12 +260,15 @@ def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
 
 @click.command()
 @click.argument("source", type=FILE, metavar="STUDY|FILE.h5")
+@changes_argument
 @click.option(
     "--format", "form", type=click.Choice(("text", "bibtex")), default="text", show_default=True,
     help="Plain text, or entries for a .bib file.",
 )  # fmt: skip
-def cite(source: Path, form: str) -> None:  # fmt: skip
+def cite(source: Path, changes: tuple[Change, ...], form: str) -> None:  # fmt: skip
     """List the references of a study or a results file, what each is used for, and the sources of the motions.
+
+    KEY=VALUE puts a value in place of that of STUDY (docs/how-to/change.md).
 
     \b
     Example:
@@ -271,13 +279,17 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
     from pounding_cli.report.references import REFERENCES, iter_motion_sources, list_citations
 
     if source.suffix in (".yaml", ".yml"):
-        study = load_study(source)
+        study = load_study(source, changes)
         title = study.title
         question = "run"
         resolved = study.to_plain_data()
         methods: tuple[str, ...] = (study.spec.method,)
         sources = {use.name: use.source for use in study.motion_uses(study.first_point).values()}
     else:
+        if changes:
+            raise InputError(
+                Problem("changes a study, not results", "name a study, or leave it out", changes[0].mark[0])
+            )
         results = open_results(source)
         title = results.title
         question = results.workflow

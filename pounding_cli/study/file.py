@@ -7,6 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, cast
@@ -179,6 +180,28 @@ def parse(text: str, file: str) -> Map:
         reader.refuse(mark, "a study is a mapping of keys to values", "begin with `title: ...`")
     reader.problems.check()
     return cast(Map, root)
+
+
+def parse_value(text: str, source: str) -> Any:
+    """Return the tree of a value that stands outside a file.
+
+    source : where it stands, in errors
+
+    Raises
+    ------
+    InputError : it is not YAML
+    """
+    reader = _Reader(text, source)
+    try:
+        value, _ = reader.document()
+        reader.problems.check()
+    except yaml.YAMLError as error:
+        what = error.problem if isinstance(error, yaml.MarkedYAMLError) and error.problem else "unreadable"
+        hint = "check its brackets, quotes and commas; put quotes of YAML around a text with signs"
+        raise InputError(Problem(f"the value is not YAML: {what}", hint, source)) from None
+    except InputError as refused:
+        raise InputError([replace(each, line=0, column=0) for each in refused.problems]) from None
+    return value
 
 
 class _Reader:
