@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from pounding_cli.api.standing import compute_content_key, find_current
+from pounding_cli.api.standing import compute_content_key, find_current, find_unchanged_output
 from pounding_cli.batch.cache import Cache, cache_path
 from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
@@ -114,7 +114,9 @@ def run_study(
         _check_output(output, study, question.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
             return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
-        cache = stack.enter_context(contextlib.closing(Cache(cache_path(output))))
+        unchanged = find_unchanged_output(question)
+        shared = None if unchanged is None else cache_path(unchanged)
+        cache = stack.enter_context(contextlib.closing(Cache(cache_path(output), shared=shared)))
         if cache.was_damaged:
             reporter.write_note(f"{cache.path} was damaged: its time histories are solved again")
         if cache.delete_other_versions(f"solver {solver_version()} "):

@@ -15,6 +15,7 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 
 if TYPE_CHECKING:
+    from pounding_cli.api.standing import Standing
     from pounding_cli.batch.forecast import Forecast, RunDuration
     from pounding_cli.model.building import Building
     from pounding_cli.model.links import Link
@@ -109,7 +110,8 @@ def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None
     click.echo("\n".join(_describe_plan(plan)))
     click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")
     for each in questions:
-        click.echo(f"  pound {each.name:<12} {_describe_standing(each, output)}")
+        line, *below = _describe_standing(each, output)
+        click.echo("\n".join([f"  pound {each.name:<12} {line}", *below]))
 
 
 def _read_questions(study: Study, names: Sequence[str]) -> list[StudyQuestion]:
@@ -128,8 +130,11 @@ def _read_questions(study: Study, names: Sequence[str]) -> list[StudyQuestion]:
     return questions
 
 
-def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
-    """Return how many time histories a question has, how many are solved, why others are not, and their time."""
+def _describe_standing(question: StudyQuestion, output: Path | None) -> list[str]:
+    """Return how many time histories a question has, how many are solved, and the time of the others.
+
+    Lines below say why others are not solved, by cause, and what is reused.
+    """
     from pounding_cli.api.standing import find_standing
     from pounding_cli.api.studies import default_output
 
@@ -138,9 +143,9 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
     try:
         standing = find_standing(question, path)
     except InputError as refused:  # another run is using these results
-        return f"{count_histories(len(question.plan))}; {refused.problems[0].message}"
+        return [f"{count_histories(len(question.plan))}; {refused.problems[0].message}"]
     if standing.is_current:
-        return f"{count_histories(standing.total)}, all solved: {path} is current"
+        return [f"{count_histories(standing.total)}, all solved: {path} is current"]
     total = count_histories(standing.total)
     missing = str(standing.missing)
     if question.extent != "has":
@@ -148,10 +153,38 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
         missing = f"about {round_roughly(standing.missing)}"
     if question.extent == "has at most":
         total += f", at most {len(question.plan)}"
-    said = [total, f"{standing.solved} solved, {missing} to solve"]
-    if standing.reasons:
-        said.append(", ".join(standing.reasons))
-    return f"{'; '.join(said)}; {_describe_duration(standing.duration)}"
+    said = [total, f"{standing.solved} solved, {missing} to solve", *standing.reasons]
+    line = f"{'; '.join(said)}; {_describe_duration(standing.duration)}"
+    return [line, *_describe_causes(standing, question.extent == "has")]
+
+
+def _describe_causes(standing: Standing, has_counts: bool) -> Iterator[str]:
+    """Yield in lines the changes that make time histories new, and what is reused.
+
+    has_counts : whether the number of time histories is known beforehand
+    """
+    from pounding_cli.api.causes import format_subjects
+
+    if standing.causes:
+        since = "" if standing.since is None else f" since {standing.since} was written"
+        yield from _wrap(f"new{since}:", 4)
+    for cause in standing.causes:
+        if not has_counts:
+            yield from _wrap(cause.subject, 6)
+        elif cause.count == standing.total:
+            yield from _wrap(f"{cause.subject}: all {count_histories(cause.count)}", 6)
+        else:
+            yield from _wrap(str(cause), 6)
+    if standing.causes and standing.solved:
+        yield from _wrap(f"reused: {count_histories(standing.solved)}{format_subjects(dict(standing.reused))}", 4)
+
+
+def _wrap(text: str, indent: int) -> list[str]:
+    """Return the lines of a text that stands below a command."""
+    from pounding_cli.texts import wrap_text
+
+    first, *others = wrap_text(text, 79 - indent - 2)
+    return [f"{'':{indent}}{first}", *(f"{'':{indent + 2}}{line}" for line in others)]
 
 
 def _describe_duration(duration: RunDuration) -> str:

@@ -131,6 +131,20 @@ def with_value(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
     raise KeyError(step)
 
 
+def without_value(node: Any, path: Sequence[str]) -> Any:
+    """Return the same tree without the key at a path, which stands in mappings.  Raises KeyError: it is not there."""
+    step, *rest = path
+    if isinstance(node, Map) and step in node:
+        below = {step: without_value(node[step], rest)} if rest else {}
+        kept = {key: value for key, value in node.items() if key != step or rest}
+        return Map({**kept, **below}, node.mark, node.marks)
+    if isinstance(node, Items) and rest and step.isdigit() and int(step) < len(node):
+        items = Items(node, node.mark, node.marks)
+        items[int(step)] = without_value(node[int(step)], rest)
+        return items
+    raise KeyError(step)
+
+
 def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
     """Return the place where the value (or its key) at `path` begins.
 
