@@ -73,10 +73,11 @@ def count_subjects(plan: Plan, numbers: np.ndarray) -> dict[str, int]:
     """
     rows, columns = plan.first
     cases = np.unravel_index(rows[numbers], plan.shape)[-3]
-    counts = Counter[str]()
-    for case, column in zip(cases.tolist(), columns[numbers].tolist(), strict=True):
-        counts[f"{plan.buildings[column - 1]} alone" if column else f"case {plan.cases[case]}"] += 1
-    return dict(counts)
+    counts = Counter(zip(columns[numbers].tolist(), cases.tolist(), strict=True))
+    subjects = Counter[str]()
+    for (column, case), count in sorted(counts.items()):
+        subjects[f"{plan.buildings[column - 1]} alone" if column else f"case {plan.cases[case]}"] += count
+    return dict(subjects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,17 +163,24 @@ class CauseFinder:
     def _iter_reversals(self, tree: Map, changes: Sequence[KeyChange]) -> Iterator[_Reversal]:
         """Yield the study with each changed key as it was.
 
-        Keys that cannot be changed back one by one, as the study is refused then, are changed back together; so are
-        those for which no time is left.
+        A key that cannot be changed back by itself, as the study is refused then, is changed back with the others of
+        its mapping. Those that cannot either, and those for which no time is left, are changed back together.
         """
         together: list[KeyChange] = []
+        seen: set[tuple[str, ...]] = set()
         for place, change in enumerate(changes):
             if place and time.perf_counter() - self._begin > MAX_SECONDS:
                 together += changes[place:]
                 break
+            mapping = change.path[:-1]
             reversal = self._reverse(tree, [change])
+            if reversal is None and mapping not in seen:
+                seen.add(mapping)
+                reversal = self._reverse(tree, [each for each in changes if each.path[:-1] == mapping])
+            elif reversal is None:
+                continue
             if reversal is None:
-                together.append(change)
+                together += [each for each in changes if each.path[:-1] == mapping]
             else:
                 yield reversal
         if together:

@@ -9,12 +9,12 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.api.causes import Cause, CauseFinder, count_subjects
-from pounding_cli.api.studies import default_output
+from pounding_cli.api.studies import default_output, load_study
 from pounding_cli.batch.cache import Cache, cache_path
 from pounding_cli.batch.forecast import RunDuration, estimate_duration, measure_rates
 from pounding_cli.errors import InputError
@@ -90,6 +90,28 @@ def find_unchanged_output(question: StudyQuestion) -> Path | None:
     """
     study = question.study
     return default_output(study.path, question.name) if study.changes else None
+
+
+def explain_run(
+    study: Study | str | Path | Mapping[str, Any], output: str | Path | None = None, workflow: str = "run"
+) -> Standing:
+    """Return what a run would solve anew and why, and what it reuses, as `pound check` lists it.
+
+    Nothing is solved, compiled or written.
+
+    Parameters
+    ----------
+    study : a loaded study, the path of its file, or a dict as `load_study` takes
+    output : the results file, beside which solved time histories are kept; as that of `run` unless given
+    workflow : what is asked, as the command of that name
+
+    Raises
+    ------
+    InputError : the study is refused, or another run is using these results
+    """
+    loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
+    path = Path(output) if output is not None else default_output(loaded.path, workflow, loaded.changes)
+    return find_standing(load_question(workflow).ask(loaded), path)
 
 
 def find_standing(question: StudyQuestion, output: Path) -> Standing:

@@ -54,7 +54,7 @@ class KeyChange:
         return f"{key} {self._format(self.before)} -> {self._format(self.after)}"
 
     def _format(self, value: Any) -> str:
-        """Return a value as it is written, or the default where it is not."""
+        """Return a value as it is written; where it is not, the default if that is a word or a pure number."""
         if value is not ABSENT:
             return _shorten(value)
         field = types_at(StudySpec, self.path)[1]
@@ -64,7 +64,7 @@ class KeyChange:
         quantity = quantity_at(StudySpec, self.path)
         if isinstance(default, float) and quantity is not None and not quantity.si:
             return f"{default:g}".replace("e-0", "e-")
-        return "default" if field is not None and not field.is_required() else "nothing"
+        return "unset"
 
 
 MAX_VALUE = 40
