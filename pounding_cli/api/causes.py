@@ -170,7 +170,7 @@ class CauseFinder:
         seen: set[tuple[str, ...]] = set()
         for place, change in enumerate(changes):
             if place and time.perf_counter() - self._begin > MAX_SECONDS:
-                together += changes[place:]
+                together += [each for each in changes[place:] if each not in together]
                 break
             mapping = change.path[:-1]
             reversal = self._reverse(tree, [change])
@@ -180,7 +180,7 @@ class CauseFinder:
             elif reversal is None:
                 continue
             if reversal is None:
-                together += [each for each in changes if each.path[:-1] == mapping]
+                together += [each for each in changes if each.path[:-1] == mapping and each not in together]
             else:
                 yield reversal
         if together:

@@ -19,6 +19,7 @@ from pounding_cli.study import schema
 from pounding_cli.study.axes import describe_wrong_step, find_whole_key, sweep_maps
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, get, nearest, parse_value, with_value
+from pounding_cli.study.quantity import quote
 from pounding_cli.study.words import keys_at
 from pounding_cli.texts import escape_controls
 
@@ -209,6 +210,8 @@ def _find_wrong_step(path: KeySteps, tree: Map, model: type[BaseModel]) -> tuple
                 message = f"no entry '{step}' in the list '{'.'.join(path[:place])}'"
                 return message, f"{nearest(step, known)}; or write the whole list"
             continue
+        if isinstance(above, Map) and step in above:
+            continue
         known = keys_at(model, path[:place], tree)
         is_mapping = above is None or isinstance(above, Map)
         is_last = place == len(path) - 1
@@ -221,6 +224,10 @@ def _find_wrong_step(path: KeySteps, tree: Map, model: type[BaseModel]) -> tuple
             message = f"no key '{step}' under '{'.'.join(path[:place])}'"
             new_key = ".".join(path[: place + 1])
             return message, f"{nearest(step, known)}; a new one is written whole: `{new_key}='{{...}}'`"
+        if step in known:
+            section = ".".join(path[:place])
+            whole = " ".join(f"{{{each}:" for each in path[place:]) + " ..." + "}" * len(path[place:])
+            return f"'{section}' is {quote(above)}, which has no keys", f"write it whole: `{section}='{whole}'`"
         return describe_wrong_step(path, place, above, known, tree, base)
     return None
 
