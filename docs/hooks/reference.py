@@ -31,6 +31,7 @@ API = {
     "Load, run, open": (
         "pounding_cli.api.studies.load_study",
         "pounding_cli.api.studies.run",
+        "pounding_cli.api.standing.explain_run",
         "pounding_cli.api.studies.open_results",
     ),
     "A study": ("pounding_cli.study.study.Study",),

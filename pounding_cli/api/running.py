@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from pounding_cli.api.standing import compute_content_key, find_current
+from pounding_cli.api.standing import compute_content_key, find_current, find_unchanged_output
 from pounding_cli.batch.cache import Cache, cache_path
 from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
@@ -25,6 +25,7 @@ from pounding_cli.results.file import FORMAT_VERSION, is_results, read_attribute
 from pounding_cli.results.histories import iter_kept_histories
 from pounding_cli.results.responses import solution_key, solver_version
 from pounding_cli.results.results import ResultTables
+from pounding_cli.study.file import Problems
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,8 +74,22 @@ def ask_question(name: str, study: Study) -> StudyQuestion:
     if name == "sensitivity":
         from pounding_cli.questions.sensitivity.indices import Sensitivity
 
-        return Sensitivity(study, judge=_judge_claims)
+        question = Sensitivity(study, judge=_judge_claims)
+        _refuse_drawn_changes(question)
+        return question
     return load_question(name).ask(study)
+
+
+def _refuse_drawn_changes(question: Sensitivity) -> None:
+    """Raise InputError where a changed value has no effect, since its key is drawn from a distribution."""
+    study = question.study
+    drawn = {member.key for each in question.inputs for member in each.members}
+    problems = Problems(study.file)
+    for change in study.changes:
+        if change.key in drawn:
+            message = "has no effect: under `uncertain:` the key is drawn from a distribution"
+            problems.add(change.mark, message, f"change that, `uncertain.{change.key}=...`, or leave it out")
+    problems.check()
 
 
 def _judge_claims(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
@@ -114,7 +129,9 @@ def run_study(
         _check_output(output, study, question.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
             return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
-        cache = stack.enter_context(contextlib.closing(Cache(cache_path(output))))
+        unchanged = find_unchanged_output(question)
+        shared = None if unchanged is None else cache_path(unchanged)
+        cache = stack.enter_context(contextlib.closing(Cache(cache_path(output), shared=shared)))
         if cache.was_damaged:
             reporter.write_note(f"{cache.path} was damaged: its time histories are solved again")
         if cache.delete_other_versions(f"solver {solver_version()} "):

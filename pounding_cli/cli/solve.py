@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from pounding_cli.cli.options import FILE, output_option, print_failures, quiet_option, study_argument, together
+from pounding_cli.cli.options import (
+    CHANGES_HELP,
+    FILE,
+    output_option,
+    print_failures,
+    quiet_option,
+    study_argument,
+    together,
+)
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import format_duration
 from pounding_cli.questions import TITLES
@@ -20,6 +28,7 @@ if TYPE_CHECKING:
     from pounding_cli.api.running import RunOutcome
     from pounding_cli.batch.progress import JsonLines
     from pounding_cli.questions.optimise.optimum import Optimise
+    from pounding_cli.study.changes import Change
 
 solving_options = together(
     quiet_option,
@@ -58,6 +67,8 @@ _FURTHER_OPTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
 
 _HELP = """{title}{about}
 
+{changes}
+
 Time histories of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run
 the same command again to resume. Exit code 0: all done; 1: some failed; 2: the study or the output was refused.
 
@@ -71,7 +82,7 @@ def build_question_command(name: str) -> click.Command:
     """Return the command of a question."""
     about = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
 
-    @click.command(name, help=_HELP.format(title=TITLES[name], about=about, name=name))
+    @click.command(name, help=_HELP.format(title=TITLES[name], about=about, name=name, changes=CHANGES_HELP))
     @study_argument
     @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
     @together(*_FURTHER_OPTIONS.get(name, ()), solving_options, click.pass_context)
@@ -83,10 +94,18 @@ def build_question_command(name: str) -> click.Command:
 
 
 def solve_study(
-    name: str, study: Path, output: Path | None, quiet: bool, log_json: bool, write: Path | None = None, **how: Any
+    name: str,
+    study: Path,
+    changes: tuple[Change, ...],
+    output: Path | None,
+    quiet: bool,
+    log_json: bool,
+    write: Path | None = None,
+    **how: Any,
 ) -> bool:
     """Load a study, ask the question of that name, write the results file and print what came out.
 
+    changes : values in place of those of the study
     write : where the study with the best values goes
     how : keyword arguments of `api.running.run_study`
 
@@ -102,7 +121,7 @@ def solve_study(
     from pounding_cli.batch.progress import JsonLines, choose_progress
 
     log = JsonLines() if log_json else None
-    loaded = load_study(study)
+    loaded = load_study(study, changes)
     for warning in loaded.warnings:
         if log:
             log.write_event("warning", text=str(warning))
@@ -111,7 +130,8 @@ def solve_study(
     asked = ask_question(name, loaded)
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])
-    outcome = run_study(asked, output or default_output(study, name), progress=log or choose_progress(quiet), **how)
+    path = output or default_output(study, name, changes)
+    outcome = run_study(asked, path, progress=log or choose_progress(quiet), **how)
     if log:
         _log_outcome(log, outcome)
     else:

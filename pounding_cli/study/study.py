@@ -20,6 +20,7 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.study import keep, warnings
 from pounding_cli.study.axes import Axis, read_axes, with_middles
 from pounding_cli.study.buildings import find_separation
+from pounding_cli.study.changes import Change, apply_changes
 from pounding_cli.study.display import describe_study, find_unit
 from pounding_cli.study.file import Map, Problems, nearest, read_study, refuse_other_kinds
 from pounding_cli.study.group import Group, unique_names
@@ -53,6 +54,7 @@ class Study:
     warnings : what is allowed but should be known
     from_data : whether it is Python data; no file holds it
     reader : of its motions
+    changes : values that it has in place of those of the file
     """
 
     path: Path
@@ -66,6 +68,7 @@ class Study:
     warnings: tuple[Problem, ...]
     from_data: bool
     reader: MotionReader
+    changes: tuple[Change, ...] = ()
 
     @property
     def file(self) -> str:
@@ -100,6 +103,21 @@ class Study:
         tree = self.tree if tree is None else tree
         spec, resolved = _resolve_tree(tree, tuple(axes), self.reader, self.file, type(self.spec))
         return replace(self, tree=tree, axes=tuple(axes), spec=spec, resolved=resolved)
+
+    def with_tree(self, tree: Map) -> Study:
+        """Return the study that another file in its place would hold; title, text, units and warnings stay.
+
+        tree : what that file holds
+
+        Raises
+        ------
+        InputError : it is not sound
+        """
+        problems = Problems(self.file)
+        tree = with_middles(tree, problems)
+        axes = read_axes(tree, problems)
+        problems.check()
+        return self.with_axes(axes, tree)
 
     def tree_at(self, point: Point) -> Map:
         """Return the file at a point of the sweep."""
@@ -176,23 +194,37 @@ class Study:
         return sweep_map(separate, *displacements)
 
 
-def load_study_file(path: str | Path, model: type[StudySpec] = StudySpec) -> Study:
+def load_study_file(
+    path: str | Path, model: type[StudySpec] = StudySpec, changes: Sequence[Change] = ()
+) -> Study:  # fmt: skip
     """Read and validate a study file.
 
     model : of the study, with the sections of questions (`add_sections`)
+    changes : values in place of those of the file
 
     Raises
     ------
     InputError : with every problem found in it, each with file, line, column, message and hint
     """
     path = Path(path)
-    return build_study(path, *read_study(path), model)
+    return build_study(path, *read_study(path), model, changes)
 
 
-def build_study(path: Path, text: str, tree: Map, model: type[StudySpec]) -> Study:
-    """Return a validated study.  Raises InputError as `load_study`; text : as written; tree : what it holds."""
+def build_study(path: Path, text: str, tree: Map, model: type[StudySpec], changes: Sequence[Change] = ()) -> Study:
+    """Return a validated study.
+
+    text : as written
+    tree : what it holds
+    changes : values in place of those there
+
+    Raises
+    ------
+    InputError : as `load_study_file`
+    """
     file = shorten_path(path)
     refuse_other_kinds(tree, file)
+    if changes:
+        text, tree = apply_changes(text, tree, changes, file, model)
     reader = MotionReader(path.resolve().parent)
     problems = Problems(file)
     tree = with_middles(tree, problems)
@@ -201,7 +233,9 @@ def build_study(path: Path, text: str, tree: Map, model: type[StudySpec]) -> Stu
     spec, resolved = _resolve_tree(tree, axes, reader, file, model, problems)
     first = tree_at(tree, axes, (0,) * len(axes))
     title = spec.title or shorten_path(path.stem)
-    study = Study(path, text, title, tree, axes, spec, resolved, first, (), from_data, reader)
+    study = Study(
+        path, text, title, tree, axes, spec, resolved, first, (), from_data, reader, tuple(changes)
+    )  # fmt: skip
     return replace(study, warnings=warnings.find_warnings(study))
 
 

@@ -138,7 +138,7 @@ class Optimise(StudyQuestion):
 
     def format_study(self, point: Point) -> str:
         """Return the text of the study with the keys at a point; everything else stays as written (`with_values`)."""
-        values = {each.key: each.values([u])[0] for each, u in zip(self.inputs, point, strict=True)}
+        values = {tuple(each.key.split(".")): each.values([u])[0] for each, u in zip(self.inputs, point, strict=True)}
         return with_values(self.study.text, values, self.study.file)
 
     def plan_points(self, points: Sequence[Point]) -> Plan:
