@@ -224,7 +224,7 @@ _POINTS = Annotated[
     WrapValidator(_read_once_each),
     Field(json_schema_extra={"propertyNames": {"pattern": r"^[-+.0-9]"}}),  # else that of a code would be one too
 ]
-Target: Any = Annotated[
+TargetSpectrumType: Any = Annotated[
     tagged_union(_find_target_kind, word=str, points=_POINTS, **CODE_TARGETS), BeforeValidator(_check_code)
 ]
 
@@ -235,7 +235,7 @@ class SpectrumSpec(Model):
     spectrum: Literal["mean", "each"] = spec_field(
         ..., "`mean`: one factor for all, their mean spectrum meets the target; `each`: one for every record", "mean"
     )
-    target: Target = spec_field(
+    target: TargetSpectrumType = spec_field(
         ...,
         "{period: pseudo-acceleration, ...}, the spectrum of a code, {code: EN 1998-1, type: 1, soil: C, ag: 0.25 g}, "
         "or the record whose spectrum is taken",

@@ -334,7 +334,8 @@ def test_every_key_of_the_schema_is_described_and_nothing_else_is_allowed(folder
 
 
 def test_editors_know_the_keys_of_the_law_that_stands_there(pound):
-    """All studies of configs and of the gallery fit the schema; a key of another law does not, in a case and in an entry of `links`."""
+    """All studies of configs and of the gallery fit the schema; a key of another law does not, in a case and in an
+    entry of `links`."""
     validator = jsonschema.Draft202012Validator(json.loads(pound("schema")[1]))
     paths = [path for folder in ("configs", "docs/gallery") for path in (ROOT / folder).rglob("*.yaml")]
     studies = [yaml.safe_load(path.read_text("utf-8")) for path in paths]

@@ -322,8 +322,8 @@ def test_the_spectrum_of_a_code_is_drawn_with_its_name_and_its_corners():
     periods, ordinates = wanted.get_data()
     assert (periods[0], periods[-1]) == pytest.approx((0.05, 1.6))
     for period, ordinate in {0.05: 0.56, 0.1: 0.8, 0.5: 0.8, 1.6: 0.25}.items():
-        assert ordinates[np.isclose(periods, period, rtol=1e-12)] == pytest.approx(ordinate)
-    assert least.get_ydata()[least.get_xdata() == 0.5] == pytest.approx(0.72)
+        assert ordinates[np.isclose(periods, period, rtol=1e-12)].item() == pytest.approx(ordinate)
+    assert least.get_ydata()[least.get_xdata() == 0.5].item() == pytest.approx(0.72)
 
 
 def test_the_group_is_drawn_to_scale(solved):
