@@ -433,7 +433,7 @@ def test_bad_factors_are_refused_at_their_place(pound, line, place, words):
 def test_a_gap_of_a_code_is_closed_by_as_many_motions_as_a_run_says(tmp_path):
     """With this gap in a case, motion by motion; the probability by a fit of scipy's. Fails if one floor is taken for
     all, or if motions are counted that the gap stands."""
-    text = RUNS[: RUNS.index("cases:")].replace("duration: 5 s", "duration: 5 s, scale: {pga: 0.25 g}")
+    text = RUNS[: RUNS.index("cases:")].replace("duration: 5 s", "duration: 4 s, scale: {pga: 0.25 g}")
     text += "cases: {near: {link: pounding, gap: 15 mm}}\ngap: {codes: [E.030, NBC 202]}\n"
     text = text.replace("period: 0.3 s", "period: 0.3 s, yield: {base_shear: 0.1 W, overstrength: 3, R: 6}")
     (tmp_path / "s.yaml").write_text(text)
