@@ -147,7 +147,7 @@ class CauseFinder:
             if alone is not None:
                 cause = alone.reasons
             else:
-                cause = tuple(reason for each in changing for reason in each.reasons)
+                cause = tuple(dict.fromkeys(reason for each in changing for reason in each.reasons))
                 cause += (f"motion {motion}, other samples",) * (motion in motions)
             if cause:
                 numbers_by_cause.setdefault(cause, []).append(number)
