@@ -155,15 +155,6 @@ def ntc_separation(
     return max(left + right, level / 100 * min(2 * acceleration, 1.0))
 
 
-def is1893_separation(left: float, right: float, same_floors: bool) -> float:
-    """Return the distance of two buildings, IS 1893 (Part 1):2016, 7.11.3 [m]: R1 D1 + R2 D2, half of it where the
-    floors are at the same levels (Amendment 1).
-
-    left, right : R times the storey displacement D under the design forces (7.11.1) [m]
-    """
-    return (left + right) * (0.5 if same_floors else 1.0)
-
-
 def tbdy2018_separation(left: float, right: float, level: float, same_floors: bool) -> float:
     """Return the width of a seismic joint, TBDY 2018, 4.9.3 [m].
 
@@ -258,7 +249,7 @@ class CodeRule:
 
 UBC, ASCE7, EN1998, GB50011 = "UBC", "ASCE 7-16", "EN 1998-1", "GB 50011-2010"
 NTC2018, NTC2008 = "NTC 2018", "NTC 2008"
-IS1893, TBDY2018, E030, NBC202 = "IS 1893", "TBDY 2018", "E.030", "NBC 202"
+TBDY2018, E030, NBC202 = "TBDY 2018", "E.030", "NBC 202"
 """Names of the rules."""
 
 
@@ -317,15 +308,6 @@ CODE_RULES = (
         displacement=_scale,
         section="ntc2008",
         source="ntc2008",
-    ),
-    CodeRule(
-        IS1893,
-        "7.11.3",
-        lambda at: is1893_separation(at.left, at.right, at.same_floors),
-        factors=("R",),
-        displacement=_scale,
-        by_name=True,
-        source="is1893-2016",
     ),
     CodeRule(
         TBDY2018,

@@ -97,9 +97,7 @@ class BaseShearSpec(Model):
         "displacement ductility factor of NTC 2018, 7.3.3.3 [-], for `pound gap`; without it the displacement is "
         "estimated from the height",
     )
-    r: ReductionR | None = spec_field(
-        None, "reduction factor R of IS 1893, TBDY 2018 and E.030 [-], for `pound gap`", alias="R"
-    )
+    r: ReductionR | None = spec_field(None, "reduction factor R of TBDY 2018 and E.030 [-], for `pound gap`", alias="R")
     irregular: bool = spec_field(False, "whether the structure is irregular by E.030, for `pound gap`")
 
 

@@ -325,7 +325,7 @@ def test_rules_of_codes_by_hand(pound):
     from the yield shear, or 0.7 where it does not belong."""
     text = CODES.replace("R: 4", "R: 4, mu_d: 4, irregular: true")
     Path("codes.yaml").write_text(
-        f"{text}gap: {{ntc2018: {{ag: 0.2 g, soil: 1.25}}, codes: [IS 1893, TBDY 2018, E.030, NBC 202]}}\n"
+        f"{text}gap: {{ntc2018: {{ag: 0.2 g, soil: 1.25}}, codes: [TBDY 2018, E.030, NBC 202]}}\n"
     )
     code, _, _ = pound("gap", "codes.yaml")
     assert code == 0
@@ -335,7 +335,6 @@ def test_rules_of_codes_by_hand(pound):
     table, cases, line = (results.table(name) for name in ("gap", "gap_cases", "property_line"))
     of_others = {
         "NTC 2018": 0.03 * 0.25 + 4 * b,  # A by its height, B by its mu_d
-        "IS 1893": (5 * a + 4 * b) / 2,
         "TBDY 2018": 0.25 * np.hypot(5 / 1.25 * a, 4 * b),
         "E.030": 2 / 3 * (0.75 * 5 * a + 0.85 * 4 * b),
         "NBC 202": 0.04,
@@ -365,7 +364,7 @@ def test_rules_of_codes_by_hand(pound):
     [("storeys: 2, stiffness: [16 kN/mm, 8 kN/mm]", 0.7), ("stiffness: [8 kN/mm], height: 3.5 m, columns: 20 %", 1.0)],
 )
 def test_seven_tenths_where_the_floors_have_the_same_elevations(tmp_path, b, factor):
-    """EN 1998-1, 4.4.2.7(3); a half in IS 1893 and TBDY 2018. Fails if the number of storeys, or one pair of floors,
+    """EN 1998-1, 4.4.2.7(3); a half in TBDY 2018. Fails if the number of storeys, or one pair of floors,
     decides."""
     text = (
         CODES.replace("stiffness: [8 kN/mm]", b)
@@ -374,7 +373,7 @@ def test_seven_tenths_where_the_floors_have_the_same_elevations(tmp_path, b, fac
     )
     text = text.replace("storeys: 1", "storeys: 1, columns: 20 %").replace("  filled: {link: infill, gap: 3 cm}\n", "")
     text = text.replace("R: 5", "R: 20").replace("R: 4", "R: 16")
-    (tmp_path / "s.yaml").write_text(f"{text}gap: {{codes: [IS 1893, TBDY 2018]}}\n")
+    (tmp_path / "s.yaml").write_text(f"{text}gap: {{codes: [TBDY 2018]}}\n")
     found = pounding_cli.run(tmp_path / "s.yaml", tmp_path / "r.h5", workflow="gap", engine="serial")
     rows = found.table("gap").query("rule == 'EN 1998-1' and analysis == 'elastic'")
     one, other = (
@@ -389,7 +388,6 @@ def test_seven_tenths_where_the_floors_have_the_same_elevations(tmp_path, b, fac
     assert rows["mean"].iloc[0] == pytest.approx(factor * np.hypot(one, other), rel=1e-12)
     share = 0.5 if factor == 0.7 else 1.0
     gaps = found.table("gap").query("analysis == 'elastic'").groupby("rule")["mean"].first()
-    assert gaps["IS 1893"] == pytest.approx(share * (20 / 3 * one + 16 / 1.5 * other), rel=1e-12)
     turkish = 0.5 * share * np.hypot(20 / 1.25 / 3 * one, 16 / 1.5 * other)
     assert gaps["TBDY 2018"] == pytest.approx(turkish, rel=1e-12)
     assert turkish > 0.03

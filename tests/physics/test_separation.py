@@ -11,7 +11,6 @@ from pounding_cli.model.separation import (
     NBC202_WIDTH,
     e030_displacement,
     e030_minimum,
-    is1893_separation,
     ntc_separation,
     tbdy2018_separation,
 )
@@ -50,8 +49,6 @@ def test_tbdy(level, least):
 
 
 def test_the_others():
-    assert is1893_separation(5 * 0.01, 4 * 0.02, False) == pytest.approx(0.13, rel=1e-12)
-    assert is1893_separation(5 * 0.01, 4 * 0.02, True) == pytest.approx(0.065, rel=1e-12)
     assert e030_displacement(-0.01, 8.0) == pytest.approx(0.06, rel=1e-12)
     assert e030_displacement(0.01, 8.0, True) == pytest.approx(0.068, rel=1e-12)
     assert [e030_minimum(level) for level in (3.0, 5.0, 15.0)] == pytest.approx([0.03, 0.03, 0.09], rel=1e-12)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.separation import ASCE7, E030, EN1998, GB50011, IS1893, NBC202, NTC2008, NTC2018, TBDY2018
+from pounding_cli.model.separation import ASCE7, E030, EN1998, GB50011, NBC202, NTC2008, NTC2018, TBDY2018
 from pounding_cli.questions.gap.evidence import PLACE_KEYS, GapEvidence
 from pounding_cli.questions.gap.sentences import list_sentences
 from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT
@@ -33,7 +33,6 @@ _LOOKS = {
     GB50011: ("#AA2211", (0, (1, 1.2)), "P"),
     NTC2018: ("#117733", (0, (1, 1.2)), ">"),
     NTC2008: ("#999933", (0, (1, 1.2)), ">"),
-    IS1893: ("#882255", (0, (1, 1.2)), "h"),
     TBDY2018: ("#332288", (0, (1, 1.2)), "d"),
     E030: ("#AA4499", (0, (1, 1.2)), "p"),
     NBC202: ("#44AA99", (0, (1, 1.2)), "*"),
