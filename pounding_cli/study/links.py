@@ -464,6 +464,10 @@ def build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath)
         raise IssuesFound([Issue(path, "both ends of the link stand between floors", hint)])
     left_floor, left_at = _find_end(pair.left, meeting.left, path)
     right_floor, right_at = _find_end(pair.right, meeting.right, path)
+    for strike in meeting.strikes:
+        if _are_alike(LinkEnds(left_floor, right_floor, left_at, right_at), strike):  # the same but for rounding
+            left_at = strike.left_at
+            right_at = strike.right_at
     cosine = _find_cosine(link, meeting.left.level(left_floor, left_at), meeting.right.level(right_floor, right_at))
     ends = LinkEnds(left_floor, right_floor, left_at, right_at, cosine)
     if pair.left.is_at_floor and pair.right.is_at_floor:
@@ -612,14 +616,16 @@ def build_links(
     built: list[Link] = []
     for pair, meeting in enumerate(meetings):
         at_meeting_floors = [LinkEnds(*both) for both in meeting.floors]
-        elsewhere = {ends for of_link in floors[pair] for ends in of_link}.difference(at_meeting_floors)
+        listed = {ends for of_link in floors[pair] for ends in of_link}
+        elsewhere = listed.difference(at_meeting_floors, meeting.strikes)
         for ends in (*at_meeting_floors, *sorted(elsewhere)):
             here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
             built += _build_links_at(pair, ends, here, links, laws, issues)
         members = [number for number, link in enumerate(links) if link.spec.pair in (None, pair + 1)]
         at_columns = _choose_links_at_columns(meeting, members, links, laws, issues)
         for ends in meeting.strikes:
-            built += _build_links_at(pair, ends, at_columns, links, laws, issues)
+            here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
+            built += _build_links_at(pair, ends, sorted({*at_columns, *here}), links, laws, issues)
     if issues:
         raise IssuesFound(issues)
     return tuple(built)

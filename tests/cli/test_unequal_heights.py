@@ -1,4 +1,4 @@
-"""Links between floors of different heights, and on columns, in what `pound check`, `run`, `show` and `fragility` say."""
+"""What commands say of links between floors of different heights, and on columns."""
 
 from pathlib import Path
 
@@ -17,7 +17,9 @@ records: {use: [elcentro], duration: 3 s}
 analyses: [inelastic]
 cases:
   tied: {link: connector, gap: 2 cm, floors: [[2 + 50 %, 2]], stiffness: 100 kN/mm}
-  damped: {gap: 2 cm, links: [pounding, {link: damper, damping_coefficient: 100 kN s/m, floors: [[3, 2], [1, 1]], distance: 1 m}]}
+  damped:
+    gap: 2 cm
+    links: [pounding, {link: damper, damping_coefficient: 100 kN s/m, floors: [[3, 2], [1, 1]], distance: 1 m}]
 """
 
 
@@ -52,6 +54,15 @@ def test_bending_columns_leave_what_two_springs_in_series_have(pound, study):
     assert f"bending columns leave {left:.3g} % of its stiffness" in out
 
 
+def test_a_place_that_a_slab_strikes_is_the_same_however_it_is_written(pound, study):
+    """Floor 2 of B is 8 m high, 2 m above floor 2 of A: 2 / 3 of the storey is that but for rounding."""
+    study.write_text(STUDY.replace("2 + 50 %", "2 + 2 m"))
+    _, out, _ = pound("check", study)
+    (line,) = [line for line in out.splitlines() if line.startswith("  tied ")]
+    assert "floor 2 + 66.7 %|2, bending" in line
+    assert line.endswith("no link at floor 1 + 33.3 %|1: collisions there are not simulated")
+
+
 def test_results_tell_inclination_loaded_columns_and_no_gap_of_unaligned_joints(pound, study):
     _, out, _ = pound("run", study, "-o", "r.h5")
     text = " ".join(out.split())
@@ -81,7 +92,8 @@ def test_level_links_have_no_inclination(pound, study):
 
 def test_a_joint_between_unequal_floors_tells_nothing_of_contact(pound, study):
     """Its ends close by far more than its gap of 1 mm; the blows beside it, with a gap of 1 m, never happen."""
-    far = STUDY.replace("gap: 2 cm, links: [pounding", "gap: 1 mm, links: [{link: pounding, gap: 1 m}")
+    far = STUDY.replace("gap: 2 cm\n    links: [pounding", "gap: 1 mm\n    links: [{link: pounding, gap: 1 m}")
+    assert far != STUDY
     text = far.replace("  tied" + far.split("  tied")[1].split("\n")[0] + "\n", "")
     study.write_text(text + "sweep: {records.scale.pga: [0.1 g, 0.2 g]}\nfragility: {limits: [contact]}\n")
     code, out, _ = pound("fragility", study, "-o", "f.h5")
