@@ -443,15 +443,14 @@ def _choose_ends(
 
 def _join_floors(link: LinkSpec, left_floor: int, right_floor: int, meeting: Meeting) -> LinkEnds:
     """Return the ends of a link between two floors."""
-    cosine = _find_cosine(link, meeting.left.level(left_floor, 1.0), meeting.right.level(right_floor, 1.0))
-    return LinkEnds(left_floor, right_floor, cosine=cosine)
+    return _incline(link, LinkEnds(left_floor, right_floor), meeting)
 
 
-def _find_cosine(link: LinkSpec, left_level: float, right_level: float) -> float:
-    """Return the cosine of the angle between a link and the horizontal [-], from the elevations of its ends [m]."""
+def _incline(link: LinkSpec, ends: LinkEnds, meeting: Meeting) -> LinkEnds:
+    """Return the ends of a link with the cosine of its angle, from their heights and the distance along the row."""
     if link.distance is None:
-        return 1.0
-    return link.distance / math.hypot(link.distance, left_level - right_level)
+        return ends
+    return ends._replace(cosine=link.distance / math.hypot(link.distance, meeting.find_rise(ends)))
 
 
 def build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath) -> LinkEnds:
@@ -468,8 +467,7 @@ def build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath)
         if _are_alike(LinkEnds(left_floor, right_floor, left_at, right_at), strike):  # the same but for rounding
             left_at = strike.left_at
             right_at = strike.right_at
-    cosine = _find_cosine(link, meeting.left.level(left_floor, left_at), meeting.right.level(right_floor, right_at))
-    ends = LinkEnds(left_floor, right_floor, left_at, right_at, cosine)
+    ends = _incline(link, LinkEnds(left_floor, right_floor, left_at, right_at), meeting)
     if pair.left.is_at_floor and pair.right.is_at_floor:
         return ends
     side, floor, at = (
