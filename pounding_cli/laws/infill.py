@@ -162,8 +162,11 @@ class Infill(LinkLaw):
         return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cuts_tension), held_rate
 
     def soften(self, flexibility: float) -> Infill:
-        """Return the law with both of its springs in series with another: exact where it is not pressed, and in its
-        slope beyond its thickness."""
+        """Return the law with both of its springs in series with another.
+
+        It is exact where it is hardly pressed, and in its slope beyond its thickness; docs/theory.md has the error
+        between.
+        """
         stiffness = in_series(self.stiffness, flexibility)
         return replace(self, stiffness=stiffness, impact_stiffness=in_series(self.impact_stiffness, flexibility))
 
