@@ -58,7 +58,7 @@ class DroppedEffect:
     @classmethod
     def of_parts(cls, parts: str) -> DroppedEffect:
         """Return the coupling of a row whose `parts`, in words, nothing links."""
-        return cls(COUPLING, f"nothing links {parts}, and each is solved by itself")
+        return cls(COUPLING, f"no force passes between {parts}, and each is solved by itself")
 
     @classmethod
     def parse(cls, line: str) -> DroppedEffect:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import functools
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from pounding_cli.model.building import Building
@@ -43,15 +43,25 @@ class PartScene:
     scene: Scene
 
 
-@functools.lru_cache(maxsize=4096)  # the same for every motion and analysis
-def find_parts(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> tuple[Part, ...]:
+def is_divided(buildings: Sequence[Building], links: Iterable[Link]) -> bool:
+    """Return whether a row has parts that nothing links."""
+    linked_pairs = {link.left for link in links}
+    return len(linked_pairs) < len(buildings) - 1 or any(map(_is_fixed_wall, buildings[1:-1]))
+
+
+def _is_fixed_wall(building: Building) -> bool:
+    """Return whether a building is a wall that moves as the ground does."""
+    return isinstance(building, Wall) and not building.moves
+
+
+def find_parts(buildings: Sequence[Building], links: Sequence[Link]) -> tuple[Part, ...]:
     """Return the parts of a row, left to right; a single one of a row that is whole."""
     linked_pairs = {link.left for link in links}
     parts = []
     first = 0
     for place, building in enumerate(buildings):
         is_last = place not in linked_pairs
-        is_shared = not is_last and place > first and isinstance(building, Wall) and not building.moves
+        is_shared = not is_last and place > first and _is_fixed_wall(building)
         if is_last or is_shared:
             numbers = tuple(number for number, link in enumerate(links) if first <= link.left < place)
             parts.append(Part(first, place + 1, numbers))
@@ -64,9 +74,9 @@ def divide_scene(scene: Scene) -> tuple[PartScene, ...]:
 
     A link without force joins buildings too: the closing of their floors is recorded where they move together.
     """
-    parts = find_parts(scene.buildings, scene.links)
-    if len(parts) == 1:
+    if not is_divided(scene.buildings, scene.links):
         return ()
+    parts = find_parts(scene.buildings, scene.links)
     return tuple(PartScene(part, _build_scene(scene, part)) for part in parts)
 
 
@@ -80,10 +90,10 @@ def _build_scene(scene: Scene, part: Part) -> Scene:
     )
 
 
-def format_parts(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> str:
+def format_parts(buildings: Sequence[Building], links: Sequence[Link]) -> str:
     """Return the parts of a row in words, "moat-1|hospital|moat-2 and frame"; "" of a row that is whole."""
-    parts = find_parts(buildings, links)
-    if len(parts) == 1:
+    if not is_divided(buildings, links):
         return ""
+    parts = find_parts(buildings, links)
     *others, last = ("|".join(building.name for building in buildings[part.places]) for part in parts)
     return f"{', '.join(others)} and {last}"
