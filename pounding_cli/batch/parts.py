@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
 
 
+def list_parts(plan: Plan) -> list[bytes]:
+    """Return the digests of all parts of the divided scenes of a plan."""
+    return list(DividedScenes(plan, np.flatnonzero(plan.divided)).part_scenes)
+
+
 class SceneList:
     """Scenes to solve: those of a plan by their numbers there, and behind them parts of its divided scenes.
 
