@@ -72,7 +72,7 @@ class DividedScenes:
         self._parts: dict[int, tuple[PartScene, ...]] = {}
         self._waiting: dict[int, int] = {}  # different parts of each scene whose response is not there yet
         self._users: defaultdict[bytes, list[int]] = defaultdict(list)
-        self._rows: dict[bytes, Row] = {}
+        self._responses: dict[bytes, Response] = {}
         self._unpaid_seconds: dict[bytes, float] = {}  # of parts solved now, until a scene is charged with them
         for number, scene in zip(numbers.tolist(), plan.scenes(numbers), strict=True):
             parts = divide_scene(scene)
@@ -92,7 +92,7 @@ class DividedScenes:
         return {
             digest: scene
             for digest, scene in self.part_scenes.items()
-            if digest not in known and digest not in self._rows
+            if digest not in known and digest not in self._responses
         }
 
     def add(self, rows: Mapping[bytes, Row], charged: Sequence[bytes] = ()) -> dict[int, Row]:
@@ -105,11 +105,13 @@ class DividedScenes:
         """
         ready = []
         for digest, row in rows.items():
-            if digest not in self.part_scenes or digest in self._rows:
+            if digest not in self.part_scenes or digest in self._responses:
                 continue
-            self._rows[digest] = row
+            storeys = tuple(building.storeys for building in self.part_scenes[digest].buildings)
+            response = decode_response(row, storeys)
+            self._responses[digest] = response
             if digest in charged:
-                self._unpaid_seconds[digest] = self._decode(digest, self.part_scenes[digest]).seconds
+                self._unpaid_seconds[digest] = response.seconds
             for number in self._users[digest]:
                 self._waiting[number] -= 1
                 if not self._waiting[number]:
@@ -121,13 +123,6 @@ class DividedScenes:
         responses = []
         for part in self._parts[number]:
             digest = bytes.fromhex(part.scene.digest)
-            response = self._decode(digest, part.scene)
-            responses.append(replace(response, seconds=self._unpaid_seconds.pop(digest, 0.0)))
+            response = replace(self._responses[digest], seconds=self._unpaid_seconds.pop(digest, 0.0))
+            responses.append(add_open_gaps(part.scene, response))
         return join_responses(self._scenes[number], self._parts[number], responses)
-
-    def _decode(self, digest: bytes, scene: Scene) -> Response:
-        """Return the response of a part in the names of its scene: it may have been solved in another row."""
-        storeys = tuple(building.storeys for building in scene.buildings)
-        response = decode_response(self._rows[digest], storeys)
-        effects = tuple(dropped for dropped in response.dropped if not dropped.links)
-        return add_open_gaps(scene, replace(response, dropped=effects))

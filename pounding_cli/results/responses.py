@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli import __version__
-from pounding_cli.model.effects import DroppedEffect
 from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, STOREYS, Flag, Response, peaks_type
 
 if TYPE_CHECKING:
@@ -56,7 +55,7 @@ def encode_response(response: Response) -> Row:
 
 
 def decode_response(row: Row, storeys: tuple[int, ...]) -> Response:
-    """Return the response of a row of `encode_response`, without its end state.
+    """Return the response of a row of `encode_response`, without its end state and effects, which its scene decides.
 
     storeys : of every building
     """
@@ -82,8 +81,6 @@ def decode_response(row: Row, storeys: tuple[int, ...]) -> Response:
         **facts,
         energy={name: float(numbers[f"energy_{name}"]) for name in ENERGIES},
         flags=tuple(flags),
-        effects=tuple(text_by_name["effects"].splitlines()),
-        dropped=tuple(map(DroppedEffect.parse, text_by_name["dropped"].splitlines())),
     )
 
 
