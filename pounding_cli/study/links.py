@@ -356,12 +356,24 @@ def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
             if link.pair not in (None, number):
                 of_pair.append(())
                 continue
+            if not (meeting.floors or meeting.strikes):
+                issues += _find_link_nowhere(link, path, meeting)
+                of_pair.append(())
+                continue
             issues += _find_unknown_floors(link, path, meeting)
             of_pair.append(_choose_floors(link, meeting, listed))
         floors.append(tuple(of_pair))
     if issues:
         raise IssuesFound(issues)
     return tuple(floors)
+
+
+def _find_link_nowhere(link: LinkSpec, path: KeyPath, meeting: Meeting) -> list[Issue]:
+    """Return the issue of a link that names a pair of a building and a wall that it does not reach."""
+    if link.pair is None or link.link == NO_LINK:
+        return []
+    message = f"{meeting.left} and {meeting.right} meet at no floor: the link stands nowhere"
+    return [Issue((*path, "pair"), message, "leave the link out, or make the wall as high as a floor")]
 
 
 def _find_unknown_floors(link: LinkSpec, path: KeyPath, meeting: Meeting) -> list[Issue]:

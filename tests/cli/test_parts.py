@@ -137,3 +137,29 @@ def test_walls_that_mean_nothing_are_refused(pound, folder, group, place, words)
     code, _, err = pound("check", "two.yaml")
     assert code == 2
     assert f"two.yaml:{int(line) + 1}:{column}: {words}" in err
+
+
+MOAT = """\
+records: {use: [elcentro], duration: 2 s}
+buildings:
+  moat: {wall: {height: 0 m}}
+  house: {storeys: 2, period: 0.3 s, foundation: {mass: 200 t, isolation: {radius: 3.1 m, friction: 6 %}}}
+  frame: {storeys: 2, period: 0.5 s}
+group: [moat, house, moat, frame]
+cases: {near: LINK}
+estimate: none
+"""
+
+
+def test_a_moat_that_ends_at_the_ground_has_no_link_to_a_frame_beyond(pound, folder):
+    (folder / "two.yaml").write_text(MOAT.replace("LINK", "{link: pounding, gap: 2 cm, floors: base}"))
+    code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
+    assert code == 0
+    link = open_results("r.h5").link()
+    assert set(link["left"] + "|" + link["right"]) == {"moat-1|house", "house|moat-2"}
+    assert "frame by less than 0.5 %" in out.replace("\n", " ")
+    (folder / "two.yaml").write_text(MOAT.replace("LINK", "{gap: 2 cm, links: [{link: pounding, pair: 3}]}"))
+    code, _, err = pound("check", "two.yaml")
+    assert code == 2
+    assert "two.yaml:7:" in err
+    assert "moat-2 and frame meet at no floor: the link stands nowhere" in err
