@@ -280,6 +280,7 @@ ENTRIES = {
     "friction-dampers": Entry("run", over("cases.dampers.links.1.slip_force", "slip force [kN]", 1e-3, True)),
     "slabs-columns": Entry("run", draw_columns),
     "soft-soil": Entry("run", over("buildings.stiff.foundation.sway_stiffness", "sway stiffness [MN/m]", 1e-6, True)),
+    "hospital-moat": Entry("run", over("cases.moat.gap", "width of the moat [cm]", 100)),
     "required-gap": Entry("gap", draw_gap),
     "code-spectrum": Entry("run", draw_target),
     "fragility": Entry("fragility", draw_fragility),

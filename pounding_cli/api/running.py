@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pounding_cli.api.standing import compute_content_key, find_current, find_unchanged_output
 from pounding_cli.batch.cache import Cache, cache_path
+from pounding_cli.batch.parts import list_parts
 from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.batch.solve import Solver
@@ -162,7 +163,7 @@ def run_study(
         arrays = answer.arrays.with_attrs(attributes)
         write_results(output, arrays, answer.tables, histories)
         if replace:
-            cache.delete_others(solution_key(plan), [digest.tobytes() for digest in plan.digests])
+            cache.delete_others(solution_key(plan), [*(digest.tobytes() for digest in plan.digests), *list_parts(plan)])
     return RunOutcome(
         output, content, solver.solved_count - len(solver.failures), len(solver.failures), solver.reused_count,
         tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import replace
 from itertools import islice
@@ -16,13 +16,14 @@ from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.forecast import HISTORY_OVERHEAD, measure_rates
 from pounding_cli.batch.pool import Pool, stop_executor
 from pounding_cli.batch.progress import Progress
-from pounding_cli.results.responses import Responses, Row, encode_response, solution_key
+from pounding_cli.results.responses import Responses, Row, encode_response, read_status, solution_key
 from pounding_cli.solver.kernels import COMPILE_TIME, is_compiled, store_rates
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
     from pounding_cli.batch.apart import ApartResponses
     from pounding_cli.batch.attempt import Attempt, GroupResult, Task
+    from pounding_cli.batch.parts import DividedScenes, SceneList
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.study.plan import Plan
 
@@ -136,17 +137,46 @@ class Solver:
 
     def _solve_missing(self, plan: Plan, missing: np.ndarray, solved: Responses) -> None:
         """Solve scenes, and put them into the cache and among those that are solved."""
+        from pounding_cli.batch.parts import DividedScenes, SceneList
+
         self.progress.add_histories(len(missing), self.reused_count)
+        task = self._build_task(plan)
+        is_divided = plan.divided[missing]
+        whole = missing[~is_divided]
+        divided = DividedScenes(plan, missing[is_divided])
         try:
-            for numbers, rows in self._iter_groups(plan, self._build_task(plan), missing):
-                digests = [plan.digests[number].tobytes() for number in numbers]
-                self.cache.store(solution_key(plan), dict(zip(digests, rows, strict=True)))
-                solved.add(dict(zip(numbers.tolist(), rows, strict=True)))
-                self._count_group(digests, numbers, solved)
+            self._take_rows(plan, divided.add(self._load_parts(plan, divided)), solved)
+            number_by_digest = {plan.digests[number].tobytes(): number for number in whole.tolist()}
+            scenes = SceneList(plan, divided.list_unknown(number_by_digest))
+            to_solve = np.concatenate((whole, scenes.part_numbers))
+            for numbers, rows in self._iter_groups(scenes, task, to_solve):
+                row_by_number = dict(zip(numbers.tolist(), rows, strict=True))
+                row_by_digest = {scenes.digest(number): row for number, row in row_by_number.items()}
+                parts = [digest for digest in row_by_digest if digest not in number_by_digest]
+                self.cache.store(solution_key(plan), {digest: row_by_digest[digest] for digest in parts})
+                of_plan = {number: row for number, row in row_by_number.items() if number < len(plan)}
+                self._take_rows(plan, of_plan | divided.add(row_by_digest, parts), solved)
         finally:
             self.progress.stop_display()
         if not self._has_stored_rates:
             self._store_rates(plan, missing, solved)
+
+    def _load_parts(self, plan: Plan, divided: DividedScenes) -> dict[bytes, Row]:
+        """Return the responses of parts that the cache has, by digest; those that failed are solved again."""
+        found: dict[bytes, Row] = {}
+        for rows in self.cache.iter_rows(solution_key(plan), list(divided.part_scenes)):
+            found |= {digest: row for digest, row in rows.items() if read_status(row) in OUTCOMES}
+        return found
+
+    def _take_rows(self, plan: Plan, rows: Mapping[int, Row], solved: Responses) -> None:
+        """Put responses of a plan's scenes, by number, into the cache and among those that are solved."""
+        if not rows:
+            return
+        numbers = np.array(list(rows))
+        digests = [plan.digests[number].tobytes() for number in rows]
+        self.cache.store(solution_key(plan), dict(zip(digests, rows.values(), strict=True)))
+        solved.add(rows)
+        self._count_group(digests, numbers, solved)
 
     def _build_task(self, plan: Plan) -> Task:
         """Return the settings of a plan; what is known of neighbours with nothing between them stays while they do."""
@@ -178,9 +208,11 @@ class Solver:
         store_rates(measure_rates(plan, some, solved.values["seconds"]))
         self._has_stored_rates = True
 
-    def _iter_groups(self, plan: Plan, task: Task, numbers: np.ndarray) -> Iterator[SolvedGroup]:
+    def _iter_groups(self, scenes: SceneList, task: Task, numbers: np.ndarray) -> Iterator[SolvedGroup]:
         """Yield groups of scenes and their rows as they are solved."""
-        run = _PlanRun(plan, task, self._apart_responses, self.progress)
+        if not numbers.size:
+            return
+        run = _PlanRun(scenes, task, self._apart_responses, self.progress)
         if self.engine == "none":
             self.engine = "serial"
         if self.solved_count:
@@ -256,17 +288,18 @@ class Solver:
 
 
 class _PlanRun:
-    """Groups of a plan's scenes, as they are given to whoever solves them.
+    """Groups of scenes, as they are given to whoever solves them.
 
     Parameters
     ----------
+    scene_list : the scenes of a plan, and parts of them
     task : settings
     apart_responses : what is known of neighbours with nothing between them by these settings; new ones are added
     progress : takes in which kernels are compiled
     """
 
-    def __init__(self, plan: Plan, task: Task, apart_responses: ApartResponses, progress: Progress) -> None:
-        self.plan = plan
+    def __init__(self, scene_list: SceneList, task: Task, apart_responses: ApartResponses, progress: Progress) -> None:
+        self.scene_list = scene_list
         self.task = task
         self.apart_responses = apart_responses
         self.progress = progress
@@ -296,13 +329,14 @@ class _PlanRun:
     def build_lost_group(self, numbers: np.ndarray) -> SolvedGroup:
         """Return scenes that ended their worker, without results."""
         responses = [
-            self.task.build_failed_response(scene, LOST_STATUS, LOST_ADVICE) for scene in self.plan.scenes(numbers)
+            self.task.build_failed_response(scene, LOST_STATUS, LOST_ADVICE)
+            for scene in self.scene_list.scenes(numbers)
         ]
         return SolvedGroup(numbers, [encode_response(response) for response in responses])
 
     def _list_attempts(self, numbers: np.ndarray) -> list[Attempt]:
         """Return the attempts to solve some scenes, after a note on kernels that are compiled for them."""
-        attempts = self.task.list_attempts(self.plan.scenes(numbers))
+        attempts = self.task.list_attempts(self.scene_list.scenes(numbers))
         if self._uncompiled:
             self._announce_kernels(attempts)
         return attempts

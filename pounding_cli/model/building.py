@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,8 +21,6 @@ DEFAULT_COLLAPSE_RATIO = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
 
 _LAW_FIELDS = "storey_law", "law_parameters"
-_MEETING_FIELDS = "slab", "columns"
-"""Fields that say what neighbours strike; they move no building by themselves, and links carry what follows."""
 
 
 class UnstableError(ValueError):
@@ -128,6 +127,9 @@ class Building:
     collapse: float | None = None
     slab: float = 0.0
     columns: float | None = None
+
+    meeting_fields: ClassVar[tuple[str, ...]] = ("slab", "columns")
+    """Fields that say what neighbours strike; they move no building by themselves, and links carry what follows."""
 
     def __post_init__(self) -> None:
         loads = () if self.gravity_load is None else ("gravity_load",)
@@ -280,7 +282,9 @@ class Building:
         sha = hashlib.sha256()
         for each in fields(self):
             value = getattr(self, each.name)
-            if each.name in ("name", *_MEETING_FIELDS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
+            if each.name in ("name", *self.meeting_fields):
+                continue
+            if each.name in _LAW_FIELDS and self.storey_law is Bilinear:
                 continue  # bilinear storeys have the digest that they had before there were others
             if each.name in ("gravity_load", "collapse") and value is None:
                 continue  # nor do these change the digests of buildings without them

@@ -14,6 +14,7 @@ import pandas as pd
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.effects import DroppedEffect, summarize_effects
+from pounding_cli.model.links import BASE
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, describe_motions, find_written_value, format_point
@@ -234,7 +235,7 @@ def _build_cases(shown: Evidence) -> Table:
         kinds = Counter(zip(mine["kind"], mine["gap"], strict=True))
         words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in kinds.items()]
         pairs = sorted(set(zip(mine["floor"], mine["right_floor"], strict=True)))
-        floors = ", ".join(str(left) if left == right else f"{left}|{right}" for left, right in pairs)
+        floors = ", ".join(str(left or BASE) if left == right else f"{left}|{right}" for left, right in pairs)
         rows.append([case, "; ".join(words) or "none: the buildings stand alone", floors or NOTHING])
     return table_of_texts("Cases", ("case", "links", "at floors"), rows)
 

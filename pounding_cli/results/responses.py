@@ -9,12 +9,12 @@ import sys
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli import __version__
-from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, STOREYS, Response, peaks_type
+from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, STOREYS, Flag, Response, peaks_type
 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
@@ -52,6 +52,43 @@ def encode_response(response: Response) -> Row:
     size = len(r.storeys), max(r.storeys), r.peaks["impacts"].size
     numbers = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
     return json.dumps([texts, size]), np.array(numbers, float).tobytes() + r.peaks.tobytes()
+
+
+def decode_response(row: Row, storeys: tuple[int, ...]) -> Response:
+    """Return the response of a row of `encode_response`, without its end state and effects, which its scene decides.
+
+    storeys : of every building
+    """
+    texts, size = json.loads(row[0])
+    numbers = np.frombuffer(row[1], row_type(*size))[0]
+    text_by_name = dict(zip(TEXTS, texts, strict=True))
+    severities = map(float, text_by_name["flag_severity"].splitlines())
+    flags = []
+    for line, severity in zip(text_by_name["flags"].splitlines(), severities, strict=True):
+        kind, _, detail = line.partition(": ")
+        flags.append(Flag(kind, detail, severity))
+    peaks_of_row = peaks_type(*size)
+    peaks = np.frombuffer(row[1], peaks_of_row, offset=len(row[1]) - peaks_of_row.itemsize)[0]
+    facts: dict[str, Any] = {name: float(numbers[name]) for name in SCALARS}
+    for name in ("steps", "events", "orders", "collapse_building", "collapse_storey"):
+        facts[name] = int(facts[name])
+    return Response(
+        peaks,
+        storeys,
+        status=text_by_name["status"],
+        advice=text_by_name["advice"],
+        method=text_by_name["method"],
+        **facts,
+        energy={name: float(numbers[f"energy_{name}"]) for name in ENERGIES},
+        flags=tuple(flags),
+    )
+
+
+def read_status(row: Row) -> str:
+    """Return the status of the response of a row."""
+    texts, _ = json.loads(row[0])
+    status: str = texts[TEXTS.index("status")]
+    return status
 
 
 class Responses:

@@ -182,6 +182,11 @@ def collapse_of(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
     return building, int(np.argmax(parts[building])) + 1
 
 
+def collapse_flag(building: str, storey: int, time: float) -> Flag:
+    """Return the flag of a storey of a building that collapsed, counted from 1, at a time [s]."""
+    return Flag(COLLAPSED, f"{building} storey {storey}, at {time:.4g} s", severity=-time)  # the earlier, the worse
+
+
 def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:
     """One flag for each base that moved further than its isolators can, and for each link compressed beyond its
     thickness or its gap (paper, after eqs 9 and 10); its severity is how far beyond [m].

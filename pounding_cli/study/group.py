@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -11,7 +11,7 @@ from typing import NamedTuple
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, deflection_of_columns, find_meetings, reach_of_slabs
-from pounding_cli.model.wall import Wall
+from pounding_cli.model.wall import MIN_HEIGHT, Wall
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.file import nearest
 from pounding_cli.study.issues import Issue, IssuesFound
@@ -159,7 +159,7 @@ class Group:
 
 
 def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
-    """Return the buildings in their places; a wall without a height of its own is as high as they are.
+    """Return the buildings in their places; a wall without a height of its own is as high as its neighbours.
 
     names : of the types, left to right
     """
@@ -167,9 +167,18 @@ def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
         types[name] if types[name].name == label else replace(types[name], name=label)
         for name, label in zip(names, unique_names(names), strict=True)
     ]
-    roof = max((float(each.elevation[-1]) for each in placed if not isinstance(each, Wall)), default=0.0)
-    placed = [each.raise_to(roof) if isinstance(each, Wall) else each for each in placed]
-    return Group(tuple(placed), types)
+    return Group(tuple(_raise_walls(placed)), types)
+
+
+def _raise_walls(row: Sequence[Building]) -> Iterator[Building]:
+    """Yield the buildings of a row; a wall without a height of its own is as high as the higher of its neighbours."""
+    for place, building in enumerate(row):
+        if isinstance(building, Wall):
+            beside = row[max(place - 1, 0) : place + 2]
+            roofs = (float(each.elevation[-1]) for each in beside if not isinstance(each, Wall))
+            yield building.raise_to(max(roofs, default=MIN_HEIGHT))
+        else:
+            yield building
 
 
 def unique_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -203,24 +212,49 @@ def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[
 def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> Group:
     """Return the group unchanged.
 
+    A wall may stand beside a building that does not reach it, if it meets its other neighbour.
+
     linked_pairs : pairs from 0 whose floors a link of a case names, wherever they are
 
     Raises
     ------
-    IssuesFound : two neighbours cannot strike each other, and no link joins them
+    IssuesFound : two neighbours cannot strike each other, and no link joins them, or two walls stand side by side
     """
     issues = []
     for place, meeting in enumerate(group.meetings):
-        if not meeting.floors and not meeting.strikes and place not in linked_pairs:
-            pair = group.buildings[place : place + 2]
+        pair = group.buildings[place : place + 2]
+        names = f"{meeting.left.name} and {meeting.right.name}"
+        walls = [building for building in pair if isinstance(building, Wall)]
+        if len(walls) == 2:
+            message = f"{names} are two walls side by side: no building stands between them"
+            hint = "leave one out: a wall can be struck from both sides"
+            issues.append(Issue(("group", place + 1), message, hint))
+        elif not (walls or meeting.floors or meeting.strikes or place in linked_pairs):
             levels = (join_limited(f"{elevation:g}" for elevation in each.elevation) for each in pair)
-            names = f"{meeting.left.name} and {meeting.right.name}"
             message = f"{names} have no floor at one elevation: {' against '.join(levels)} m"
             hint = f"let the storey heights agree somewhere; {COLUMNS}; or name both ends of links, `floors: [[2, 3]]`"
             issues.append(Issue(("group", place + 1), message, hint))
+    for place, building in enumerate(group.buildings):
+        if isinstance(building, Wall) and not any(
+            each.floors for each in group.meetings[max(place - 1, 0) : place + 1]
+        ):
+            issues += _find_wall_issues(group, place, building)
     if issues:
         raise IssuesFound(issues)
     return group
+
+
+def _find_wall_issues(group: Group, place: int, wall: Wall) -> list[Issue]:
+    """Return the issue of a wall that no floor meets; none where another wall stands beside it."""
+    beside = [*group.buildings[max(place - 1, 0) : place], *group.buildings[place + 1 : place + 2]]
+    if any(isinstance(building, Wall) for building in beside):
+        return []
+    height = float(wall.height[0])
+    reach = f"reaches {height:g} m above the ground" if height > MIN_HEIGHT else "ends at the ground"
+    lowest = " and ".join(f"the lowest floor of {each.name} is at {each.elevation[0]:g} m" for each in beside)
+    message = f"no floor meets the wall {wall.name}, which {reach}: {lowest}"
+    hint = "write a higher wall, or one without `height:`; a base that moves meets every wall"
+    return [Issue(("group", place), message, hint)]
 
 
 def find_ignored_blows(group: Group) -> list[Issue]:
@@ -250,7 +284,7 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
     for left, right in pairwise(group):
         pair, (floors, strikes) = f"{left.name}|{right.name}  ", find_meetings(left, right)
         if isinstance(left, Wall) or isinstance(right, Wall):
-            named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors)
+            named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors) or "no floor"
             lines.append(f"{pair}the wall meets {named}")
             continue
         if not strikes and len(floors) > 1 and all(i == j for i, j in floors):

@@ -349,9 +349,13 @@ def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
     """
     issues = Issues()
     links = list_links(name, case)
-    floors = []
+    floors: list[tuple[tuple[LinkEnds, ...], ...]] = []
     for number, meeting in enumerate(meetings, 1):
         members = [(link, path) for link, path in links if link.pair in (None, number)]
+        if (meeting.left.is_wall or meeting.right.is_wall) and not meeting.floors:
+            issues.add_written([issue for link, path in members for issue in _find_link_nowhere(link, path, meeting)])
+            floors.append(((),) * len(links))
+            continue
         listed = {path: _find_listed_ends(link, path, meeting, issues) for link, path in members}
         taken = {ends[:4] for of_link in listed.values() for ends in of_link}
         floors.append(
@@ -362,6 +366,14 @@ def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
         )
     issues.check()
     return tuple(floors)
+
+
+def _find_link_nowhere(link: LinkSpec, path: KeyPath, meeting: Meeting) -> list[Issue]:
+    """Return the issue of a link that names a pair of a building and a wall that it does not reach."""
+    if link.pair is None or link.link == NO_LINK:
+        return []
+    message = f"{meeting.left.name} and {meeting.right.name} meet at no floor: the link stands nowhere"
+    return [Issue((*path, "pair"), message, "leave the link out, or make the wall as high as a floor")]
 
 
 def find_linked_pairs(name: str, case: Any, pairs: int) -> set[int]:

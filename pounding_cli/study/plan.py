@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pounding_cli.model.links import Link, LinkPlace, link_places
+from pounding_cli.model.parts import is_divided
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study import keep
 from pounding_cli.study.file import Problems
@@ -71,6 +72,7 @@ class Plan:
     digests : SHA-256 of every different scene, in the order of the rows that need them first, shape (scenes, 32)
     numbers : number of the scene of a row, then of every building alone, -1 for one that nobody asks for, shape
         (points of every axis..., cases, analyses, records, 1 + buildings)
+    divided : which scenes have parts that nothing links, shape (scenes,)
     links : what the tables say of links
     build : scene of a row by its flat number among all rows
     buildings : names by place, left to right (soft-1, soft-2 where a type occurs twice)
@@ -89,6 +91,7 @@ class Plan:
     buildings: tuple[str, ...]
     digests: np.ndarray
     numbers: np.ndarray
+    divided: np.ndarray
     links: Links
     build: Callable[[int], Scene]
     accuracy: float
@@ -178,11 +181,13 @@ class _Planner:
         spec = study.spec
         rows = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
         numbers = np.empty((*rows, 1 + len(spec.group)), np.int32)
+        divided_rows = np.zeros(rows, bool)
         for place, case in enumerate(self.cases):
             begun = sweep_map(
                 lambda group, links: Digests(group.buildings, links), self.resolved.group, self.resolved.links[case]
             )
             numbers[..., place, :, :, 0] = self.number_scenes(begun)
+            divided_rows[..., place, :, :] = self.find_divided(self.resolved.links[case])
         for place, name in enumerate(spec.group):
             alone = self.number_scenes(sweep_map(lambda each: Digests((each,), ()), self.resolved.types[name]))
             numbers[..., 1 + place] = alone[..., None, :, :]
@@ -193,6 +198,8 @@ class _Planner:
         digests = np.frombuffer(self.content, np.uint8).reshape(-1, DIGEST_SIZE)
         digests, numbers = _drop_equal(digests, numbers)
         self.content = bytearray()
+        divided = np.zeros(len(digests) + 1, bool)  # the last one stands for -1
+        divided[numbers[..., 0][divided_rows]] = True
         plan = Plan(
             study=study,
             axes=study.axes,
@@ -203,6 +210,7 @@ class _Planner:
             digests=digests,
             numbers=numbers,
             links=_build_table(self.resolved.group, [self.resolved.links[case] for case in self.cases], self.sizes),
+            divided=divided[:-1],
             build=self.build_scene,
             accuracy=spec.accuracy,
             method=spec.method,
@@ -230,6 +238,15 @@ class _Planner:
         sizes = [size if axis in finished.axes else 1 for axis, size in enumerate(self.sizes)]
         numbers = np.arange(first, len(self.content) // DIGEST_SIZE, dtype=np.int32)
         return numbers.reshape(*sizes, len(self.analyses), len(self.records))
+
+    def find_divided(self, links: Swept[tuple[Link, ...]]) -> np.ndarray:
+        """Return where the links of a case leave parts of the row that nothing links.
+
+        Shape: points of every axis (1 where this does not depend on it), 1, 1.
+        """
+        found = sweep_map(lambda group, of_case: is_divided(group.buildings, of_case), self.resolved.group, links)
+        sizes = [size if axis in found.axes else 1 for axis, size in enumerate(self.sizes)]
+        return found.values.astype(bool).reshape(*sizes, 1, 1)
 
     def build_scene(self, row: int) -> Scene:
         """Return the scene of a row by its flat number; scenes of one point and case share buildings and links."""

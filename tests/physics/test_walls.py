@@ -150,7 +150,7 @@ cases: {near: LINK}
         ("{wall: fixed, storeys: 2}", "{link: pounding, gap: 1 cm}", 4, "does not apply to a wall"),
         ("{wall: {height: 4 m}}", "{link: pounding, gap: 1 cm, floors: 2}", 6, "no common floor 2"),
         ("{wall: fixed}", "{link: pounding, gap: 1 cm, floors: base}", 6, "no common floor base"),
-        ("{wall: {height: 0 m}}", "{link: pounding, gap: 1 cm}", 5, "no floor at one elevation"),
+        ("{wall: {height: 0 m}}", "{link: pounding, gap: 1 cm}", 5, "no floor meets the wall"),
     ],
 )
 def test_walls_that_are_refused(wall: str, link: str, line: int, word: str) -> None:

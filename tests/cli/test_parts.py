@@ -1,0 +1,165 @@
+"""Rows of parts that nothing links: in a batch each part is solved once, and the tables have its numbers."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from pounding_cli import open_results
+from tests.adapter import solver
+
+STUDY = """\
+title: A row that a wall divides
+records: {use: [elcentro, taft], duration: 3 s, scale: {pga: 0.5 g}}
+buildings:
+  stiff: {storeys: 3, period: 0.3 s}
+  soft: {storeys: 2, period: 0.5 s}
+  rigid: {wall: fixed}
+group: [stiff, soft, rigid, soft, stiff]
+impact: {stiffness: 2e9 N/m}
+cases:
+  near:
+    gap: 1 cm
+    links:
+      - {link: pounding, pair: 1}
+      - {link: pounding, pair: 2, gap: 4 mm}
+      - {link: pounding, pair: 3, gap: 4 mm}
+      - {link: pounding, pair: 4, gap: 4 mm}
+analyses: [inelastic]
+estimate: all
+"""
+SWEEP = "sweep: {cases.near.gap: [1 mm, 2 mm, 3 mm]}\n"
+RIGHT = STUDY.replace("group: [stiff, soft, rigid, soft, stiff]", "group: [rigid, soft, stiff]").replace(
+    STUDY[STUDY.index("cases:") : STUDY.index("analyses:")], "cases:\n  near: {link: pounding, gap: 4 mm}\n"
+)
+
+
+def count_solved(pound, *arguments: object) -> Counter[str]:
+    """Return how often the solver was called for each row of buildings, other than with nothing between them."""
+    solved: Counter[str] = Counter()
+    solve = solver.solve
+
+    def count(scene, **settings):
+        if all(link.law.can_act for link in scene.links):
+            solved["|".join(building.name for building in scene.buildings)] += 1
+        return solve(scene, **settings)
+
+    code, _, err = pound(*arguments, solve=count)
+    assert code == 0, err
+    return solved
+
+
+def test_a_sweep_over_one_gap_solves_the_other_part_once(pound, folder):
+    (folder / "two.yaml").write_text(STUDY.replace("estimate: all", "estimate: none") + SWEEP)
+    solved = count_solved(pound, "run", "two.yaml", "-q", "-o", "r.h5")
+    by_part = {name: count for name, count in solved.items() if "|" in name}
+    assert by_part == {"stiff-1|soft-1|rigid": 3 * 2, "rigid|soft-2|stiff-2": 2}
+    for gaps in ("4 mm", "5 mm"):
+        (folder / "two.yaml").write_text(STUDY.replace("estimate: all", "estimate: none") + SWEEP.replace("3 mm", gaps))
+        assert count_solved(pound, "run", "two.yaml", "-q", "-o", "r.h5", "--replace") == {"stiff-1|soft-1|rigid": 2}
+
+
+def test_buildings_that_nothing_links_are_those_alone(pound, folder):
+    """They are in the tables anyway: no scene of the two is solved."""
+    (folder / "two.yaml").write_text(
+        "records: {use: [elcentro], duration: 2 s}\nbuildings: {a: {storeys: 2, period: 0.3 s}, b: {storeys: 2, "
+        "period: 0.4 s}}\ngroup: [a, b]\ncases: {free: {link: none}}\nanalyses: [elastic]\nestimate: none\n"
+    )
+    assert count_solved(pound, "run", "two.yaml", "-q", "-o", "r.h5") == {"a": 1, "b": 1}
+    assert (open_results("r.h5").storey()["V_ratio"] == 1.0).all()
+
+
+@pytest.mark.parametrize("engine", ["serial", "threads"])
+def test_a_part_has_the_numbers_of_its_own_study(pound, folder, engine):
+    (folder / "two.yaml").write_text(STUDY)
+    (folder / "right.yaml").write_text(RIGHT)
+    for name in ("two", "right"):
+        assert pound("run", f"{name}.yaml", "-q", "-o", f"{name}.h5", "--engine", engine)[0] == 0
+    row, part = (open_results(f"{name}.h5") for name in ("two", "right"))
+    names = {"soft": "soft-2", "stiff": "stiff-2"}
+    for table in ("storey", "floor"):
+        expected = getattr(part, table)().replace({"building": names})
+        found = getattr(row, table)()
+        found = found[found["building"].isin(names.values())].reset_index(drop=True)
+        numbers = expected.select_dtypes(float).columns
+        assert np.array_equal(found[numbers], expected[numbers], equal_nan=True)
+    scenes = row.scene()
+    assert (scenes["status"] == "done").all()
+    assert (scenes["error_estimate"] >= part.scene()["error_estimate"]).all()
+    assert (scenes["energy_residual"].abs() < 1e-8).all()
+    dropped = "no force passes between stiff-1|soft-1|rigid and rigid|soft-2|stiff-2, and each is solved by itself"
+    assert scenes["dropped"].str.contains(dropped, regex=False).all()
+
+
+def test_flags_name_the_building_of_each_part(pound, folder):
+    """Both parts are alike and solved once; the flags of the second are not those of the first."""
+    weak = "{storeys: 2, period: 0.9 s, p_delta: true, hardening: 0, yield: {base_shear: 0.03 W}}"
+    (folder / "two.yaml").write_text(
+        f"records: {{use: [elcentro], duration: 8 s, scale: {{pga: 0.8 g}}}}\nbuildings: {{weak: {weak}}}\n"
+        "group: [weak, weak]\ncases: {free: {link: none}}\nanalyses: [inelastic]\nestimate: none\n"
+    )
+    assert pound("run", "two.yaml", "-q", "-o", "r.h5")[0] == 0
+    flags = open_results("r.h5").scene()["flags"].iloc[0].splitlines()
+    assert [flag.split(" storey")[0] for flag in flags[:2]] == ["collapsed: weak-1", "collapsed: weak-2"]
+
+
+def test_a_check_tells_what_is_solved_by_itself(pound, folder):
+    code, out, _ = pound("check", "two.yaml")
+    assert code == 0
+    line = "no force passes between stiff-1|soft-1|rigid and rigid|soft-2|stiff-2, and each is solved by itself"
+    assert f"  coupling of the whole row      left out in 2: {line}\n" in out
+
+
+def test_histories_of_a_divided_row_are_kept(pound, folder):
+    (folder / "two.yaml").write_text(STUDY + "keep: {histories: {records: [elcentro]}}\n")
+    (folder / "right.yaml").write_text(RIGHT + "keep: {histories: {records: [elcentro]}}\n")
+    for name in ("two", "right"):
+        assert pound("run", f"{name}.yaml", "-q", "-o", f"{name}.h5")[0] == 0
+    row, part = (open_results(f"{name}.h5").history() for name in ("two", "right"))
+    assert np.array_equal(row.drift[:, 2:, :], part.drift, equal_nan=True)
+    assert row.buildings == ("stiff-1", "soft-1", "rigid", "soft-2", "stiff-2")
+
+
+@pytest.mark.parametrize(
+    ("group", "place", "words"),
+    [
+        ("[stiff, rigid, rigid, soft]", "7:23", "rigid-1 and rigid-2 are two walls side by side"),
+        ("[stiff, low, soft]", "7:16", "no floor meets the wall low, which reaches 1 m above the ground"),
+    ],
+)
+def test_walls_that_mean_nothing_are_refused(pound, folder, group, place, words):
+    text = STUDY.replace("group: [stiff, soft, rigid, soft, stiff]", f"group: {group}")
+    text = text.replace("  rigid: {wall: fixed}", "  rigid: {wall: fixed}\n  low: {wall: {height: 1 m}}")
+    line, column = place.split(":")
+    (folder / "two.yaml").write_text(text)
+    code, _, err = pound("check", "two.yaml")
+    assert code == 2
+    assert f"two.yaml:{int(line) + 1}:{column}: {words}" in err
+
+
+MOAT = """\
+records: {use: [elcentro], duration: 2 s}
+buildings:
+  moat: {wall: {height: 0 m}}
+  house: {storeys: 2, period: 0.3 s, foundation: {mass: 200 t, isolation: {radius: 3.1 m, friction: 6 %}}}
+  frame: {storeys: 2, period: 0.5 s}
+group: [moat, house, moat, frame]
+cases: {near: LINK}
+estimate: none
+"""
+
+
+def test_a_moat_that_ends_at_the_ground_has_no_link_to_a_frame_beyond(pound, folder):
+    (folder / "two.yaml").write_text(MOAT.replace("LINK", "{link: pounding, gap: 2 cm, floors: base}"))
+    code, out, _ = pound("run", "two.yaml", "-o", "r.h5")
+    assert code == 0
+    link = open_results("r.h5").link()
+    assert set(link["left"] + "|" + link["right"]) == {"moat-1|house", "house|moat-2"}
+    assert "frame by less than 0.5 %" in out.replace("\n", " ")
+    (folder / "two.yaml").write_text(MOAT.replace("LINK", "{gap: 2 cm, links: [{link: pounding, pair: 3}]}"))
+    code, _, err = pound("check", "two.yaml")
+    assert code == 2
+    assert "two.yaml:7:" in err
+    assert "moat-2 and frame meet at no floor: the link stands nowhere" in err
