@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import gamma
 
 import pounding_cli
-from tests.adapter import Run, Scene, solve
+from tests.adapter import Connector, Run, Scene, solve
 from tests.physics.cases import ROCK, SWAY, formula, shake
 from tests.reference.branches import jankowski_damping
 from tests.reference.closed_forms import bilinear_throw, infill_compression, kelvin_voigt, oscillator_under_ramp
@@ -541,3 +541,16 @@ def test_the_coefficients_of_dop853_are_those_of_scipy():
     found = json.loads((Path(pounding_cli.__file__).parent / "solver" / "dop853.json").read_text())
     assert set(found) == {"A", "A_EXTRA", "B", "C", "C_EXTRA", "D", "E3", "E5"}
     assert all(np.array_equal(values, getattr(DOP853, name)) for name, values in found.items())
+
+
+@pytest.mark.parametrize(("floors", "places", "words"), [
+    ((0, 1), {"left_at": 0.5}, "ends below a base"),
+    ((1, 1), {"left_at": 0.0}, "a part above 0"),
+    ((1, 1), {"cosine": 0.0}, "cosine is 0"),
+    ((1, 1), {"left_at": 0.5, "right_at": 0.5, "columns": 0.2}, "columns is 0.2"),
+])  # fmt: skip
+def test_links_that_end_nowhere(floors: tuple[int, int], places: Mapping[str, float], words: str) -> None:
+    """Fails if a link that is built by hand may end where nothing is."""
+    law = Connector(gap=0.1, stiffness=1e7, damping_ratio=0.0)
+    with pytest.raises(ValueError, match=words):
+        pounding_cli.Link(0, *floors, law, **places)
