@@ -56,6 +56,9 @@ class Link:
         for height in (self.left_at, self.right_at):
             if not 0.0 < height <= 1.0:
                 raise ValueError(f"link: it ends at {height:g} of a storey height; give a part above 0, 1 at the floor")
+        ends = ((self.left_floor, self.left_at), (self.right_floor, self.right_at))
+        if any(floor == 0 and height < 1.0 for floor, height in ends):
+            raise ValueError("link: it ends below a base; give the storey above it by its floor")
         has_one_end_on_columns = (self.left_at < 1.0) != (self.right_at < 1.0)
         if not 0.0 <= self.columns <= 1.0 or (self.columns > 0.0 and not has_one_end_on_columns):
             raise ValueError(f"link: columns is {self.columns:g}; give a part of 1 where one end stands between floors")

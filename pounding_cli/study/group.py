@@ -29,7 +29,7 @@ COLUMNS = (
 class LinkEnds(NamedTuple):
     """Where both ends of a link stand; fields as of `Link`.
 
-    flexibility : deflection per force of the columns that it ends on [m/N]
+    flexibility : deflection per level force of the columns that it ends on [m/N]
     """
 
     left_floor: int

@@ -432,7 +432,9 @@ def _choose_ends(
 
 
 def _join_floors(link: LinkSpec, left_floor: int, right_floor: int, meeting: Meeting) -> LinkEnds:
-    """Return the ends of a link between two floors."""
+    """Return the ends of a link between two floors, or a floor and a wall, which it meets at its own height."""
+    if meeting.left.is_wall or meeting.right.is_wall:
+        return LinkEnds(left_floor, right_floor)
     cosine = _find_cosine(link, meeting.left.level(left_floor, 1.0), meeting.right.level(right_floor, 1.0))
     return LinkEnds(left_floor, right_floor, cosine=cosine)
 
@@ -640,7 +642,7 @@ def _build_links_at(
             message = f"the ends of the link are {distance:g} m apart, closer than the gap of {law.gap:g} m"
             issues[Issue((*path, "distance"), message, "write the distance of its ends along the row")] = None
         if ends.flexibility:
-            softened = law.soften(ends.flexibility)
+            softened = law.soften(ends.flexibility * ends.cosine**2)
             if softened is None:
                 issues[_refuse_at_columns(links[number], links[number].title)] = None
                 continue
