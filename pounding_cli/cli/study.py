@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from pounding_cli.batch.forecast import Forecast, RunDuration
     from pounding_cli.errors import Problem
     from pounding_cli.model.building import Building
-    from pounding_cli.model.links import Link
     from pounding_cli.numbers import Unit
     from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study import Plan, Study
@@ -222,35 +220,11 @@ def _effects(found: Forecast) -> Iterator[str]:
 
 
 def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
-    """The links of a case at the first point of the sweep, in words."""
-    said = Counter[str]()
-    for link in plan.build(case * len(plan.analyses) * len(plan.records)).links:
-        said[_describe_link(link, width, strength)] += 1
-    return "; ".join(f"{count} x {what}" for what, count in said.items()) or "no links: runs as buildings alone"
+    """Return the links of a case at the first point of the sweep, in words."""
+    from pounding_cli.study.link_words import describe_links
 
-
-def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
-    """Return the law of a link with its gap, stiffness and parameters in words."""
-    from pounding_cli.laws.pounding import restitution_from_damping
-    from pounding_cli.study.warnings import format_value, units_of_size
-
-    law = link.law
-    words = [f"{'slab against columns' if link.columns else link.kind}", f"gap {width.text(link.gap)}"]
-    stiffness = getattr(law, "stiffness", law.max_slopes[0])
-    if stiffness > 0 and not link.columns:
-        words.append(strength.text(stiffness, 4))
-    for name, field in law.parameters().items():
-        value, unit = getattr(law, name), field.metadata["parameter"].unit
-        if name in ("gap", "stiffness", "impact_stiffness", "straight_below") or not isinstance(value, float):
-            continue
-        title = name.replace("_", " ").replace("1 m s", "1 m/s")
-        if name == "damping_ratio":
-            words.append(f"damping ratio {100 * value:.3g} % (restitution {restitution_from_damping(value):.3g})")
-        elif unit.startswith("N"):
-            words.append(f"{title} {format_value(value, units_of_size(unit))}")
-        else:
-            words.append(f"{title} {value:.3g}{'' if unit == '-' else f' {unit}'}")
-    return ", ".join(words)
+    links = plan.build(case * len(plan.analyses) * len(plan.records)).links
+    return describe_links(links, plan.study.group((0,) * len(plan.axes)), width, strength)
 
 
 @click.command()

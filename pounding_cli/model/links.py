@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -106,6 +107,11 @@ class Link:
     def gap(self) -> float:
         """Initial distance of the floors [m]; NaN where nothing stands between them."""
         return self.law.gap
+
+    @property
+    def inclination(self) -> float:
+        """Angle between the link and the horizontal [rad]."""
+        return math.acos(self.cosine)
 
     @cached_property
     def identity(self) -> str:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from pounding_cli.laws import link_symbol
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.columns import column_of
+from pounding_cli.results.dataset import find_contacts
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.expression import (
     FLOOR,
@@ -269,9 +269,8 @@ def find_struck_buildings(
         return frozenset()
     kind = arrays["kind"].values[..., case, :]
     impacts = arrays["impacts"].values[..., list(points), case, analysis, :, :]
-    is_contact = np.vectorize(lambda name: bool(name) and link_symbol(name) == "gap", otypes=[bool])(kind)
-    is_contact = is_contact.reshape(-1, is_contact.shape[-1]).any(axis=0)
-    is_struck = (impacts.reshape(-1, impacts.shape[-1]) > 0).any(axis=0) & is_contact
+    is_contact = find_contacts(plan, kind).reshape(-1, kind.shape[-1]).any(axis=0)
+    is_struck = np.logical_and((impacts.reshape(-1, impacts.shape[-1]) > 0).any(axis=0), is_contact)
     return frozenset(
         building
         for place, struck in zip(plan.links.places, is_struck.tolist(), strict=True)

@@ -15,6 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli import __version__, variables
+from pounding_cli.laws import link_symbol
+from pounding_cli.laws.apart import Apart
+from pounding_cli.laws.formula import WRITTEN_LAWS
+from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.links import link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
@@ -87,6 +91,8 @@ def _has_values(plan: Plan, v: Variable) -> bool:
     """Return whether a variable has values in a study: some have no links, few have links that strike columns."""
     if v.name in variables.COLUMN_VARIABLES:
         return any(place.is_on_columns for place in plan.links.places)
+    if v.name in variables.INCLINED_VARIABLES:
+        return bool((plan.links.facing == 0.0).any())
     return "link" not in v.dims or bool(plan.links.places)
 
 
@@ -169,17 +175,37 @@ def _flag(plan: Plan, solved: Responses, found: Arrays) -> None:
         add(zero, Flag(f"{base} = 0", "ratio refused"))
     if "shear_demand" not in found:
         return
-    demand = np.where(found["impacts"] > 0, found["shear_demand"], np.nan)  # one that yields has 1 anyway
-    for at in np.argwhere((demand > 1).any(axis=-1)):
-        mine = demand[tuple(at)]
-        struck = {plan.links.places[link].struck_storey for link in np.flatnonzero(mine > 1).tolist()}
-        worst = int(np.nanargmax(mine))
-        building, storey = plan.links.places[worst].struck_storey
-        more = f", and {pluralize(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
-        where = f"{plan.buildings[building]} storey {storey}"
-        times = f"{mine[worst]:.3g} times their share of the yield shear"
-        flag = Flag("columns overloaded by a blow", f"{where}, {times}{more}", float(mine[worst]))
-        add(tuple(at[:, None]), flag)
+    is_loaded = found["contact_time"] > 0  # columns that yield by themselves have 1 anyway
+    is_blow = find_contacts(plan, found["kind"])[..., None, None, :]  # the same in all analyses and motions
+    for words, is_meant in (("columns overloaded by a blow", is_blow), ("columns overloaded by a link", ~is_blow)):
+        demand = np.where(is_loaded & is_meant, found["shear_demand"], np.nan)
+        for at in np.argwhere((demand > 1).any(axis=-1)):
+            detail, worst = _describe_overload(plan, demand[tuple(at)])
+            add(tuple(at[:, None]), Flag(words, detail, worst))
+
+
+def find_contacts(plan: Plan, kinds: np.ndarray) -> np.ndarray:
+    """Return where floors strike each other across a link, of an array of names of laws; False where there is none."""
+    own_laws = plan.study.spec.laws
+
+    def is_contact(kind: str) -> bool:
+        symbol = WRITTEN_LAWS[own_laws[kind].acts].symbol if kind in own_laws else link_symbol(kind)
+        return kind not in ("", Apart.name) and symbol == LinkLaw.symbol
+
+    return np.vectorize(is_contact, otypes=[bool])(kinds)
+
+
+def _describe_overload(plan: Plan, demand: np.ndarray) -> tuple[str, float]:
+    """Return in words where the columns of a scene are loaded beyond their strength, and the largest demand [-].
+
+    demand : of the columns at every link, above 1 at some; NaN where none are loaded
+    """
+    storeys = {plan.links.places[link].struck_storey for link in np.flatnonzero(demand > 1).tolist()}
+    worst = int(np.nanargmax(demand))
+    building, storey = plan.links.places[worst].struck_storey
+    more = f", and {pluralize(len(storeys) - 1, 'more storey')}" if len(storeys) > 1 else ""
+    where = f"{plan.buildings[building]} storey {storey}"
+    return f"{where}, {demand[worst]:.3g} times their share of the yield shear{more}", float(demand[worst])
 
 
 # Coordinates, buildings and motions

@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import BASE
+from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, deflection_of_columns, find_meetings, reach_of_slabs
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import join_limited, pluralize
@@ -108,6 +108,17 @@ class Meeting:
         known = [strike for strike in strikes if sides[strike.side].columns is not None]
         ends = tuple(_find_ends_of_strike(sides[strike.side], strike) for strike in known)
         return cls(*sides, floors, ends, reach_of_slabs(left.slab, right.slab))
+
+    def find_rise(self, link: Link | LinkEnds) -> float:
+        """Return how much higher the right end of a link is than the left one [m]; 0 beside a wall."""
+        if self.left.is_wall or self.right.is_wall:
+            return 0.0
+        left_level = self.left.level(link.left_floor, link.left_at)
+        return self.right.level(link.right_floor, link.right_at) - left_level
+
+    def has_facing_ends(self, link: Link | LinkEnds) -> bool:
+        """Return whether the ends of a link are as high as each other, within the slabs of both buildings."""
+        return abs(self.find_rise(link)) <= self.reach
 
 
 def _find_ends_of_strike(struck: Side, strike: Strike) -> LinkEnds:

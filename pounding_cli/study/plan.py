@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -14,7 +14,7 @@ from pounding_cli.model.links import Link, LinkPlace, link_places
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study import keep
 from pounding_cli.study.file import Problems
-from pounding_cli.study.group import unique_names
+from pounding_cli.study.group import Group, Meeting, unique_names
 from pounding_cli.study.motions import Suite
 from pounding_cli.study.resolve import Resolved
 from pounding_cli.study.swept import Point, Swept, sweep_map
@@ -40,6 +40,8 @@ class Links:
     kind : law; "" where there is none
     gap : [m]; NaN where there is none
     left_at, right_at : heights of its ends in the storeys below its floors [-], 1 at a floor
+    inclination : angle between the link and the horizontal [rad]; NaN where there is none
+    facing : 1 where its ends are as high as each other, within the slabs, else 0; NaN where there is none
     """
 
     places: tuple[LinkPlace, ...]
@@ -48,6 +50,8 @@ class Links:
     gap: np.ndarray
     left_at: np.ndarray
     right_at: np.ndarray
+    inclination: np.ndarray
+    facing: np.ndarray
 
 
 class Row(NamedTuple):
@@ -198,7 +202,7 @@ class _Planner:
             buildings=unique_names(spec.group),
             digests=digests,
             numbers=numbers,
-            links=_build_table([self.resolved.links[case] for case in self.cases], self.sizes),
+            links=_build_table(self.resolved.group, [self.resolved.links[case] for case in self.cases], self.sizes),
             build=self.build_scene,
             accuracy=spec.accuracy,
             method=spec.method,
@@ -242,33 +246,44 @@ class _Planner:
         )
 
 
-def _build_table(cases: list[Swept[tuple[Link, ...]]], sizes: tuple[int, ...]) -> Links:
+ABSENT: dict[str, Any] = {
+    "order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan,
+    "inclination": np.nan, "facing": np.nan,
+}  # fmt: skip
+"""What the tables say of a link where a case has none, by the fields of `Links`."""
+
+
+def _build_table(group: Swept[Group], cases: list[Swept[tuple[Link, ...]]], sizes: tuple[int, ...]) -> Links:
     """Return what the tables say of the links of all cases.
 
     sizes : lengths of all axes
     """
-    places = {id(links): link_places(links) for swept in cases for _, links in swept.iter_values()}
-    columns = tuple(sorted({place for of_links in places.values() for place in of_links}))
+    meetings = sweep_map(lambda group: group.meetings, group).merge_equal()
+    rows_by_case = [sweep_map(_list_rows, links, meetings) for links in cases]
+    different = [rows for by_case in rows_by_case for _, rows in by_case.iter_values()]
+    columns = tuple(sorted({place for rows in different for place, _ in rows}))
     number = {place: column for column, place in enumerate(columns)}
-    absent = {"order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan}
-    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in absent.items()}
-    for case, swept in enumerate(cases):
+    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in ABSENT.items()}
+    for case, swept in enumerate(rows_by_case):
         flat = list(swept.values.flat)
-        rows = [row for row, links in enumerate(flat) for _ in links]
-        where = rows, [number[place] for links in flat for place in places[id(links)]]
+        points = [point for point, rows in enumerate(flat) for _ in rows]
+        where = points, [number[place] for rows in flat for place, _ in rows]
         shape = [size if axis in swept.axes else 1 for axis, size in enumerate(sizes)]
         for name, array in table.items():
-            values = np.full((len(flat), len(columns)), absent[name])
-            values[where] = [_find_fact(name, place, link) for links in flat for place, link in enumerate(links)]
+            values = np.full((len(flat), len(columns)), ABSENT[name])
+            values[where] = [facts[name] for rows in flat for _, facts in rows]
             array[..., case, :] = values.reshape(*shape, -1)
     return Links(columns, **table)
 
 
-def _find_fact(name: str, place: int, link: Link) -> Any:
-    """Return what the tables say of a link in a scene; place : its number there."""
-    if name == "order":
-        return place
-    return getattr(link, name)
+def _list_rows(links: tuple[Link, ...], meetings: Sequence[Meeting]) -> list[tuple[LinkPlace, dict[str, Any]]]:
+    """Return the place of every link of a scene, with what the tables say of it by the fields of `Links`."""
+    rows = []
+    for order, (place, link) in enumerate(zip(link_places(links), links, strict=True)):
+        facts = {name: getattr(link, name) for name in ("kind", "gap", "left_at", "right_at", "inclination")}
+        facts |= {"order": order, "facing": float(meetings[link.left].has_facing_ends(link))}
+        rows.append((place, facts))
+    return rows
 
 
 def _drop_equal(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from pounding_cli.questions.fragility.targets import takes_blow
 from pounding_cli.questions.frames import ALONE
+from pounding_cli.results.dataset import find_contacts
 from pounding_cli.study import Plan
 from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
 from pounding_cli.study.swept import Point
@@ -95,7 +96,7 @@ def _compare_links(plan: Plan, solved: Responses, place: CurvePlace, histories: 
     is_there = links.kind[where] != ""
     if limit.quantity == CONTACT:
         is_of_pair = [each.left == place.target.building for each in links.places]
-        chosen = np.flatnonzero(is_there & is_of_pair)
+        chosen = np.flatnonzero(_keep_across_gap(plan, where, is_there & is_of_pair))
         gap = links.gap[where][chosen]
         closing = solved.values["link.max_closing"][histories][..., chosen]
         with np.errstate(divide="ignore", invalid="ignore"):  # floors in touch
@@ -105,3 +106,16 @@ def _compare_links(plan: Plan, solved: Responses, place: CurvePlace, histories: 
     strikes = [takes_blow(place.target, each, yield_shear) for each in links.places]
     chosen = np.flatnonzero(is_there & strikes)
     return solved.values["columns.demand"][histories][..., chosen] / limit.value
+
+
+def _keep_across_gap(plan: Plan, where: tuple[int, ...], is_meant: np.ndarray) -> np.ndarray:
+    """Return which links of a pair of neighbours tell whether its floors touch.
+
+    A joint between floors that do not face each other closes without a gap between its ends. It tells nothing, unless
+    the pair has no other link.
+
+    where : point and case; is_meant : the links of the pair, shape (links,)
+    """
+    links = plan.links
+    crosses = is_meant & ((links.facing[where] == 1.0) | find_contacts(plan, links.kind[where]))
+    return crosses if crosses.any() else is_meant

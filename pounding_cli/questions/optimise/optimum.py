@@ -421,8 +421,8 @@ def _find_demands(question: Optimise, plan: Plan, values: Values) -> dict[str, t
             demands[f"largest {name} in {building}"] = name, values[name][..., number, :]
         struck = [place.is_on_columns and place.struck_storey[0] == number for place in places]
         if any(struck):
-            is_blow = values["impacts"] > 0  # of columns that no slab struck nothing is said
-            demand = np.where(is_blow, values["shear_demand"], np.nan)
+            is_loaded = values["contact_time"] > 0  # of columns that no link loads nothing is said
+            demand = np.where(is_loaded, values["shear_demand"], np.nan)
             demands[f"largest shear_demand in {building}"] = "shear_demand", demand[..., np.flatnonzero(struck)]
     if places:
         for name in ("peak_force", "max_closing"):

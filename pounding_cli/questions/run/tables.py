@@ -159,8 +159,10 @@ def _list_quantities(results: ResultTables, scene: pd.DataFrame) -> Iterator[Pea
     floor = _without_walls(results, results.floor("acceleration"))
     yield Peak("acceleration", "acceleration", "acceleration", floor, "floor")
     struck = _without_walls(results, results.struck())
-    struck = struck[struck["impacts"] > 0]
-    yield Peak("struck_columns", "struck columns", "shear_demand", struck.assign(struck_columns=struck["shear_demand"]))
+    loaded = struck[struck["contact_time"] > 0]
+    has_joints = not loaded["kind"].map(results.is_contact).all()
+    label = "loaded columns" if has_joints else "struck columns"
+    yield Peak("struck_columns", label, "shear_demand", loaded.assign(struck_columns=loaded["shear_demand"]))
 
 
 def _ratio_label(analyses: Sequence[str]) -> str:
@@ -248,26 +250,37 @@ def _caption_of_peaks(results: ResultTables) -> str:
 def _find_gaps(results: ResultTables) -> pd.DataFrame:
     """Return by case and analysis the link that closes closest to its gap, or furthest beyond it.
 
+    A joint between floors that do not face each other has no gap between its ends; it stands here only where the case
+    has no other link.
+
+    crosses_gap : whether there is a gap between the ends of the link
     histories, struck : number of time histories, and of those in which some floors of the case strike
     """
-    link = results.link("kind", "gap", "max_closing", "impacts")
+    has_inclined = "facing" in results.arrays
+    link = results.link("kind", "gap", "max_closing", "impacts", *["facing"] * has_inclined)
     if link.empty:
         return pd.DataFrame()
+    link["crosses_gap"] = link["kind"].map(results.is_contact).astype(bool)
+    link["crosses_gap"] |= link["facing"] == 1.0 if has_inclined else True
     rows: dict[tuple[str, str], dict[str, Any]] = {}
     place: Any
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
-        beyond = here["max_closing"] - here["gap"]
-        worst = here.iloc[int(beyond.argmax())]
+        across_gap = here[here["crosses_gap"]]
+        candidates = across_gap if len(across_gap) else here
+        beyond = candidates["max_closing"] - candidates["gap"]
+        worst = candidates.iloc[int(beyond.argmax())]
         keys = list_acting_keys(results, place[0])
         is_struck = here.groupby([*keys, "record"], sort=False)["impacts"].max() > 0
         rows[place] = {
             "closing": worst["max_closing"],
             "gap": worst["gap"],
             "kind": worst["kind"],
+            "crosses_gap": worst["crosses_gap"],
             "struck": int(is_struck.sum()),
             "histories": len(is_struck),
         }
-    frame = pd.DataFrame.from_dict(rows, orient="index", columns=["closing", "gap", "kind", "struck", "histories"])
+    names = ["closing", "gap", "kind", "crosses_gap", "struck", "histories"]
+    frame = pd.DataFrame.from_dict(rows, orient="index", columns=names)
     frame.index = pd.MultiIndex.from_tuples(frame.index, names=["case", "analysis"])
     return frame
 
@@ -283,6 +296,8 @@ def _gap_column(results: ResultTables) -> Column:
         beyond = row["closing"] - row["gap"]
         if beyond > 0 and results.is_contact(row["kind"]):
             return f"penetration {number.format(beyond)} {unit.name}"
+        if not row["crosses_gap"]:
+            return f"closes {number.format(row['closing'])} {unit.name}"
         return f"closes {number.format(row['closing'])} of {unit.text(row['gap'])}"
 
     def write_contact(row: Row) -> str:
@@ -290,7 +305,12 @@ def _gap_column(results: ResultTables) -> Column:
             return ""
         beyond = row["closing"] - row["gap"]
         if not results.is_contact(row["kind"]):
-            return f"{row['kind']}, {number.format(beyond)} {unit.name} beyond the gap" if beyond > 0 else row["kind"]
+            words = [row["kind"]]
+            if not row["crosses_gap"]:
+                words.append("ends at different heights")
+            if beyond > 0:
+                words.append(f"{number.format(beyond)} {unit.name} beyond the gap")
+            return ", ".join(words)
         count = int(row["histories"])
         histories = count_histories(count) if results.axes else pluralize(count, "motion")
         contact = f"contact in {row['struck']:.0f} of {histories}"
