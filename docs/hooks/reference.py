@@ -85,6 +85,7 @@ MODELS = {
     "`records.scale`: peak velocity": records_spec.PgvSpec,
     "`records.scale`: an ordinate of the spectrum": records_spec.SaSpec,
     "`records.scale`: a target spectrum": records_spec.SpectrumSpec,
+    **{f"`records.scale.target`: {name}": spec for name, spec in records_spec.CODE_TARGETS.items()},
     "`buildings.NAME`": building_spec.BuildingSpec,
     "`yield`": building_spec.CodeSpec,
     "`yield`: a base-shear coefficient": building_spec.BaseShearSpec,

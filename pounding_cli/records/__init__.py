@@ -13,6 +13,7 @@ from pounding_cli.records.catalogue import (
     save_motion,
     user_folder,
 )
+from pounding_cli.records.code_spectra import CODES, CodeSpectrum
 from pounding_cli.records.motion import GRAVITY, Motion, arias, displacement, pgv, significant_duration, spectrum
 from pounding_cli.records.reading import MOTION_FORMATS, Reading, read_file
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum, arias_factor, scale_factor, spectrum_factors

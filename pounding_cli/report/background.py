@@ -146,9 +146,12 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
     """Return the motions as used where the keys that change them have the values that the study writes, and these
     values by key; a key of which the study writes none has its first value.
 
-    A written intensity need not be one of those that are swept: every way to scale is in proportion to its value.
+    A written intensity need not be one of those that are swept, since most ways to scale are in proportion to it.
     """
-    from pounding_cli.study.records_spec import INTENSITY_KEYS  # here: a terminal prints results without a study
+    from pounding_cli.study.records_spec import (
+        INTENSITY_KEYS,
+        scales_in_proportion,
+    )  # here: a terminal prints results without a study
 
     frame, point = results.records(), dict[str, Any]()
     columns = ["record", "source", "scale", "window", "pga", "arias", "digest"]
@@ -164,13 +167,21 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
         frame = frame[(frame[keys] == values).all(axis=1)]
         point |= {key: values[key] for key in keys}
         (key, *others), value = keys, written[keys[0]]
-        if not (is_written.any() or others) and key in INTENSITY_KEYS and isinstance(value, float):
+        is_alone = not (is_written.any() or others) and isinstance(value, float)
+        if is_alone and key in INTENSITY_KEYS and scales_in_proportion(key, _target_code(results)):
             factor = value / point[key]
             frame = frame.assign(**{name: frame[name] * factor for name in ("scale", "pga")}, digest="")
             frame["arias"] *= factor**2
             point[key] = value
     frame = frame[columns].drop_duplicates("record", ignore_index=True)
     return frame.assign(digest=frame["digest"].str[:12]), point
+
+
+def _target_code(results: ResultTables) -> str | None:
+    """Return the code of the target spectrum that the study writes; None without one."""
+    scale = results.resolved["records"]["scale"]
+    target = scale.get("target") if isinstance(scale, dict) else None
+    return target.get("code") if isinstance(target, dict) else None
 
 
 def _varied_motions(results: ResultTables, point: Mapping[str, Any]) -> list[str]:

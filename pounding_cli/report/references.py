@@ -13,7 +13,7 @@ from pounding_cli import __version__
 from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.laws.foundation import FrictionPendulum
 from pounding_cli.methods import METHODS
-from pounding_cli.records import load_catalogue
+from pounding_cli.records import CODES, load_catalogue
 
 _ENTRY = re.compile(r"^@(\w+)\{([^,\s]+),\n(.*?)^\}$", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"^  (\w+) = \{(.*)\},?$", re.MULTILINE)
@@ -104,6 +104,7 @@ def _iter_scene_references(resolved: Mapping[str, Any], methods: Collection[str]
     scale = resolved["records"]["scale"]
     if scale == "table1":
         yield "spiliopoulos1996", "the scales of Table 1"
+    yield from _iter_target_references(scale)
     if scale == "table1" or (isinstance(scale, Mapping) and "arias" in scale):
         yield "arias1970", "the intensity by which the motions are scaled"
     for method in (METHODS[name] for name in methods):
@@ -113,6 +114,14 @@ def _iter_scene_references(resolved: Mapping[str, Any], methods: Collection[str]
             judge = METHODS["taylor"] if method.takes_step else method  # as solver.estimate has it
             for key, _ in judge.citation:
                 yield key, "the finer runs for error and sensitivity"
+
+
+def _iter_target_references(scale: Any) -> Iterator[tuple[str, str]]:
+    """Yield the code whose spectrum the motions are scaled to."""
+    target = scale.get("target") if isinstance(scale, Mapping) else None
+    if isinstance(target, Mapping) and "code" in target:
+        rules = CODES[target["code"]]
+        yield rules.reference, f"the target spectrum, {rules.clause}"
 
 
 def _iter_law_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

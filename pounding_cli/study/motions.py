@@ -22,6 +22,7 @@ from pounding_cli.study.file import nearest
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath, to_issues
 from pounding_cli.study.records_spec import (
     AriasSpec,
+    CodeTargetSpec,
     PgaSpec,
     PgvSpec,
     RecordFileSpec,
@@ -303,6 +304,9 @@ class _Scaler:
         """Return the target as a spectrum over its range."""
         scale: Any = self.spec.scale
         ends = (scale.low, scale.high, scale.damping)
+        if isinstance(scale.target, CodeTargetSpec):
+            code = scale.target.build(scale.damping)
+            return records.TargetSpectrum(code.periods, code.values, *ends, code.straight_in_period, code.name)
         if isinstance(scale.target, dict):
             periods, ordinates = zip(*sorted(scale.target.items()), strict=True)
             return records.TargetSpectrum(periods, ordinates, *ends)

@@ -41,6 +41,7 @@ from pounding_cli.study.quantity import (
 from pounding_cli.study.records_spec import RecordsSpec
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
+from pounding_cli.study.suite_rules import find_suite_issues
 from pounding_cli.study.swept import Point
 from pounding_cli.study.words import fields_of, leaf_types
 from pounding_cli.study.written import read_specs
@@ -262,6 +263,11 @@ class _Warner:
         suite = resolved.suite.at(point)
         if self._is_new("motions", records, suite):
             warn_motions(records, suite, self.is_swept_pga, tree, self.doubts)
+        if self._is_new("rules of a code", records, suite, group):
+            for issue in find_suite_issues(records, suite, group):
+                self.doubts.add(
+                    tree, issue.path, issue.path, issue.message, f"{issue.hint}; otherwise leave it, {AS_MEANT}"
+                )
 
     def look_at_corners(self, view: _View) -> None:
         """Note what several values make doubtful together, of keys that no value makes so by itself."""

@@ -17,6 +17,7 @@ from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, POUNDING, SeveralLinks, link_keys, link_models, union_tag
 from pounding_cli.study.links import refuse_beside_links, refuse_key
 from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser, quote
+from pounding_cli.study.records_spec import CODE_TARGETS
 
 
 @functools.cache
@@ -47,17 +48,20 @@ def types_at(model: type[BaseModel], path: Sequence[Any]) -> tuple[list[Any], An
     """Return the types that may stand at a path, and the field there; tags of unions narrow the types."""
     level: list[Any] = [model]
     field = None
-    tags = {union_tag(name): link for name, link in link_models().items()} | {"(links)": SeveralLinks}
+    tags: dict[str, Any] = {union_tag(name): link for name, link in link_models().items()} | {"(links)": SeveralLinks}
+    tags |= {union_tag(name): target for name, target in CODE_TARGETS.items()}
     for step in path:
         below: list[Any] = []
+        free: list[Any] = []  # values of mappings whose keys are free: no key of a model beside them
         for kind in level:
             if _is_model(kind) and str(step) in fields_of(kind):
                 hint, field = fields_of(kind)[str(step)]
                 below += leaf_types(hint)
             elif get_origin(kind) is tuple and str(step).isdigit():
                 below += leaf_types(get_args(kind)[0])
-            elif get_origin(kind) is dict:
-                below += leaf_types(get_args(kind)[1])
+            elif get_origin(kind) is dict and str(step) not in tags:
+                free += leaf_types(get_args(kind)[1])
+        below = below or free
         if not below and str(step) in tags:
             below = [tags[str(step)]]
         level = below or level

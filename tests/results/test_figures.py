@@ -15,6 +15,7 @@ from matplotlib.patches import Rectangle
 
 import pounding_cli
 from pounding_cli.numbers import Unit
+from pounding_cli.records.code_spectra import build_asce7
 from pounding_cli.records.motion import Motion, spectrum
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
 from pounding_cli.report import figures, motions, sweep, widgets
@@ -307,6 +308,22 @@ def test_spectra_are_drawn_in_the_unit_of_the_study(unit, factor):
     assert least.get_ydata() == pytest.approx(0.9 * target.ordinates / factor)
     (shaded,) = ax.patches
     assert (shaded.get_extents().transformed(ax.transData.inverted()).intervalx) == pytest.approx((0.2, 0.8))
+
+
+def test_the_spectrum_of_a_code_is_drawn_with_its_name_and_its_corners():
+    """Fails if it is drawn beyond the axis, or the line cuts a corner: 0.5 s and 1 s are no periods of the fit."""
+    name = "ASCE 7-16, SDS 0.8 g, SD1 0.4 g, TL 8 s"
+    code = build_asce7(0.8 * 9.80665, 0.4 * 9.80665, 8.0)
+    target = TargetSpectrum(code.periods, code.values, 0.2, 0.8, 0.05, code.straight_in_period, code.name)
+    match = SpectrumMatch(target, 0.9, "Scaled.", [0.05, 1.6], {"one": [1.0, 1.0]})
+    (ax,) = motions.draw_spectra(match, "t", Unit("g", 9.80665)).axes
+    *_, wanted, least = ax.lines
+    assert wanted.get_label() == name
+    periods, ordinates = wanted.get_data()
+    assert (periods[0], periods[-1]) == pytest.approx((0.05, 1.6))
+    for period, ordinate in {0.05: 0.56, 0.1: 0.8, 0.5: 0.8, 1.6: 0.25}.items():
+        assert ordinates[np.isclose(periods, period, rtol=1e-12)] == pytest.approx(ordinate)
+    assert least.get_ydata()[least.get_xdata() == 0.5] == pytest.approx(0.72)
 
 
 def test_the_group_is_drawn_to_scale(solved):

@@ -33,6 +33,7 @@ _MEASURES = {
     "pga": "peak ground acceleration",
     "pgv": "peak ground velocity",
     "sa": "pseudo-acceleration",
+    "ag": "ground acceleration of the target spectrum",
     "factor": "scale factor",
 }
 _QUANTITIES = {

@@ -77,9 +77,11 @@ class Gap(StudyQuestion):
     def _find_written_intensity(self) -> tuple[Measure, list[Any]] | None:
         """Return the intensity measure that the motions are scaled to, and its value [SI]; None where there is none."""
         from pounding_cli.questions.specs import Measure
-        from pounding_cli.study.records_spec import PgaSpec, PgvSpec, SaSpec
+        from pounding_cli.study.records_spec import En1998Spec, PgaSpec, PgvSpec, SaSpec, SpectrumSpec
 
         scale = self.study.spec.records.scale
+        if isinstance(scale, SpectrumSpec) and isinstance(scale.target, En1998Spec):
+            return Measure("ag"), [scale.target.ag]
         if not isinstance(scale, PgaSpec | PgvSpec | SaSpec):
             return None
         name = type(scale).__name__.removesuffix("Spec").lower()
