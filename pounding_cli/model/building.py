@@ -103,7 +103,7 @@ class Building:
         pushes them on; None without P-Delta
     slab : thickness of the floor slabs [m], >= 0, below every storey height; says which floors of neighbours meet
     columns : part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-],
-        0 < columns <= 1; None: not known
+        0 <= columns <= 1, 0 where it has walls and no columns; None: not known
     collapse : drift over storey height at which a storey counts as collapsed [-], > 0, inf for never; None: 0.10 where
         storeys that yield may lose all resistance, never elsewhere
 
@@ -149,8 +149,8 @@ class Building:
             raise ValueError(f"{self.name}: collapse is {self.collapse:g}; it must be above zero, or inf for never")
         if not 0 <= self.slab < self.height.min():
             raise ValueError(f"{self.name}: slab is {self.slab:g} m; it must be thinner than its storeys are high")
-        if self.columns is not None and not 0 < self.columns <= 1:
-            raise ValueError(f"{self.name}: columns is {self.columns:g}; it must be above 0 and at most 1")
+        if self.columns is not None and not 0 <= self.columns <= 1:
+            raise ValueError(f"{self.name}: columns is {self.columns:g}; it must be from 0 to 1")
         unknown = [key for key, _ in self.law_parameters if key not in self.storey_law.parameters()]
         if unknown:
             raise ValueError(f"{self.name}: the storey law '{self.storey_law.name}' has no parameter '{unknown[0]}'")

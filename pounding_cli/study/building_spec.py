@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import MISSING, replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, create_model
+from pydantic import BeforeValidator, Field, create_model
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
@@ -24,6 +24,8 @@ from pounding_cli.study.quantity import (
     ParsedText,
     Quantity,
     WholeNumber,
+    quote,
+    refuse,
 )
 
 Ratio = Annotated[float, RATIO]
@@ -230,6 +232,15 @@ def _list_or(quantity: Quantity, one: Any) -> Any:
     return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
 
 
+def _check_never(value: Any) -> Any:
+    """Return the word for storeys that stay elastic.  Raises PydanticCustomError."""
+    if value != "never":
+        hint = "write the yield shears of all storeys from the ground up, e.g. `[900 kN, 700 kN]`, or `never`"
+        share = "; a share of the weight stands in `yield: {base_shear: 10 %}` instead"
+        raise refuse(f"{quote(value)} is not a list of yield shears", hint + share)
+    return value
+
+
 PERIOD_OF_BUILDING = Annotated[float, TIME.replace(name="period", high=60.0)]
 Masses = _one_or_each(MASS)
 
@@ -310,7 +321,7 @@ class _BuildingSpec(Model):
     yield_: tagged_union(_yield_kind, code=CodeSpec, shear=BaseShearSpec) = spec_field(  # type: ignore[valid-type]
         CodeSpec(), "code or base-shear coefficient that sets the yield shears", alias="yield"
     )
-    yield_shear: _list_or(FORCE, Literal["never"]) | None = spec_field(  # type: ignore[valid-type]
+    yield_shear: _list_or(FORCE, Annotated[Literal["never"], BeforeValidator(_check_never)]) | None = spec_field(  # type: ignore[valid-type]
         None, "storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
     storey_law: Literal[tuple(storey_laws())] = spec_field("bilinear", "how storeys yield and unload")  # type: ignore[valid-type]
@@ -333,11 +344,12 @@ class _BuildingSpec(Model):
     slab: Annotated[float, LENGTH.replace(name="slab thickness", example="25 cm", open_low=False)] = spec_field(
         "0 cm", "thickness of the floor slabs [m]; slabs whose heights overlap meet"
     )
-    columns: Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)] | None = (
+    columns: Annotated[float | str, Quantity("share of the columns", "", "20 %", 0.0, 1.0, words=("none",))] | None = (
         spec_field(
             None,
-            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; "
-            "without it such blows are left out",
+            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes, or that a "
+            "link ends on [-]; `none`: its storeys have walls, and no columns to strike; without it such blows are "
+            "left out, with a warning",
         )
     )
     wall: word_or(Literal["fixed"], WallSpec) | None = spec_field(  # type: ignore[valid-type]

@@ -60,7 +60,7 @@ def _build_frame(name: str, spec: Any) -> Building:
         _find_gravity_load(spec, mass),
         np.inf if isinstance(spec.collapse, str) else spec.collapse,
         spec.slab,
-        spec.columns,
+        0.0 if spec.columns == "none" else spec.columns,
     )
 
 

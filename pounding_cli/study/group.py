@@ -47,7 +47,8 @@ class Side(NamedTuple):
     levels : elevations of its base and its floors [m]
     base_moves : whether a link may end at its base
     is_wall : whether it is a wall, which has no floors of its own
-    columns : part of a storey's stiffness and yield shear in the columns that links may end on [-]; None: not known
+    columns : part of a storey's stiffness and yield shear in the columns that links may end on [-], 0 where it has
+        none; None: not known
     column_stiffnesses : of these columns in every storey, 12 E I / L^3 [N/m]; empty where `columns` is None
     """
 
@@ -105,7 +106,7 @@ class Meeting:
         """Return where two neighbours meet."""
         floors, strikes = find_meetings(left, right)
         sides = (Side.of(left), Side.of(right))
-        known = [strike for strike in strikes if sides[strike.side].columns is not None]
+        known = [strike for strike in strikes if sides[strike.side].columns]  # neither unknown nor none
         ends = tuple(_find_ends_of_strike(sides[strike.side], strike) for strike in known)
         return cls(*sides, floors, ends, reach_of_slabs(left.slab, right.slab))
 
@@ -234,6 +235,7 @@ def find_ignored_blows(group: Group) -> list[Issue]:
             where = f"meet at {pluralize(len(floors), 'floor')} only" if floors else "meet at no floor"
             message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {slabs}"
             hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {struck}"
+            hint += "; `columns: none` where walls stand there"
             issues.append(Issue(("group", place + 1), message, hint))
     return issues
 
@@ -261,8 +263,13 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
             columns, slab = (left, right)[strike.side], (right, left)[strike.side]
             said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
             said += f", at {100 * strike.height:.3g} % of its height"
-            left_out = f"left out: {said}; write `columns:` in {columns.name}"
-            share = f"{said}, {100 * (columns.columns or 0.0):.3g} % of the storey"
-            found.append((slab.level(strike.slab), left_out if columns.columns is None else share))
+            if columns.columns is None:
+                said = f"left out: {said}; write `columns:` in {columns.name}"
+            elif columns.columns == 0.0:
+                said = f"floor {strike.slab} of {slab.name} meets storey {strike.storey} of {columns.name}, "
+                said += "which has no columns to strike"
+            else:
+                said += f", {100 * columns.columns:.3g} % of the storey"
+            found.append((slab.level(strike.slab), said))
         lines += [f"{pair}{height:g} m: {said}" for height, said in sorted(found)]
     return lines

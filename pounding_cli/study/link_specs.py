@@ -8,7 +8,16 @@ from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    create_model,
+)
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
@@ -173,13 +182,38 @@ def _floors_kind(value: Any) -> str:
     return "word" if isinstance(value, str) and value != "base" else "floors"
 
 
+_FLOORS_USAGE = "write floors, e.g. `[3, 5]`, or both ends of every link, e.g. `[[4, 5], [4, 2 + 1.2 m]]`"
+
+
+def _check_word(value: Any) -> Any:
+    """Return a word for several floors.  Raises PydanticCustomError."""
+    if value not in ("all", "rest"):
+        raise refuse(f"{quote(value)} is no place of a link", f"{_FLOORS_USAGE}; `all`, `rest` or `base`")
+    return value
+
+
+def _read_floor(value: Any, read: ValidatorFunctionWrapHandler) -> Any:
+    """Return a floor that a link lists.  Raises PydanticCustomError."""
+    try:
+        return read(value)
+    except ValidationError as error:
+        context = error.errors()[0].get("ctx", {})
+        message = context.get("message", f"{quote(value)} is not a floor")
+        raise refuse(str(message), _FLOORS_USAGE) from None
+
+
 def _floor_kind(value: Any) -> str:
     return "ends" if isinstance(value, list | tuple | FloorPair) else "floor"
 
 
-_FloorOrEnds = tagged_union(_floor_kind, floor=_Floor, ends=Annotated[Any, FloorPairParser()])
+_FloorOrEnds = tagged_union(
+    _floor_kind, floor=Annotated[_Floor, WrapValidator(_read_floor)], ends=Annotated[Any, FloorPairParser()]
+)
 Floors: Any = tagged_union(
-    _floors_kind, word=Literal["all", "rest"], mapping=ExceptSpec, floors=one_or_many(_FloorOrEnds, as_list=True)
+    _floors_kind,
+    word=Annotated[Literal["all", "rest"], BeforeValidator(_check_word)],
+    mapping=ExceptSpec,
+    floors=one_or_many(_FloorOrEnds, as_list=True),
 )
 DISTANCE = LENGTH.replace(name="distance", example="2 m", high=100.0)
 
@@ -219,6 +253,9 @@ class LinkSpec(Model):
                 "remove it: slabs strike where they are",
                 True,
             )
+        if self.at is not None and self.distance is not None:
+            hint = "remove it: a slab is as high as the columns that it faces, so the link is level"
+            yield ("distance",), "'distance' has no effect beside 'at: columns'", hint, True
         yield from _refuse_both_losses(self)
 
 

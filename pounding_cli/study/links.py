@@ -386,7 +386,11 @@ def _find_listed_ends(link: LinkSpec, path: KeyPath, meeting: Meeting, issues: I
         at = (*path, "floors", *(() if is_list else ("except",)), place)
         try:
             if isinstance(floor, FloorPair):
-                found[_build_ends(link, floor, meeting, at)] = None
+                ends = build_ends(link, floor, meeting, at)
+                if any(_are_alike(ends, other) for other in found):
+                    hint = "remove it; a stiffer link has a larger `stiffness`"
+                    raise IssuesFound([Issue(at, "the link stands there already", hint)])
+                found[ends] = None
                 continue
             if floor not in right_floors:
                 message = f"{meeting.left.name} and {meeting.right.name} have no common floor {floor or BASE}"
@@ -397,6 +401,12 @@ def _find_listed_ends(link: LinkSpec, path: KeyPath, meeting: Meeting, issues: I
         if is_list:
             found[_join_floors(link, floor, right_floors[floor], meeting)] = None
     return tuple(found)
+
+
+def _are_alike(ends: LinkEnds, other: LinkEnds) -> bool:
+    """Return whether links end at the same places, within rounding."""
+    is_near = math.isclose(ends.left_at, other.left_at) and math.isclose(ends.right_at, other.right_at)
+    return is_near and ends[:2] == other[:2]
 
 
 def _hint_to_floors(floor: int, meeting: Meeting) -> str:
@@ -446,7 +456,7 @@ def _find_cosine(link: LinkSpec, left_level: float, right_level: float) -> float
     return link.distance / math.hypot(link.distance, left_level - right_level)
 
 
-def _build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath) -> LinkEnds:
+def build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath) -> LinkEnds:
     """Return where both ends of a link stand.  Raises IssuesFound."""
     if meeting.left.is_wall or meeting.right.is_wall:
         hint = f"write the floor alone: `floors: [{(pair.right if meeting.left.is_wall else pair.left).floor}]`"
@@ -456,6 +466,10 @@ def _build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath
         raise IssuesFound([Issue(path, "both ends of the link stand between floors", hint)])
     left_floor, left_at = _find_end(pair.left, meeting.left, path)
     right_floor, right_at = _find_end(pair.right, meeting.right, path)
+    for strike in meeting.strikes:
+        if _are_alike(LinkEnds(left_floor, right_floor, left_at, right_at), strike):  # the same but for rounding
+            left_at = strike.left_at
+            right_at = strike.right_at
     cosine = _find_cosine(link, meeting.left.level(left_floor, left_at), meeting.right.level(right_floor, right_at))
     ends = LinkEnds(left_floor, right_floor, left_at, right_at, cosine)
     if pair.left.is_at_floor and pair.right.is_at_floor:
@@ -463,6 +477,10 @@ def _build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath
     side, floor, at = (
         (meeting.right, right_floor, right_at) if pair.left.is_at_floor else (meeting.left, left_floor, left_at)
     )
+    if side.columns == 0.0:
+        message = f"the link ends between floors of {side.name}, which has no columns (`columns: none`)"
+        hint = f"let it end at a floor, e.g. {floor}, or write what part of the storey its columns have"
+        raise IssuesFound([Issue(path, message, hint)])
     if side.columns is None:
         message = f"the link ends on columns of {side.name} in storey {floor}, of which nothing is known"
         hint = f"write `columns:` in {side.name}, their part of the storey's stiffness, e.g. `columns: 20 %`"
@@ -600,14 +618,16 @@ def build_links(
     built: list[Link] = []
     for pair, meeting in enumerate(meetings):
         at_meeting_floors = [LinkEnds(*both) for both in meeting.floors]
-        elsewhere = {ends for of_link in floors[pair] for ends in of_link}.difference(at_meeting_floors)
+        listed = {ends for of_link in floors[pair] for ends in of_link}
+        elsewhere = listed.difference(at_meeting_floors, meeting.strikes)
         for ends in (*at_meeting_floors, *sorted(elsewhere)):
             here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
             built += _build_links_at(pair, ends, here, links, laws, issues)
         members = [number for number, link in enumerate(links) if link.spec.pair in (None, pair + 1)]
         at_columns = _choose_links_at_columns(meeting, members, links, laws, issues)
         for ends in meeting.strikes:
-            built += _build_links_at(pair, ends, at_columns, links, laws, issues)
+            here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
+            built += _build_links_at(pair, ends, sorted({*at_columns, *here}), links, laws, issues)
     if issues:
         raise IssuesFound(issues)
     return tuple(built)
@@ -674,12 +694,23 @@ def _choose_links_at_columns(
         speaking = [number for number in unlisted if not _is_joint(laws[number])]
         if unlisted and not speaking:
             number = unlisted[0]
-            issues[_refuse_at_columns(links[number], f"a {links[number].law} that does not say so")] = None
+            issues[_refuse_silent_joint(links[number], meeting)] = None
     return [number for number in speaking if laws[number] is not None]
 
 
 def _is_joint(law: LinkLaw | None) -> bool:
     return law is not None and law.joins
+
+
+def _refuse_silent_joint(link: CompleteLink, meeting: Meeting) -> Issue:
+    """Return what is wrong with a joint that does not say where it stands, though slabs strike columns."""
+    message = f"slabs strike columns here, and a {link.law} that does not say so does not stand between a slab and "
+    message += "columns"
+    left = meeting.strikes[0].left_floor
+    right = meeting.strikes[0].right_floor
+    hint = f"write where it stands, both ends `floors: [[{left}, {right}]]` or `at: columns`; or an entry beside it, "
+    hint += "`{link: pounding, at: columns}` or `{link: none, at: columns}`"
+    return Issue((*link.path, "link"), message, hint)
 
 
 def _refuse_at_columns(link: CompleteLink, words: str) -> Issue:

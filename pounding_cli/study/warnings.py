@@ -23,11 +23,12 @@ from pounding_cli.study.axes import UNWRITTEN, Axis, sweep_maps
 from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
 from pounding_cli.study.file import Map, Mark, Problems, get, locate
+from pounding_cli.study.floor_places import FloorPair
 from pounding_cli.study.group import Group, find_ignored_blows
 from pounding_cli.study.issues import Issues, KeyPath
 from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_specs import ImpactSpec
-from pounding_cli.study.links import CompleteLink
+from pounding_cli.study.links import CompleteLink, build_ends
 from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.quantity import (
     FORCES,
@@ -444,6 +445,42 @@ def warn_case(
             _warn_compared(group.stiffness(impact.stiffness), root, ("impact", "stiffness"), contact, doubts)
         if isinstance(law, Viscous):
             _warn_stiff_damper(law, group, root, link.path, doubts)
+        if law is not None:
+            _warn_unequal_heights(link, law, group, root, doubts)
+
+
+MIN_COSINE = 0.3
+"""Cosine of the angle of a link below which it is warned about: it carries a tenth of what a level one does."""
+
+
+def _warn_unequal_heights(link: CompleteLink, law: LinkLaw, group: Group, root: Any, doubts: Doubts) -> None:
+    """Note links whose ends differ in height: joints that act level or are steep, contacts where nothing strikes."""
+    floors = link.spec.floors if isinstance(link.spec.floors, tuple) else ()
+    for place, floor in enumerate(floors):
+        path: KeyPath = (*link.path, "floors", place)
+        for number, meeting in enumerate(group.meetings, 1):
+            if not isinstance(floor, FloorPair) or link.spec.pair not in (None, number):
+                continue
+            ends = build_ends(link.spec, floor, meeting, path)
+            rise = abs(meeting.find_rise(ends))
+            left_end = f"floor {floor.left} of {meeting.left.name}"
+            which = f"the {law.name} from {left_end} to floor {floor.right} of {meeting.right.name}"
+            heights = f"its ends differ by {rise:.3g} m in height"
+            if law.joins and link.spec.distance is None and rise > meeting.reach:
+                message = f"{which} acts level, though {heights}"
+                hint = "write how far its ends are apart along the row, which gives its angle, e.g. `distance: 2 m`"
+            elif not law.joins and rise > meeting.reach:
+                message = f"{which} acts across the gap, though {heights}: these floors do not face each other"
+                hint = "write `at: columns` or no floors for where slabs face columns"
+            elif ends.cosine < MIN_COSINE:
+                angle = np.degrees(np.arccos(ends.cosine))
+                message = f"{which} is inclined {angle:.3g} degrees: "
+                message += f"it acts with {100 * ends.cosine**2:.2g} % of what it would level"
+                hint = "choose floors nearer in height, or a longer `distance`"
+            else:
+                continue
+            hint += f"; otherwise leave it, {AS_MEANT}"
+            doubts.add(root, path, (*link.path, "floors"), message, hint, excess=rise)
 
 
 MAX_STEPS_PER_SECOND = 20_000

@@ -114,6 +114,9 @@ def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float
 Described = tuple[str, str, bool]
 """Message, hint, whether it stands at the key."""
 
+_OTHER_FORMS: dict[Any, str] = {"(one)": ", or a list: [first, second, ...]", "(word)": ", or a mapping: {key: value}"}
+"""What else may stand in place of a word that is not known, by the last tag of its path (`base.tagged_union`)."""
+
 MAX_DESCRIBED = 100
 """Errors of one section that are described one by one."""
 
@@ -168,7 +171,8 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
         fields = context | {"owner": owner, "value": quote(value)}
         if kind == "too_long":  # pydantic does not always count
             fields["actual_length"] = len(value or ())
-        return message.format_map(fields), hint.format_map(fields), at_key
+        other_form = _OTHER_FORMS.get(path[-1], "") if at_key is False else ""
+        return message.format_map(fields), hint.format_map(fields) + other_form, at_key
     match kind:
         case "refused":
             return f"{'' if context.get('whole') else owner}{context['message']}", context["hint"], context["key"]

@@ -40,7 +40,7 @@ _QUANTITIES = {
     "mu": "ductility",
     "drift": "interstorey drift",
     "acceleration": "floor acceleration",
-    SHEAR_DEMAND: "shear demand of struck columns",
+    SHEAR_DEMAND: "shear demand of columns",
 }
 _REASONS = {
     Outcome.NEVER: "never passed",
