@@ -14,6 +14,7 @@ from pounding_cli.numbers import join_limited
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import is_void
+from pounding_cli.results.plausible import MAX_DUCTILITY
 from pounding_cli.solver.response import DONE
 
 if TYPE_CHECKING:
@@ -80,14 +81,16 @@ class Ranking:
 def rank_cases(shown: Evidence) -> list[Ranking]:
     """Return the rankings of the cases by every response that the study has; none of fewer than two cases.
 
-    A case counts where it has links, and where all its time histories ended and mean something.
+    A case counts where it has links, and where all its time histories ended and mean something. Ductility demands rank
+    no cases where the best one is far beyond the range of the storey law.
     """
     rankings = []
     for analysis, variable in MEASURES:
         if analysis not in shown.analyses:
             continue
         worst = sorted(_iter_worst(shown, analysis, variable), key=lambda each: each.value)
-        if len(worst) > 1:
+        is_beyond = variable == "mu" and len(worst) > 0 and worst[0].value > MAX_DUCTILITY
+        if len(worst) > 1 and not is_beyond:
             rankings.append(Ranking(analysis, variable, tuple(worst)))
     return rankings
 
