@@ -278,6 +278,7 @@ ENTRIES = {
     "contact-laws": Entry("run", draw_laws),
     "viscous-dampers": Entry("run", over("cases.dampers.links.1.damping_coefficient", "damping [MN s/m]", 1e-6, True)),
     "friction-dampers": Entry("run", over("cases.dampers.links.1.slip_force", "slip force [kN]", 1e-3, True)),
+    "retrofit": Entry("run", heights("frame")),
     "slabs-columns": Entry("run", draw_columns),
     "soft-soil": Entry("run", over("buildings.stiff.foundation.sway_stiffness", "sway stiffness [MN/m]", 1e-6, True)),
     "hospital-moat": Entry("run", over("cases.moat.gap", "width of the moat [cm]", 100)),

@@ -188,12 +188,12 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
 def _write_best(asked: Optimise, outcome: RunOutcome, write: Path) -> bool:
     """Write the study with the best values that the results have; return whether there are such."""
     from pounding_cli.api.studies import open_results
-    from pounding_cli.questions.optimise.optimum import NOTHING
+    from pounding_cli.questions.optimise.optimum import NO_OPTIMUM
     from pounding_cli.questions.optimise.tables import OPTIMUM
 
     results = outcome.results or open_results(outcome.path)
     table = results.answer(OPTIMUM).frame
-    if table["outcome"].iloc[0] == NOTHING:
+    if table["outcome"].iloc[0] in NO_OPTIMUM:
         return False
     write.write_text(asked.format_study(tuple(table["place"].tolist())), encoding="utf-8", newline="")
     return True

@@ -69,6 +69,11 @@ def storey_laws() -> dict[str, type[StoreyLaw]]:
     return {law.name: law for law in BUILT_IN if issubclass(law, StoreyLaw)}
 
 
+def is_damper(name: str) -> bool:
+    """Return whether a law of links is that of a damper (`LinkLaw.takes_energy`); not of one that is not installed."""
+    return link_laws().get(name, LinkLaw).takes_energy
+
+
 def link_symbol(name: str) -> str:
     """Return the symbol of a law in pictures (`LinkLaw.symbol`), also of one that is not installed here."""
     return link_laws().get(name, LinkLaw).symbol

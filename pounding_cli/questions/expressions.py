@@ -19,6 +19,7 @@ from pounding_cli.study.expression import (
     FLOOR,
     LINK,
     QUANTITIES,
+    SHEAR_DEMAND,
     Expression,
     ExpressionError,
     Statement,
@@ -47,8 +48,8 @@ def evaluate_expression(expression: Expression, values: Values, over_motions: st
     Shape (...).
 
     values : of all variables that the expression names, of `status`, and of those that tell which storeys there are:
-        drift, mu, acceleration, max_closing
-    over_motions : `mean` or `largest` of the motions, storey by storey before storeys are compared
+        drift, mu, acceleration, max_closing, peak_force
+    over_motions : `mean`, `largest` or `smallest` of the motions, storey by storey before storeys are compared
     """
     results = expression(lambda quantity: _evaluate_quantity(quantity, values, over_motions))
     return np.where(np.isfinite(results), results, np.nan)
@@ -74,10 +75,17 @@ def evaluate_error(expression: Expression, values: Values, over_motions: str) ->
 
 
 def _find_values(name: str, values: Values) -> np.ndarray:
-    """Return the values of a variable; where no case has a link, those of links are empty."""
-    if name in LINK and name not in values:
+    """Return the values of a variable; where no case has a link, those of links are empty.
+
+    The shear demand is that of columns which a link loads, and 0 of every other link.
+    """
+    if name in LINK and "max_closing" not in values:
         return np.zeros((*values["status"].shape, 0))
-    return values[name]
+    if name != SHEAR_DEMAND:
+        return values[name]
+    if name not in values:
+        return np.zeros_like(values["max_closing"])
+    return np.where(values["peak_force"] > 0, np.nan_to_num(values[name]), 0.0)
 
 
 def _find_error(name: str, values: Values) -> np.ndarray:

@@ -14,6 +14,7 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.patches import Rectangle
 
 import pounding_cli
+from pounding_cli.laws import is_damper, link_laws
 from pounding_cli.numbers import Unit
 from pounding_cli.records.code_spectra import build_asce7
 from pounding_cli.records.motion import Motion, spectrum
@@ -472,4 +473,6 @@ def test_the_player_has_the_history_of_its_scene(solved):
     assert [link["floor"] for link in scene["links"]] == links["floor"].to_list()
     assert [link["right_floor"] for link in scene["links"]] == links["right_floor"].to_list()
     assert {(link["left"], link["right"], link["drawn"]) for link in scene["links"]} == {(0, 1, "bar")}
+    assert [link["damper"] for link in scene["links"]] == [False, False]  # connectors
+    assert {name for name in link_laws() if is_damper(name)} == {"damper", "maxwell", "viscous"}
     assert [link["gap"] for link in scene["links"]] == pytest.approx(links["gap"].to_list())

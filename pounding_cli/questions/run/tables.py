@@ -85,7 +85,7 @@ def build_peaks_table(results: ResultTables) -> Table:
 
 def build_means_table(shown: Evidence) -> Table:
     """Return the mean ratios to the building alone of every case and building: at the roof, and in the storey where
-    the mean is largest."""
+    the mean is largest, with the mean ductility demands there; and the largest mean ductility demand."""
     rows = []
     for case, building in product(shown.cases, shown.buildings_without_walls):
         row: dict[str, Any] = {"case": shown.mark_case(case), "building": building}
@@ -94,7 +94,7 @@ def build_means_table(shown: Evidence) -> Table:
             row[f"{ratio}_top"] = means.iloc[-1] if len(means) else np.nan
             row[f"{ratio}_largest"] = means.max() if len(means) else np.nan
             row[f"{ratio}_storey"] = means.idxmax() if len(means) else np.nan
-        rows.append(row)
+        rows.append(row | _find_mean_demands(shown, case, building, row["mu_ratio_storey"]))
     frame = pd.DataFrame(rows)
     columns = [column_of("case"), column_of("building")]
     words = []
@@ -102,10 +102,32 @@ def build_means_table(shown: Evidence) -> Table:
         if frame[f"{ratio}_top"].notna().any():
             columns += _mean_columns(ratio)
             words.append(f"{column_of(ratio).label} {analysis}")
+    if frame["mu_ratio_top"].notna().any():
+        columns += _demand_columns()
     motions = len(shown.records)
     over = f"mean of {motions} motions" if motions > 1 else "1 motion"
     point = f" at {shown.label}" if shown.label else ""
     return Table("", frame, columns, f"Ratios to the same building alone, {over}{point}: {', '.join(words)}")
+
+
+def _find_mean_demands(shown: Evidence, case: str, building: str, governing_storey: float) -> dict[str, float]:
+    """Return the mean ductility demands of a building over the motions.
+
+    Keys: mu and mu0, in the storey where the ratio of both is largest; mu_largest and mu_storey, over all storeys.
+
+    governing_storey : from 1; NaN where there is none
+    """
+    place = {"case": case, "analysis": Analysis.INELASTIC, "building": building}
+    names = ("mu", "mu0", "mu_largest", "mu_storey")
+    if not np.isfinite(governing_storey):
+        return dict.fromkeys(names, np.nan)
+    has_ratio = np.isfinite(shown.values("mu_ratio", **place))
+    is_counted = has_ratio.any(axis=1)  # motions under which both are known
+    mu = shown.values("mu", **place)[is_counted].mean(axis=0)
+    mu0 = shown.values("mu0", **place)[is_counted].mean(axis=0)
+    storey = int(governing_storey) - 1
+    largest = int(np.nanargmax(mu))
+    return dict(zip(names, (mu[storey], mu0[storey], mu[largest], largest + 1), strict=True))
 
 
 def mean_ratios(shown: Evidence, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
@@ -340,4 +362,14 @@ def _mean_columns(ratio: str) -> list[Column]:
         Column(f"{ratio}_top", f"{text}, top storey", label=f"{label} at top", optional=True),
         Column(f"{ratio}_largest", f"{text}, largest of all storeys", label=f"{label} largest"),
         Column(f"{ratio}_storey", "storey of that largest mean", label="in storey", digits=0),
+    ]
+
+
+def _demand_columns() -> list[Column]:
+    """Return the columns of mean ductility demands: where their ratio is largest, and where they are largest."""
+    return [
+        Column("mu", "mean of mu over the motions, in the storey of the largest mean of mu_ratio", label="μ there"),
+        Column("mu0", "mean of mu0 over the motions, in that storey", label="μ₀ there"),
+        Column("mu_largest", "mean of mu over the motions, largest of all storeys", label="μ largest"),
+        Column("mu_storey", "storey of that largest mean", label="in storey", digits=0),
     ]

@@ -11,6 +11,7 @@ import numpy as np
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
+from pounding_cli.questions.run.ranking import describe_ranking
 from pounding_cli.questions.run.tables import (
     BEYOND_MARK,
     CONTACT_MARK,
@@ -107,6 +108,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     if approach:
         sentences.append(approach)
     else:
+        sentences += filter(None, [describe_ranking(shown)])
         for building in [
             shown.main_building,
             *(each for each in shown.buildings_without_walls if each != shown.main_building),
