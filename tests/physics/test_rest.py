@@ -88,6 +88,18 @@ def test_every_law_of_storeys_has_those_of_a_long_tail(law: Mapping[str, Any]) -
     agrees_with_a_tail(CASES["apart"], **law)
 
 
+@pytest.mark.parametrize("law", ["peak-oriented", "imk", "pinching"])
+def test_a_building_at_rest_has_no_events(law: str) -> None:
+    """Fails if turning points of the last digits of its drifts count: alone, and for a minute, they have no end."""
+    both = neighbours({}, **LAWS[law]).buildings
+    for building in both:
+        alone = [
+            solve(Scene((building,), shake(5.0, 3.0, seed=3), 0.02, {}, "inelastic", {}, tail)) for tail in (30.0, 60.0)
+        ]
+        assert [run.status for run in alone] == ["done", "done"]
+        assert alone[0].events == alone[1].events
+
+
 @pytest.mark.parametrize(("method", "settings"), [("dop853", {}), ("newmark", {"time_step": 1e-3})])
 def test_other_methods_have_the_same(method: str, settings: Mapping[str, float]) -> None:
     one, other = solve(neighbours({})), solve(neighbours({}), method=method, **settings)
