@@ -135,7 +135,9 @@ def _show_codes(results: ResultTables) -> Table:
     columns: list[str | Column] = [table.column("rule"), table.column("gap"), closed, probability]
     if table.frame["rate"].notna().any():
         columns.append(table.column("rate"))
-    rows = table.frame.sort_values([*keys, "left", "right"], kind="stable")
+    point = table.frame.groupby(keys, sort=False).ngroup() if keys else np.zeros(len(table.frame))
+    pair = table.frame["left"].map(results.names("building").index)
+    rows = table.frame.iloc[np.lexsort((pair, point))]  # otherwise in the order of the file
     return table.view(*keys, *places, *columns, frame=rows, caption=caption)
 
 
