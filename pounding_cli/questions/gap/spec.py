@@ -66,6 +66,9 @@ def format_needed_keys(rule: CodeRule) -> str:
     return f"{' and '.join(f'`{factor}`' for factor in factors)} in `yield`"
 
 
+_NamedRule = Annotated[Literal[NAMED_RULES], BeforeValidator(_refuse_other_rules)]  # type: ignore[valid-type]
+
+
 class GapSpec(Model):
     """Settings of `pound gap`."""
 
@@ -76,10 +79,8 @@ class GapSpec(Model):
     gb50011: Gb50011Spec | None = spec_field(None, "intensity and system for the joint of GB 50011-2010")
     ntc2018: NtcSpec | None = spec_field(None, "seismic action for the distance of NTC 2018, 7.2.1", {"ag": "0.25 g"})
     ntc2008: NtcSpec | None = spec_field(None, "seismic action for the distance of NTC 2008, 7.2.2", {"ag": "0.25 g"})
-    codes: one_or_many(Annotated[Literal[NAMED_RULES], BeforeValidator(_refuse_other_rules)], as_list=True) | None = (
-        spec_field(  # type: ignore[valid-type]
-            None, "further codes whose gap is told, one or a list", ["TBDY 2018", "E.030"]
-        )
+    codes: one_or_many(_NamedRule, as_list=True) | None = spec_field(  # type: ignore[valid-type]
+        None, "further codes whose gap is told, one or a list", ["TBDY 2018", "E.030"]
     )
     hazard: Hazards | None = spec_field(
         None,
