@@ -394,6 +394,16 @@ def test_the_gap_for_a_rate_comes_first(solve, swapped):
     assert list_sentences(with_frames(results, gap_rate=rate))[0].startswith("No gap is known with which ")
     basis = "rests on 1 intensity of 5 motions: closings are taken in proportion to it, which is right for elastic"
     assert basis in " ".join(list_notes(results))
+    if swapped:
+        return  # the rest does not depend on it
+    swept = solve(text + "gap: {hazard: {k0: 1e-4, k: 2.5}, rate: 1/475}\nsweep: {records.scale.pga: [0.2 g, 0.3 g]}\n")
+    assert list_sentences(swept)[0].startswith(expected)  # over all intensities
+    swept = solve(
+        text + "gap: {hazard: {k0: 1e-4, k: 2.5}, rate: 1/475}\nsweep: {buildings.B.period: [0.4 s, 0.6 s]}\n"
+    )
+    sentences = list_sentences(swept)
+    assert sentences[0].startswith("At buildings.B.period = 0.4 s: so that the buildings touch once in 475 years")
+    assert any(each.startswith("At buildings.B.period = 0.4 s: a probability of contact of 10 %") for each in sentences)
     without_rate = solve(text + "gap: {hazard: {k0: 1e-4, k: 2.5}, codes: NBC 202}\n")
     assert basis.replace("rests", "The rates of contact rest") in " ".join(list_notes(without_rate))
 
