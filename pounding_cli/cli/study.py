@@ -225,9 +225,15 @@ def _describe_plan(plan: Plan) -> list[str]:
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
-    lines += ["effects    (in time histories of the group)", *_effects(found), "motions    (as used)"]
+    lines += ["effects    (in time histories of the group)", *_effects(found)]
+    is_swept = bool(study.axes_changing("records"))
+    lines.append(
+        "motions    (with the values that the study writes; the sweep changes them)"
+        if is_swept
+        else "motions    (as used)"
+    )
     unit = study.unit("acceleration")
-    for use in study.motion_uses(first).values():
+    for use in study.written_suite.uses.values():
         measures = f"peak {unit.text(use.pga, 3)}, Arias {use.arias:.3f} m/s"
         lines.append(f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: {measures}")
     if (match := study.spectrum_match()) is not None:

@@ -221,9 +221,11 @@ def _find_wrong_step(path: KeySteps, tree: Map, model: type[BaseModel]) -> tuple
                 return f"no key '{step}'", f"write the whole key, `{whole_key}`"
             continue
         if is_mapping and place:
-            message = f"no key '{step}' under '{'.'.join(path[:place])}'"
-            new_key = ".".join(path[: place + 1])
-            return message, f"{nearest(step, known)}; a new one is written whole: `{new_key}='{{...}}'`"
+            section = ".".join(path[:place])
+            message = f"no key '{step}' under '{section}'"
+            if step.isdigit() and not known:
+                return message, f"a list is written whole where the file has none: `{section}='[...]'`"
+            return message, f"{nearest(step, known)}; a new one is written whole: `{section}.{step}='{{...}}'`"
         if step in known:
             section = ".".join(path[:place])
             whole = " ".join(f"{{{each}:" for each in path[place:]) + " ..." + "}" * len(path[place:])

@@ -42,7 +42,7 @@ TimeStep = Annotated[float, TIME.replace(name="time step", example="0.01 s")]
 Window = Annotated[float | str, TIME.replace(name="window", example="10 s", words=("duration", "table1", "whole"))]
 Duration = Annotated[float | str, TIME.replace(name="duration", example="10 s", words=("auto", "table1", "whole"))]
 Ratio = Annotated[float, RATIO]
-Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
+Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 2.0, open_low=True)]
 
 
 _Format = Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -24,9 +25,10 @@ from pounding_cli.study.changes import Change, apply_changes
 from pounding_cli.study.display import describe_study, find_unit
 from pounding_cli.study.file import Map, Problems, nearest, read_study, refuse_other_kinds
 from pounding_cli.study.group import Group, unique_names
-from pounding_cli.study.issues import Issue, Issues, drop_idle_axes
+from pounding_cli.study.issues import Issue, Issues, IssuesFound, drop_idle_axes
 from pounding_cli.study.like import resolve_all_likes
-from pounding_cli.study.motions import MotionReader, MotionUse
+from pounding_cli.study.motions import MotionReader, MotionUse, Suite, read_suite
+from pounding_cli.study.records_spec import SpectrumSpec
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec, find_section_names
 from pounding_cli.study.swept import AS_WRITTEN, Point, Swept, sweep_map
@@ -139,6 +141,17 @@ class Study:
         """Return the motions by name as they are used at a point of the sweep, without their samples."""
         return self.resolved.suite.at(point).uses
 
+    @cached_property
+    def written_suite(self) -> Suite:
+        """The motions with the values that the study writes for swept keys; where these are no sound choice, those of
+        the first point."""
+        if self.axes_changing("records"):
+            try:
+                return read_suite(self.spec.records, self.reader)
+            except IssuesFound:
+                pass
+        return self.resolved.suite.at(self.first_point)
+
     def motion(self, point: Point, name: str) -> Motion:
         """Return a motion as it is used at a point of the sweep, cut and scaled."""
         return self.reader.used_motion(self.motion_uses(point)[name])
@@ -173,12 +186,12 @@ class Study:
         return describe_study(self)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
-        """Return the motions against the target spectrum they are scaled to, at the first point; None without one."""
-        suite = self.resolved.suite.at(self.first_point)
-        if suite.target is None:
+        """Return the motions against the target spectrum that the study writes; None without one."""
+        suite = self.written_suite
+        scale = self.spec.records.scale
+        if suite.target is None or not isinstance(scale, SpectrumSpec):
             return None
-        scale = self.resolved.records.at(self.first_point).scale
-        motions = self.motions(self.first_point)
+        motions = {name: self.reader.used_motion(use) for name, use in suite.uses.items()}
         return records.SpectrumMatch.of(motions, suite.target, scale.spectrum == "each", scale.at_least)
 
     def separations(self) -> Swept[np.ndarray]:

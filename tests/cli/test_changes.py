@@ -123,6 +123,11 @@ REFUSED = [
         "write it whole: `records.scale='{pga: ...}'`",
     ),
     ("cases.tied.links.2.gap='1 cm'", "no entry '2' in the list 'cases.tied.links'", "known: 0, 1"),
+    (
+        "cases.gap.links.0.gap='1 cm'",
+        "no key '0' under 'cases.gap.links'",
+        "a list is written whole where the file has none: `cases.gap.links='[...]'`",
+    ),
     ("group.1=sotf", "no building 'sotf' is defined", "did you mean 'soft'?"),
     ("cases.gap.gap='[4 cm, 5 cm'", "the value is not YAML", "brackets"),
     ("cases.gap.gap=", "has no value", "`null` stands for no value"),

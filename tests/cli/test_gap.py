@@ -205,7 +205,8 @@ def test_results_of_a_run_are_not_overwritten(pound):
         ("ntc2018: {ag: 25 g}", "10:17", "at most 30 m/s2"),
         ("ntc2008: {ag: 0.25 g, soil: C}", "10:31", "write a soil factor S"),
         ("codes: TBDY", "10:10", "'TBDY' is not known"),
-        ("codes: [E.030, ASCE 7-16]", "10:18", "'ASCE 7-16' is not known"),
+        ("codes: [E.030, ASCE 7-16]", "10:18", "'ASCE 7-16' is not selected by its name"),
+        ("codes: NTC 2018", "10:10", "write the key `ntc2018` in `gap`"),
         ("hazard: {k0: 1e-4, k: 2.5}", "10:3", "motions that are scaled to an intensity"),
     ],
 )

@@ -102,6 +102,16 @@ def test_the_mean_spectrum_is_nowhere_below_its_part_of_the_target(tmp_path: Pat
     assert np.interp(period, periods, ratio) == pytest.approx(0.9, rel=1e-2)
 
 
+def test_a_swept_target_is_shown_with_the_value_that_the_study_writes(tmp_path: Path):
+    """Not with that of the first point. Fails if the match is of the point at which the sweep begins."""
+    text = filled_in("mean", EN, "5 %").replace(", at_least: 90 %", "")
+    study = study_of(tmp_path, f"{text}sweep: {{records.scale.target.soil: [A, E]}}\n")
+    match = study.spectrum_match()
+    alone = study_of(tmp_path, text).spectrum_match()
+    assert match == alone
+    assert "soil A" not in match.words
+
+
 @pytest.mark.parametrize("way", ["mean", "each"])
 def test_the_factors_are_those_of_least_squares_to_the_spectrum_of_a_code(tmp_path: Path, way):
     """By a search for the least sum of squares of ln(factor Sa / target) over the 50 periods, without `at_least`."""

@@ -345,7 +345,13 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
         widths.append(f"{column.format_with_unit(row)} for {article}{KINDS[row['analysis']]} {noun}")
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
     share = column.name.removeprefix("contact_")
-    return f"A probability of contact of {share} % at {floors}{where} needs {', '.join(widths)}."
+    sentence = f"A probability of contact of {share} % at {floors}{where} needs {', '.join(widths)}."
+    return _add_point(evidence.shown.format_point(evidence.gaps), sentence)
+
+
+def _add_point(point: str, sentence: str) -> str:
+    """Return a sentence with the point of the sweep that it holds at before it; "" of a study without a sweep."""
+    return f"At {point}: {sentence[0].lower()}{sentence[1:]}" if point else sentence
 
 
 def _describe_rate(evidence: GapEvidence, pair: tuple[str, str]) -> str:
@@ -354,17 +360,18 @@ def _describe_rate(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     rows = evidence.select_pair(evidence.shown.rows_here(table.frame), pair).to_dict("records")
     if not rows:
         return ""
+    point = evidence.shown.format_point(table.frame)  # without the intensity
     column: Column = table.column("gap")
     known = [row for row in rows if math.isfinite(row["gap"])]
     where = f"{' and '.join(pair)} touch" if len(evidence.pairs) > 1 else "the buildings touch"
     often = describe_rate(rows[0])
     if not known:
-        return f"No gap is known with which {where} {often}."
+        return _add_point(point, f"No gap is known with which {where} {often}.")
     widths = [
         f"{column.format_with_unit(row)} as {KINDS[row['analysis']]} {'ones' if number else 'buildings'}"
         for number, row in enumerate(known)
     ]
-    return f"So that {where} {often}, they need {', '.join(widths)}."
+    return _add_point(point, f"So that {where} {often}, they need {', '.join(widths)}.")
 
 
 def describe_rate(row: Row) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
+from pydantic import BeforeValidator
+
 from pounding_cli.model.separation import CODE_RULES, GB_SHARE, GB_STEP, CodeRule
 from pounding_cli.questions.specs import HAZARD_DESCRIPTION, RATE, Hazards, percents
 from pounding_cli.study.base import Model, SpecIssue, one_or_many, spec_field
@@ -46,6 +48,27 @@ NAMED_RULES = tuple(rule.name for rule in CODE_RULES if rule.by_name)
 """Rules that `codes` names."""
 
 
+def _refuse_other_rules(value: Any) -> Any:
+    """Return a value of `codes`.  Raises PydanticCustomError: a rule that other keys select."""
+    rule = next((rule for rule in CODE_RULES if rule.name == value and not rule.by_name), None)
+    if rule is None:
+        return value
+    if rule.section:
+        hint = f"write the key `{rule.section}` in `gap`"
+    else:
+        hint = f"leave it out here, and write {format_needed_keys(rule)} of both buildings"
+    raise refuse(f"'{value}' is not selected by its name", hint)
+
+
+def format_needed_keys(rule: CodeRule) -> str:
+    """Return the keys of a building that a rule needs: "`Cd` and `Ie` in `yield`"; those of the UBC set its design."""
+    factors = rule.factors or ("code",)
+    return f"{' and '.join(f'`{factor}`' for factor in factors)} in `yield`"
+
+
+_NamedRule = Annotated[Literal[NAMED_RULES], BeforeValidator(_refuse_other_rules)]  # type: ignore[valid-type]
+
+
 class GapSpec(Model):
     """Settings of `pound gap`."""
 
@@ -56,7 +79,7 @@ class GapSpec(Model):
     gb50011: Gb50011Spec | None = spec_field(None, "intensity and system for the joint of GB 50011-2010")
     ntc2018: NtcSpec | None = spec_field(None, "seismic action for the distance of NTC 2018, 7.2.1", {"ag": "0.25 g"})
     ntc2008: NtcSpec | None = spec_field(None, "seismic action for the distance of NTC 2008, 7.2.2", {"ag": "0.25 g"})
-    codes: one_or_many(Literal[NAMED_RULES], as_list=True) | None = spec_field(  # type: ignore[valid-type]
+    codes: one_or_many(_NamedRule, as_list=True) | None = spec_field(  # type: ignore[valid-type]
         None, "further codes whose gap is told, one or a list", ["TBDY 2018", "E.030"]
     )
     hazard: Hazards | None = spec_field(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.model.separation import CODE_RULES, UBC
+from pounding_cli.model.separation import CODE_RULES, NTC2008, NTC2018, UBC
 from pounding_cli.numbers import NOTHING, format_number, join_limited, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.gap.evidence import (
@@ -21,6 +21,7 @@ from pounding_cli.questions.gap.evidence import (
     select_widest,
 )
 from pounding_cli.questions.gap.sentences import describe_rate, list_sentences
+from pounding_cli.questions.gap.spec import format_needed_keys
 from pounding_cli.questions.gap.tables import (
     CASES_TABLE,
     CODES_TABLE,
@@ -135,7 +136,9 @@ def _show_codes(results: ResultTables) -> Table:
     columns: list[str | Column] = [table.column("rule"), table.column("gap"), closed, probability]
     if table.frame["rate"].notna().any():
         columns.append(table.column("rate"))
-    rows = table.frame.sort_values([*keys, "left", "right"], kind="stable")
+    point = table.frame.groupby(keys, sort=False).ngroup() if keys else np.zeros(len(table.frame))
+    pair = table.frame["left"].map(results.names("building").index)
+    rows = table.frame.iloc[np.lexsort((pair, point))]  # otherwise in the order of the file
     return table.view(*keys, *places, *columns, frame=rows, caption=caption)
 
 
@@ -192,8 +195,7 @@ def list_notes(results: ResultTables) -> list[str]:
 
 def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     cases = results.answer(CASES_TABLE).frame
-    if RATE_TABLE in results.answers:
-        yield _describe_rate_basis(results.answer(RATE_TABLE).frame.iloc[0].to_dict())
+    yield from _iter_rate_notes(results)
     scene = results.scene()
     if failed := select_failed(scene)["status"].value_counts().to_dict():
         outcomes = ", ".join(f"{count} {status}" for status, count in failed.items())
@@ -220,15 +222,17 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
 
 
 def _iter_code_notes(results: ResultTables) -> Iterator[str]:
-    """Yield the codes that say nothing of these buildings, with the keys that they need."""
+    """Yield the codes that say nothing of some or of all buildings, with the keys that they need."""
     evaluated = set(results.answer(GAP_TABLE).frame["rule"])
+    yield from _iter_partial_codes(results)
+    yield from _iter_estimated_displacements(results)
     settings = results.resolved.get("gap") or {}
     named = settings.get("codes") or ()
     others: list[str] = []
     for rule in CODE_RULES:
         if rule.name == UBC or rule.name in evaluated:
             continue
-        factors = f"{' and '.join(rule.factors)} in `yield`"
+        factors = format_needed_keys(rule)
         if rule.name in named:
             yield f"{rule.name} is left out: it needs {factors} of two neighbours."
         elif rule.section or rule.by_name:
@@ -239,10 +243,63 @@ def _iter_code_notes(results: ResultTables) -> Iterator[str]:
         yield f"Further codes and the keys that they need: {', '.join(others)}."
 
 
-def _describe_rate_basis(row: Row) -> str:
-    """Return how many intensities and motions the gap for a rate rests on."""
-    intensities = pluralize(int(row["intensities"]), "intensity", "intensities")
-    return f"The gap for a rate rests on {intensities} of {pluralize(int(row['motions']), 'motion')}."
+def _iter_partial_codes(results: ResultTables) -> Iterator[str]:
+    """Yield the codes that say something of some pairs of neighbours and nothing of others, with the keys they need."""
+    frame = results.answer(GAP_TABLE).frame
+    gaps = frame[frame["mean"].notna()]
+    places = pd.Series(list(zip(gaps["left"], gaps["right"], strict=True)), index=gaps.index)
+    pairs = list(dict.fromkeys(places))
+    rules_by_pairs: dict[tuple[tuple[str, str], ...], list[str]] = {}
+    for rule in CODE_RULES:
+        is_rule = gaps["rule"].astype(str).str.startswith("UBC") if rule.name == UBC else gaps["rule"] == rule.name
+        having = set(places[is_rule])
+        lacking = tuple(pair for pair in pairs if pair not in having)
+        if having and lacking:
+            rules_by_pairs.setdefault(lacking, []).append(f"{rule.name} ({format_needed_keys(rule)})")
+    for lacking, rules in rules_by_pairs.items():
+        where = join_limited(" | ".join(pair) for pair in lacking)
+        yield f"Not evaluated for {where}, as a building lacks the keys: {', '.join(rules)}."
+
+
+def _iter_estimated_displacements(results: ResultTables) -> Iterator[str]:
+    """Yield the buildings whose displacement the Italian codes estimate by their height."""
+    evaluated = set(results.answer(GAP_TABLE).frame["rule"])
+    rules = [name for name in (NTC2018, NTC2008) if name in evaluated]
+    names = dict.fromkeys(results.resolved["group"])
+    buildings = {name: results.resolved["buildings"][name] for name in names}
+    estimated = [
+        name
+        for name, building in buildings.items()
+        if not building.get("wall") and (building["yield_shear"] is not None or building["yield"].get("mu_d") is None)
+    ]
+    if rules and estimated:
+        verb = "estimates" if len(rules) == 1 else "estimate"
+        whose = join_limited(estimated)
+        yield f"{' and '.join(rules)} {verb} the displacement of {whose} by the height: there is no `mu_d` in `yield`."
+
+
+def _iter_rate_notes(results: ResultTables) -> Iterator[str]:
+    """Yield how many intensities and motions annual rates of contact rest on."""
+    if RATE_TABLE in results.answers:
+        row = results.answer(RATE_TABLE).frame.iloc[0].to_dict()
+        yield f"The gap for a rate rests on {_format_rate_basis(int(row['intensities']), int(row['motions']))}"
+        return
+    codes = results.answer(CODES_TABLE).frame if CODES_TABLE in results.answers else pd.DataFrame({"rate": []})
+    rated = codes[codes["rate"].notna()]
+    if len(rated):
+        from pounding_cli.study.records_spec import INTENSITY_KEYS  # here: a terminal prints results without a study
+
+        intensity_keys = [key for key in results.axes if key in INTENSITY_KEYS]
+        intensities = len(rated[intensity_keys].drop_duplicates()) if intensity_keys else 1
+        yield f"The rates of contact rest on {_format_rate_basis(intensities, int(rated['motions'].min()))}"
+
+
+def _format_rate_basis(intensities: int, motions: int) -> str:
+    """Return the end of a sentence on what annual rates rest on, with what one intensity means for them."""
+    basis = f"{pluralize(intensities, 'intensity', 'intensities')} of {pluralize(motions, 'motion')}"
+    if intensities > 1:
+        return f"{basis}."
+    return f"{basis}: closings are taken in proportion to it, which is right for elastic buildings only."
 
 
 def _describe_error(exact: pd.DataFrame, column: Column) -> str:
