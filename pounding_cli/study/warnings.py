@@ -28,7 +28,8 @@ from pounding_cli.study.group import Group, find_ignored_blows
 from pounding_cli.study.issues import Issues, KeyPath
 from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_specs import ImpactSpec
-from pounding_cli.study.links import CompleteLink, build_ends
+from pounding_cli.study.link_places import build_ends
+from pounding_cli.study.links import CompleteLink
 from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.quantity import (
     FORCES,
