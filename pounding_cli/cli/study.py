@@ -219,7 +219,7 @@ def _describe_plan(plan: Plan) -> list[str]:
         *(f"           {count:6d} {what}" for what, count in found.scenes.items()),
     ]
     lines.append("meetings (at the first point of the sweep)" if study.axes_changing("buildings") else "meetings")
-    group = [study.building(first, place) for place in range(len(plan.buildings))]
+    group = study.group(first).buildings
     lines += [f"  {line}" for line in format_meetings(group)]
     lines += _isolators(group, study.unit("gap"))
     lines.append("cases")

@@ -19,6 +19,7 @@ from pounding_cli.study.changes import Change
 from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dump_yaml
 from pounding_cli.study.group import Group, check_meetings, unique_names
 from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.link_places import find_floors, find_linked_pairs
 from pounding_cli.study.links import (
     Names,
     build_laws,
@@ -28,8 +29,6 @@ from pounding_cli.study.links import (
     check_links,
     complete_links,
     evaluate_multiples,
-    find_floors,
-    find_linked_pairs,
     list_multiples,
 )
 from pounding_cli.study.quantity import Quantity

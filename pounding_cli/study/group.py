@@ -6,15 +6,15 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
 from pounding_cli.model.building import Building
-from pounding_cli.model.links import BASE, Link
-from pounding_cli.model.meetings import Strike, deflection_of_columns, find_meetings, reach_of_slabs
+from pounding_cli.model.links import BASE
+from pounding_cli.model.meetings import find_meetings
 from pounding_cli.model.wall import MIN_HEIGHT, Wall
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.file import nearest
 from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.link_places import Meeting
 from pounding_cli.study.quantity import StoreyMultiple
 
 MAX_IN_GROUP = 20
@@ -24,110 +24,6 @@ COLUMNS = (
     "strikes, e.g. `columns: 20 %`"
 )
 """What to write where slabs strike columns."""
-
-
-class LinkEnds(NamedTuple):
-    """Where both ends of a link stand; fields as of `Link`.
-
-    flexibility : deflection per level force of the columns that it ends on [m/N]
-    """
-
-    left_floor: int
-    right_floor: int
-    left_at: float = 1.0
-    right_at: float = 1.0
-    cosine: float = 1.0
-    columns: float = 0.0
-    flexibility: float = 0.0
-
-
-class Side(NamedTuple):
-    """What a link must know of the building on one of its sides.
-
-    levels : elevations of its base and its floors [m]
-    base_moves : whether a link may end at its base
-    is_wall : whether it is a wall, which has no floors of its own
-    columns : part of a storey's stiffness and yield shear in the columns that links may end on [-], 0 where it has
-        none; None: not known
-    column_stiffnesses : of these columns in every storey, 12 E I / L^3 [N/m]; empty where `columns` is None
-    """
-
-    name: str
-    levels: tuple[float, ...]
-    base_moves: bool
-    is_wall: bool
-    columns: float | None
-    column_stiffnesses: tuple[float, ...]
-
-    @classmethod
-    def of(cls, building: Building) -> Side:
-        """Return the side of a building."""
-        levels = (0.0, *building.elevation.tolist())
-        stiffnesses: tuple[float, ...] = ()
-        if building.columns is not None:
-            stiffnesses = tuple((building.columns * building.stiffness).tolist())
-        is_wall = isinstance(building, Wall)
-        return cls(building.name, levels, building.has_floor(0), is_wall, building.columns, stiffnesses)
-
-    @property
-    def storeys(self) -> int:
-        """Number of storeys."""
-        return len(self.levels) - 1
-
-    def level(self, floor: int, at: float) -> float:
-        """Return the elevation of a link's end [m]; arguments as of `Link`."""
-        if floor == 0:
-            return self.levels[0]
-        return at * self.levels[floor] + (1.0 - at) * self.levels[floor - 1]
-
-    def deflection(self, floor: int, at: float) -> float:
-        """Return the deflection per force of the columns that a link ends on [m/N]; arguments as of `Link`."""
-        return deflection_of_columns(at) / self.column_stiffnesses[floor - 1]
-
-
-@dataclass(frozen=True)
-class Meeting:
-    """The floors at which two neighbours meet, and blows on columns.
-
-    left, right : the two sides
-    floors : of both, from 1, that meet; 0 is a base
-    strikes : where slabs strike columns of which the share of the storey is known
-    reach : slabs no further apart than this in height meet [m]
-    """
-
-    left: Side
-    right: Side
-    floors: tuple[tuple[int, int], ...]
-    strikes: tuple[LinkEnds, ...]
-    reach: float
-
-    @classmethod
-    def of(cls, left: Building, right: Building) -> Meeting:
-        """Return where two neighbours meet."""
-        floors, strikes = find_meetings(left, right)
-        sides = (Side.of(left), Side.of(right))
-        known = [strike for strike in strikes if sides[strike.side].columns]  # neither unknown nor none
-        ends = tuple(_find_ends_of_strike(sides[strike.side], strike) for strike in known)
-        return cls(*sides, floors, ends, reach_of_slabs(left.slab, right.slab))
-
-    def find_rise(self, link: Link | LinkEnds) -> float:
-        """Return how much higher the right end of a link is than the left one [m]; 0 beside a wall."""
-        if self.left.is_wall or self.right.is_wall:
-            return 0.0
-        left_level = self.left.level(link.left_floor, link.left_at)
-        return self.right.level(link.right_floor, link.right_at) - left_level
-
-    def has_facing_ends(self, link: Link | LinkEnds) -> bool:
-        """Return whether the ends of a link are as high as each other, within the slabs of both buildings."""
-        return abs(self.find_rise(link)) <= self.reach
-
-
-def _find_ends_of_strike(struck: Side, strike: Strike) -> LinkEnds:
-    """Return the ends of the link between a slab and the columns that it strikes."""
-    assert struck.columns is not None  # of these the share is known
-    places = (strike.left_floor, strike.right_floor, strike.left_at, strike.right_at)
-    flexibility = struck.deflection(strike.storey, strike.height)
-    return LinkEnds(*places, columns=struck.columns, flexibility=flexibility)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.study.base import Model, Name, SpecIssue, one_or_many, spec_field, tagged_union
 from pounding_cli.study.floor_places import FloorPair, FloorPairParser
+from pounding_cli.study.issues import KeyPath
 from pounding_cli.study.quantity import (
     GAP,
     LENGTH,
@@ -209,7 +210,7 @@ def _floor_kind(value: Any) -> str:
 _FloorOrEnds = tagged_union(
     _floor_kind, floor=Annotated[_Floor, WrapValidator(_read_floor)], ends=Annotated[Any, FloorPairParser()]
 )
-Floors: Any = tagged_union(
+FloorChoice: Any = tagged_union(
     _floors_kind,
     word=Annotated[Literal["all", "rest"], BeforeValidator(_check_word)],
     mapping=ExceptSpec,
@@ -224,7 +225,7 @@ class LinkSpec(Model):
     link: str = spec_field(
         ..., f"its law: {', '.join(link_laws())}, or a name of `laws`; `none` keeps floors free", "pounding"
     )
-    floors: Floors = spec_field(
+    floors: FloorChoice = spec_field(
         "all",
         "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
         "link of the pair lists; `base`: the moving base of a building beside a wall; [[4, 5], [6, 7 + 1.2 m]]: from "
@@ -366,6 +367,13 @@ CaseSpec: Any = tagged_union(
     links=SeveralLinks,
 )
 """What stands between the buildings of the group: one link, or a list of links under `links`."""
+
+
+def list_links(name: str, case: Any) -> list[tuple[LinkSpec, KeyPath]]:
+    """Return the links of a case as written, each with its path."""
+    if isinstance(case, SeveralLinksSpec):
+        return [(link, ("cases", name, "links", number)) for number, link in enumerate(case.links)]
+    return [(case, ("cases", name))]
 
 
 class OwnLawSpec(Model):

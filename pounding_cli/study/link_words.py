@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pounding_cli.laws.pounding import restitution_from_damping
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.numbers import Unit, join_limited
-from pounding_cli.study.group import Group, LinkEnds, Meeting
+from pounding_cli.study.group import Group
+from pounding_cli.study.link_places import LinkEnds, Meeting
 from pounding_cli.study.warnings import format_value, units_of_size
 
 SOFTENED = ("stiffness", "impact_stiffness")

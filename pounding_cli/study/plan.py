@@ -15,7 +15,8 @@ from pounding_cli.model.parts import is_divided
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study import keep
 from pounding_cli.study.file import Problems
-from pounding_cli.study.group import Group, Meeting, unique_names
+from pounding_cli.study.group import Group, unique_names
+from pounding_cli.study.link_places import Meeting
 from pounding_cli.study.motions import Suite
 from pounding_cli.study.resolve import Resolved
 from pounding_cli.study.swept import Point, Swept, sweep_map

@@ -27,8 +27,9 @@ from pounding_cli.study.floor_places import FloorPair
 from pounding_cli.study.group import Group, find_ignored_blows
 from pounding_cli.study.issues import Issues, KeyPath
 from pounding_cli.study.like import resolve_all_likes, resolve_like
+from pounding_cli.study.link_places import build_ends
 from pounding_cli.study.link_specs import ImpactSpec
-from pounding_cli.study.links import CompleteLink, build_ends
+from pounding_cli.study.links import CompleteLink
 from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.quantity import (
     FORCES,
@@ -447,6 +448,7 @@ def warn_case(
             _warn_stiff_damper(law, group, root, link.path, doubts)
         if law is not None:
             _warn_unequal_heights(link, law, group, root, doubts)
+            _warn_link_nowhere(link, law, group, root, doubts)
 
 
 MIN_COSINE = 0.3
@@ -481,6 +483,26 @@ def _warn_unequal_heights(link: CompleteLink, law: LinkLaw, group: Group, root: 
                 continue
             hint += f"; otherwise leave it, {AS_MEANT}"
             doubts.add(root, path, (*link.path, "floors"), message, hint, excess=rise)
+
+
+def _warn_link_nowhere(link: CompleteLink, law: LinkLaw, group: Group, root: Any, doubts: Doubts) -> None:
+    """Note a link that stands nowhere: no floors, or no slabs and columns, face each other in its pairs."""
+    if isinstance(link.spec.floors, tuple):
+        return  # the floors that it names are checked one by one
+    meetings = [meeting for number, meeting in enumerate(group.meetings, 1) if link.spec.pair in (None, number)]
+    at_columns = link.spec.at is not None
+    has_floors = any(meeting.floors for meeting in meetings)
+    has_strikes = any(meeting.strikes for meeting in meetings)
+    if (has_floors and not at_columns) or (has_strikes and (at_columns or not law.joins)):
+        return
+    pairs = join_limited(f"{meeting.left.name} and {meeting.right.name}" for meeting in meetings)
+    if at_columns:
+        message = f"the {law.name} stands nowhere: no slab faces columns of known share between {pairs}"
+        hint = "leave it out, or write `columns:` in the building whose columns it ends on"
+    else:
+        message = f"the {law.name} stands nowhere: no floors of {pairs} face each other"
+        hint = "write both of its ends, e.g. `floors: [[2, 2]]`, or leave it out"
+    doubts.add(root, (*link.path, "link"), (*link.path, "link"), message, f"{hint}; otherwise leave it, {AS_MEANT}")
 
 
 MAX_STEPS_PER_SECOND = 20_000

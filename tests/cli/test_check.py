@@ -347,6 +347,20 @@ def test_every_meeting_is_listed(tmp_path):
     assert "2 x slab against columns, gap 1 cm" in said[1]
 
 
+def test_places_have_their_names(tmp_path):
+    """A wall on both sides of a building on isolators. Fails if meetings or isolators have the names of types."""
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "records: {use: [elcentro], duration: 1 s}\nbuildings:\n  moat: {wall: {height: 0 m}}\n"
+        "  A: {storeys: 1, period: 0.3 s, foundation: {mass: 300 t, isolation: {radius: 3 m, friction: 6 %}}}\n"
+        "group: [A, moat, A]\ncases: {narrow: {link: pounding, gap: 8 cm}}\n"
+    )
+    lines = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False).stdout.splitlines()
+    meetings = lines[lines.index("meetings") + 1 :]
+    assert meetings[:2] == ["  A-1|moat  the wall meets base", "  moat|A-2  the wall meets base"]
+    assert [line.split()[0] for line in meetings[3:5]] == ["A-1", "A-2"]
+
+
 QUESTIONS = """\
 title: All questions
 records: {use: [elcentro, taft], duration: 3 s, scale: {pga: 0.3 g}}
