@@ -163,3 +163,60 @@ def test_a_moat_that_ends_at_the_ground_has_no_link_to_a_frame_beyond(pound, fol
     assert code == 2
     assert "two.yaml:7:" in err
     assert "moat-2 and frame meet at no floor: the link stands nowhere" in err
+
+
+FALLING = """\
+records: {use: [elcentro], duration: 8 s, scale: {pga: 0.8 g}}
+buildings:
+  weak: {storeys: 2, period: 0.9 s, p_delta: true, hardening: 0, yield: {base_shear: 0.03 W}}
+  frail: {storeys: 2, period: 0.8 s, p_delta: true, hardening: 0, yield: {base_shear: 0.05 W}}
+  house: {storeys: 2, period: 0.3 s, yield: {base_shear: 0.3 W}, collapse: never}
+  rigid: {wall: fixed}
+group: [weak, rigid, BUILDING]
+cases: {near: {gap: 1 cm, links: [{link: pounding, pair: 1}, {link: pounding, pair: 2}]}}
+analyses: [inelastic]
+estimate: none
+"""
+ITSELF = FALLING.replace("weak, rigid", "rigid").replace(", links: [{link: pounding, pair: 1}, {", ", links: [{").replace(
+    "pair: 2", "pair: 1"
+)
+
+
+def test_a_building_that_stands_has_its_numbers_where_another_part_collapses(pound, folder):
+    (folder / "two.yaml").write_text(FALLING.replace("BUILDING", "house"))
+    (folder / "right.yaml").write_text(ITSELF.replace("BUILDING", "house"))
+    for name in ("two", "right"):
+        code, out, err = pound("run", f"{name}.yaml", "-o", f"{name}.h5")
+        assert code == 0, err
+    row, part = (open_results(f"{name}.h5") for name in ("two", "right"))
+    assert row.scene()["status"].tolist() == ["collapsed"]
+    storey, link = row.storey(), row.link()
+    is_house = storey["building"] == "house"
+    assert storey["V"].notna().tolist() == is_house.tolist()
+    assert storey[is_house]["V"].tolist() == part.storey().query("building == 'house'")["V"].tolist()
+    assert link["peak_force"].notna().tolist() == (link["right"] == "house").tolist()
+    assert link["peak_force"].dropna().tolist() == part.link()["peak_force"].tolist()
+    summary = row.summary().groupby("building")[["records_used", "records_collapsed"]].first()
+    assert summary.T.to_dict("list") == {"weak": [0, 1], "house": [1, 0]}
+
+
+def test_every_collapse_of_a_row_is_told(pound, folder):
+    (folder / "two.yaml").write_text(FALLING.replace("BUILDING", "frail"))
+    assert pound("run", "two.yaml", "-q", "-o", "r.h5")[0] == 0
+    collapsed = open_results("r.h5").values("collapsed")
+    assert ((collapsed > 0).ravel().tolist()) == [True, False, True]
+
+
+@pytest.mark.parametrize(("building", "limit"), [("frail", "collapse in frail"), ("house", "mu > 1 in house")])
+def test_a_limit_is_met_by_its_own_part_alone(pound, folder, building, limit):
+    """Under the motions that it passes, the other part has collapsed before."""
+    curves = []
+    for name, text in (("two", FALLING), ("right", ITSELF)):
+        question = f"fragility: {{method: stripes, limits: [{limit}], intensities: [0.1 g, 0.4 g, 0.8 g]}}\n"
+        text = text.replace("BUILDING", building).replace(", scale: {pga: 0.8 g}", "")
+        (folder / f"{name}.yaml").write_text(text + question)
+        code, out, err = pound("fragility", f"{name}.yaml", "-o", f"{name}.h5")
+        assert code == 0, err
+        frame = open_results(f"{name}.h5").answer("fragility").frame
+        curves.append(frame[["low", "high", "median", "undecided"]].to_numpy())
+    assert np.array_equal(*curves, equal_nan=True)
