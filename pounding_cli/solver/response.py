@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -178,15 +178,13 @@ class Response:
     @property
     def buildings(self) -> tuple[BuildingPeaks, ...]:
         """The largest values over time of every building, left to right."""
-        return tuple(
-            BuildingPeaks(
-                *(self.peaks[name][place, :n] for name in STOREYS),
-                *(float(self.peaks[name][place]) for name in BASES),
-                int(np.nan_to_num(self.peaks["collapse_storey"][place])),
-                float(self.peaks["collapse_time"][place]),
-            )
-            for place, n in enumerate(self.storeys)
-        )
+        buildings = []
+        for place, n in enumerate(self.storeys):
+            values: dict[str, Any] = {name: self.peaks[name][place, :n] for name in STOREYS}
+            values |= {name: float(self.peaks[name][place]) for name in (*BASES, *COLLAPSES)}
+            values["collapse_storey"] = int(np.nan_to_num(values["collapse_storey"]))
+            buildings.append(BuildingPeaks(**values))
+        return tuple(buildings)
 
     @property
     def links(self) -> LinkPeaks:
