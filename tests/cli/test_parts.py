@@ -61,6 +61,24 @@ def test_a_sweep_over_one_gap_solves_the_other_part_once(pound, folder):
         assert count_solved(pound, "run", "two.yaml", "-q", "-o", "r.h5", "--replace") == {"stiff-1|soft-1|rigid": 2}
 
 
+def test_counts_tell_what_is_solved_by_parts(pound, folder):
+    """A row of parts that other rows had is put together from them: nothing is left to solve."""
+
+    def run(left: str, right: str) -> tuple[str, str]:
+        text = STUDY.replace("estimate: all", "estimate: none").replace("gap: 1 cm", f"gap: {left}")
+        (folder / "two.yaml").write_text(text.replace("pair: 3, gap: 4 mm", f"pair: 3, gap: {right}"))
+        return tuple(pound(command, "two.yaml", "-o", "r.h5")[1] for command in ("check", "run"))
+
+    check, out = run("1 cm", "4 mm")
+    assert "2 of these by parts that nothing links, each part once" in check
+    assert "Time histories: 8 solved, 2 of them by parts that nothing links (4 parts solved), 0 reused" in out
+    check, out = run("2 cm", "5 mm")
+    assert "6 solved, 2 to solve" in check
+    check, out = run("1 cm", "5 mm")
+    assert "8 time histories; 8 solved, 0 to solve" in check
+    assert "Time histories: 0 solved, 8 reused, 0 failed" in out
+
+
 def test_buildings_that_nothing_links_are_those_alone(pound, folder):
     """They are in the tables anyway: no scene of the two is solved."""
     (folder / "two.yaml").write_text(
