@@ -49,6 +49,7 @@ class RunOutcome:
     """Counts of scenes, each scene once: done now, failed, reused from a former run.
 
     path : the results file
+    divided, parts : scenes among those done now that were put together from parts, and the parts solved for them
     failures : the scenes that failed, in the order of the study
     engine, workers : how the scenes were solved
     content : SHA-256 of all that the results follow from
@@ -68,6 +69,8 @@ class RunOutcome:
     solver_seconds: float
     wall_seconds: float
     results: ResultTables | None = None
+    divided: int = 0
+    parts: int = 0
 
 
 def ask_question(name: str, study: Study) -> StudyQuestion:
@@ -167,7 +170,7 @@ def run_study(
     return RunOutcome(
         output, content, solver.solved_count - len(solver.failures), len(solver.failures), solver.reused_count,
         tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
-        ResultTables(output, arrays, answer.tables),
+        ResultTables(output, arrays, answer.tables), solver.divided_count, solver.part_count,
     )  # fmt: skip
 
 

@@ -131,6 +131,7 @@ def find_standing(question: StudyQuestion, output: Path) -> Standing:
         digests = {digest.tobytes(): number for number, digest in enumerate(plan.digests)}
         for rows in cache.iter_rows(solution_key(plan), list(digests)):
             solved.add({digests[digest]: row for digest, row in rows.items()})
+        _add_scenes_of_known_parts(plan, solved, cache)
         explained = _explain_missing(question, every[~solved.is_known[:-1]], output, unchanged, cache)
     ended = solved.has_result[:-1]
     failed = int((solved.is_known & ~solved.has_result)[:-1].sum())
@@ -144,6 +145,16 @@ def find_standing(question: StudyQuestion, output: Path) -> Standing:
     return Standing(
         False, total, int(ended.sum()), reused, explained.causes, explained.since, reasons, duration
     )  # fmt: skip
+
+
+def _add_scenes_of_known_parts(plan: Plan, solved: Responses, cache: Cache) -> None:
+    """Add scenes that nothing has to be solved for, since a cache has all parts into which they are divided."""
+    numbers = np.flatnonzero(plan.divided & ~solved.is_known[:-1])
+    if not numbers.size or not solved.is_known.any():
+        return
+    from pounding_cli.batch.parts import DividedScenes  # here: it imports what solves scenes
+
+    solved.add(DividedScenes(plan, numbers).load(cache, plan))
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,12 @@ import numpy as np
 from pounding_cli.batch.apart import add_open_gaps
 from pounding_cli.model.parts import PartScene, divide_scene
 from pounding_cli.model.scene import Scene
-from pounding_cli.results.responses import Row, decode_response, encode_response
+from pounding_cli.results.responses import Row, decode_response, encode_response, read_status, solution_key
 from pounding_cli.solver.parts import join_responses
-from pounding_cli.solver.response import Response
+from pounding_cli.solver.response import OUTCOMES, Response
 
 if TYPE_CHECKING:
+    from pounding_cli.batch.cache import Cache
     from pounding_cli.study.plan import Plan
 
 
@@ -94,6 +95,13 @@ class DividedScenes:
             for digest, scene in self.part_scenes.items()
             if digest not in known and digest not in self._responses
         }
+
+    def load(self, cache: Cache, plan: Plan) -> dict[int, Row]:
+        """Return the responses of scenes of which a cache has all parts, by number; one that failed is not there."""
+        found: dict[bytes, Row] = {}
+        for rows in cache.iter_rows(solution_key(plan), list(self.part_scenes)):
+            found |= {digest: row for digest, row in rows.items() if read_status(row) in OUTCOMES}
+        return self.add(found)
 
     def add(self, rows: Mapping[bytes, Row], charged: Sequence[bytes] = ()) -> dict[int, Row]:
         """Take in responses of parts, and return those of the scenes that have all of theirs now, by number.

@@ -16,14 +16,14 @@ from pounding_cli.batch.cache import Cache
 from pounding_cli.batch.forecast import HISTORY_OVERHEAD, measure_rates
 from pounding_cli.batch.pool import Pool, stop_executor
 from pounding_cli.batch.progress import Progress
-from pounding_cli.results.responses import Responses, Row, encode_response, read_status, solution_key
+from pounding_cli.results.responses import Responses, Row, encode_response, solution_key
 from pounding_cli.solver.kernels import COMPILE_TIME, is_compiled, store_rates
 from pounding_cli.solver.response import OUTCOMES
 
 if TYPE_CHECKING:
     from pounding_cli.batch.apart import ApartResponses
     from pounding_cli.batch.attempt import Attempt, GroupResult, Task
-    from pounding_cli.batch.parts import DividedScenes, SceneList
+    from pounding_cli.batch.parts import SceneList
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.study.plan import Plan
 
@@ -65,6 +65,8 @@ class Solver:
     Attributes
     ----------
     solved_count, reused_count : scenes that were solved now, and those that were found solved
+    divided_count, part_count : of those solved now, scenes that were put together from parts, and the parts that were
+        solved for them, without buildings alone
     failures : status and advice of those that were solved now without a result, by digest
     seconds : time inside the solver now, all workers together [s]
     engine, workers : how scenes were solved; "none" where none was
@@ -76,6 +78,8 @@ class Solver:
         self.progress = progress
         self.solved_count = 0
         self.reused_count = 0
+        self.divided_count = 0
+        self.part_count = 0
         self.failures: dict[bytes, tuple[str, str]] = {}
         self.seconds = 0.0
         self.engine = "none"
@@ -139,13 +143,18 @@ class Solver:
         """Solve scenes, and put them into the cache and among those that are solved."""
         from pounding_cli.batch.parts import DividedScenes, SceneList
 
-        self.progress.add_histories(len(missing), self.reused_count)
-        task = self._build_task(plan)
         is_divided = plan.divided[missing]
         whole = missing[~is_divided]
         divided = DividedScenes(plan, missing[is_divided])
+        of_known_parts = divided.load(self.cache, plan)
+        self.reused_count += len(of_known_parts)
+        self._keep_rows(plan, of_known_parts, solved)
+        missing = np.setdiff1d(missing, list(of_known_parts))
+        if not missing.size:
+            return
+        self.progress.add_histories(len(missing), self.reused_count)
+        task = self._build_task(plan)
         try:
-            self._take_rows(plan, divided.add(self._load_parts(plan, divided)), solved)
             number_by_digest = {plan.digests[number].tobytes(): number for number in whole.tolist()}
             scenes = SceneList(plan, divided.list_unknown(number_by_digest))
             to_solve = np.concatenate((whole, scenes.part_numbers))
@@ -155,28 +164,27 @@ class Solver:
                 parts = [digest for digest in row_by_digest if digest not in number_by_digest]
                 self.cache.store(solution_key(plan), {digest: row_by_digest[digest] for digest in parts})
                 of_plan = {number: row for number, row in row_by_number.items() if number < len(plan)}
-                self._take_rows(plan, of_plan | divided.add(row_by_digest, parts), solved)
+                of_parts = divided.add(row_by_digest, parts)
+                self.divided_count += len(of_parts)
+                self.part_count += len(parts)
+                self._take_rows(plan, of_plan | of_parts, solved)
         finally:
             self.progress.stop_display()
         if not self._has_stored_rates:
             self._store_rates(plan, missing, solved)
 
-    def _load_parts(self, plan: Plan, divided: DividedScenes) -> dict[bytes, Row]:
-        """Return the responses of parts that the cache has, by digest; those that failed are solved again."""
-        found: dict[bytes, Row] = {}
-        for rows in self.cache.iter_rows(solution_key(plan), list(divided.part_scenes)):
-            found |= {digest: row for digest, row in rows.items() if read_status(row) in OUTCOMES}
-        return found
-
     def _take_rows(self, plan: Plan, rows: Mapping[int, Row], solved: Responses) -> None:
-        """Put responses of a plan's scenes, by number, into the cache and among those that are solved."""
+        """Keep responses of a plan's scenes that were solved now, and count them."""
         if not rows:
             return
-        numbers = np.array(list(rows))
-        digests = [plan.digests[number].tobytes() for number in rows]
-        self.cache.store(solution_key(plan), dict(zip(digests, rows.values(), strict=True)))
+        self._keep_rows(plan, rows, solved)
+        self._count_group([plan.digests[number].tobytes() for number in rows], np.array(list(rows)), solved)
+
+    def _keep_rows(self, plan: Plan, rows: Mapping[int, Row], solved: Responses) -> None:
+        """Put responses of a plan's scenes, by number, into the cache and among those that are solved."""
+        row_by_digest = {plan.digests[number].tobytes(): row for number, row in rows.items()}
+        self.cache.store(solution_key(plan), row_by_digest)
         solved.add(rows)
-        self._count_group(digests, numbers, solved)
 
     def _build_task(self, plan: Plan) -> Task:
         """Return the settings of a plan; what is known of neighbours with nothing between them stays while they do."""

@@ -21,7 +21,7 @@ from pounding_cli.cli.options import (
     together,
 )
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import format_duration
+from pounding_cli.numbers import format_duration, pluralize
 from pounding_cli.questions import TITLES
 
 if TYPE_CHECKING:
@@ -150,8 +150,12 @@ def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
     """Print counts and times, unless `quiet`, and every scene that failed."""
     if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
+        by_parts = ""
+        if outcome.divided:
+            parts = f" ({pluralize(outcome.parts, 'part')} solved)" if outcome.parts else ""
+            by_parts = f", {outcome.divided} of them by parts that nothing links{parts}"
         click.echo(
-            f"Time histories: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
+            f"Time histories: {outcome.done} solved{by_parts}, {outcome.reused} reused, {outcome.failed} failed{side}; "
             f"solver {format_duration(outcome.solver_seconds)}, in all {format_duration(outcome.wall_seconds)}\n"
             f"Results: {outcome.path}"
         )
@@ -164,6 +168,7 @@ def _log_outcome(log: JsonLines, outcome: RunOutcome) -> None:
         log.write_event("failed", scene=failure.place, status=failure.status, advice=failure.advice)
     log.write_event(
         "end", done=outcome.done, failed=outcome.failed, reused=outcome.reused, results=str(outcome.path),
+        divided=outcome.divided, parts=outcome.parts,
         engine=outcome.engine, workers=outcome.workers, solver_seconds=round(outcome.solver_seconds, 3),
         wall_seconds=round(outcome.wall_seconds, 3),
     )  # fmt: skip

@@ -218,6 +218,8 @@ def _describe_plan(plan: Plan) -> list[str]:
         f"solves     {count_histories(len(plan))}",
         *(f"           {count:6d} {what}" for what, count in found.scenes.items()),
     ]
+    if divided_count := int(plan.divided.sum()):
+        lines.append(f"           {divided_count:6d} of these by parts that nothing links, each part once")
     lines.append("meetings (at the first point of the sweep)" if study.axes_changing("buildings") else "meetings")
     group = study.group(first).buildings
     lines += [f"  {line}" for line in format_meetings(group)]

@@ -14,6 +14,7 @@ from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.dataset import find_contacts
+from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.expression import (
     FLOOR,
@@ -123,6 +124,9 @@ def _evaluate_quantity(
         known = "acceleration" if name in FLOOR else "drift"
     exists = ~np.isnan(_find_values(known, values))
     axes: tuple[int, ...] = (-1,) if name in LINK else (-2, -1)
+    if quantity.building is None:  # else the buildings that a collapse ended would count for nothing beside the others
+        is_done = values["status"] == DONE
+        numbers = np.where(np.expand_dims(is_done, axes), numbers, np.nan)
     if quantity.building is not None:
         numbers = numbers[..., [quantity.building], :]
         exists = exists[..., [quantity.building], :]

@@ -27,7 +27,7 @@ _FURTHER = {
     "records_used": ("1", "number of records with a V_ratio"),
     "records_flagged": ("1", "number of records whose scene carries a flag"),
     "records_meaningless": ("1", "number of records whose numbers have no meaning"),
-    "records_collapsed": ("1", "number of records in whose scene a storey collapsed"),
+    "records_collapsed": ("1", "number of records in which the building, or one linked to it, collapsed"),
     "flag": ("", "what is flagged"),
     "detail": ("", "where, and by how much"),
     "severity": ("1", "larger where a flag of that kind is worse; none where its kind does not compare"),

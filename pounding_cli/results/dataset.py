@@ -101,16 +101,17 @@ def _responses(plan: Plan, solved: Responses, declared: list[Variable]) -> Array
     scene = plan.numbers[..., 0]
     alone = plan.numbers[..., 1:]
     digests = np.array([digest.tobytes().hex() for digest in plan.digests] + [""], object)
-    collapsed = solved.values["collapse_building"]
+    fallen_storey = np.nan_to_num(solved.values["building.collapse_storey"]).astype(np.int64)
     arrays = Arrays()
     for v in declared:
         if v.of:
             whole = solved.values[v.of].copy()
-            whole[~solved.is_done] = np.nan  # peaks are of whole motions
+            whole[~_is_of_whole_motion(plan, solved, v)] = np.nan
             arrays[v.name] = whole[alone, 0] if v.alone else whole[scene]
         elif v.name in ("collapsed", "collapsed0"):
-            at, place = (alone, 0) if v.alone else (scene[..., None], np.arange(alone.shape[-1]))
-            arrays[v.name] = np.where(collapsed[at] == place, solved.values["collapse_storey"][at], 0).astype(np.int64)
+            arrays[v.name] = fallen_storey[alone, 0] if v.alone else fallen_storey[scene]
+        elif v.name == "collapse_time":
+            arrays[v.name] = np.fmin.reduce(solved.values["building.collapse_time"][scene], axis=-1)
         elif v.name in TEXTS:
             arrays[v.name] = solved.texts[v.name][scene]
         elif v.name == "scene":
@@ -119,6 +120,17 @@ def _responses(plan: Plan, solved: Responses, declared: list[Variable]) -> Array
             array = solved.values[v.name][scene]
             arrays[v.name] = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
     return arrays
+
+
+def _is_of_whole_motion(plan: Plan, solved: Responses, v: Variable) -> np.ndarray:
+    """Return where the peaks of a variable are of whole motions, shape (scenes + 1, buildings or links).
+
+    A collapse ends the motion of the buildings that links join to it. One of a building alone stands at place 0.
+    """
+    if "link" not in v.dims:
+        return solved.is_whole
+    left = np.array([place.left for place in plan.links.places])
+    return solved.is_whole[:, left] & solved.is_whole[:, left + 1]
 
 
 def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:

@@ -14,7 +14,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli import __version__
-from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, STOREYS, Flag, Response, peaks_type
+from pounding_cli.solver.response import (
+    BASES,
+    COLLAPSES,
+    COLUMNS,
+    DONE,
+    LINKS,
+    OUTCOMES,
+    STOREYS,
+    Flag,
+    Response,
+    peaks_type,
+)
 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
@@ -23,12 +34,11 @@ TEXTS = ("status", "advice", "method", "flags", "flag_severity", "effects", "dro
 """Texts of a response; of the last four one entry a line."""
 
 SCALARS = (
-    "accuracy", "time_step", "steps", "events", "orders", "seconds", "error_estimate", "sensitivity", "collapse_time",
-    "collapse_building", "collapse_storey",
+    "accuracy", "time_step", "steps", "events", "orders", "seconds", "error_estimate", "sensitivity",
 )  # fmt: skip
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
 
-PARTS = {"building.": (*STOREYS, *BASES), "link.": LINKS, "columns.": COLUMNS}
+PARTS = {"building.": (*STOREYS, *BASES, *COLLAPSES), "link.": LINKS, "columns.": COLUMNS}
 """What names in `Responses.values` begin with -> the peaks of a response."""
 
 Row = tuple[str, bytes]
@@ -70,7 +80,7 @@ def decode_response(row: Row, storeys: tuple[int, ...]) -> Response:
     peaks_of_row = peaks_type(*size)
     peaks = np.frombuffer(row[1], peaks_of_row, offset=len(row[1]) - peaks_of_row.itemsize)[0]
     facts: dict[str, Any] = {name: float(numbers[name]) for name in SCALARS}
-    for name in ("steps", "events", "orders", "collapse_building", "collapse_storey"):
+    for name in ("steps", "events", "orders"):
         facts[name] = int(facts[name])
     return Response(
         peaks,
@@ -99,7 +109,7 @@ class Responses:
     texts : TEXTS by name, "" of a scene that was not solved, shape (scenes + 1,)
     values : "building.drift" (scenes + 1, buildings, storeys), a building alone at place 0; "building.sway" (scenes +
         1, buildings); "link.impacts", "columns.demand" (scenes + 1, links of `plan.links`); "error_estimate",
-        "collapse_storey", "energy_input", ... (scenes + 1,); NaN where there is nothing
+        "energy_input", ... (scenes + 1,); NaN where there is nothing
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -138,6 +148,14 @@ class Responses:
     def is_done(self) -> np.ndarray:
         """Scenes that ended with their motion, shape (scenes + 1,)."""
         return self.texts["status"] == DONE
+
+    @property
+    def is_whole(self) -> np.ndarray:
+        """Buildings whose numbers are of a whole motion, shape (scenes + 1, buildings).
+
+        They may stand in a scene that has collapsed, where nothing joins them to what collapsed.
+        """
+        return self.has_result[:, None] & np.isnan(self.values["building.collapse_time"])
 
     @property
     def has_result(self) -> np.ndarray:

@@ -294,19 +294,28 @@ class ResultTables:
 
         Standard deviations are with n - 1; `records_used` counts the records with a V_ratio, `records_flagged` those
         whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`),
-        `records_collapsed` those in whose scene a storey collapsed.
+        `records_collapsed` those in which a storey collapsed, of the building or of one that links join to it.
         """
         names = [*(f"{ratio}_{measure}" for ratio in RATIO_VARIABLES for measure in _MEASURES), "V_ratio_count"]
         frame = self._build_frame(names, ("case", "analysis", "building", "storey"), {"mass": np.isfinite})
         place = [*self.axes, "case", "analysis"]
-        scenes = self._build_frame(["flags", "status"], SCENE_DIMS)
+        scenes = self._build_frame(["flags"], SCENE_DIMS)
         counts = scenes[place].assign(
             records_flagged=scenes["flags"] != "",
             records_meaningless=scenes["flags"].map(is_void),
-            records_collapsed=scenes["status"] == COLLAPSED,
         )
         counts = counts.groupby(place, sort=False).sum()
-        return frame.rename(columns={"V_ratio_count": "records_used"}).merge(counts, on=place)
+        collapses = self._count_collapses()
+        frame = frame.rename(columns={"V_ratio_count": "records_used"}).merge(counts, on=place)
+        return frame.merge(collapses, on=[*place, "building"])
+
+    def _count_collapses(self) -> pd.DataFrame:
+        """Return by building the records in which a collapse ended its motion, in the column `records_collapsed`."""
+        place = [*self.axes, "case", "analysis", "building"]
+        buildings = self._build_frame(["sway"], (*SCENE_DIMS, "building"))
+        buildings = buildings.merge(self._build_frame(["status"], SCENE_DIMS))
+        is_ended = (buildings["status"] == COLLAPSED) & buildings["sway"].isna()
+        return buildings[place].assign(records_collapsed=is_ended).groupby(place, sort=False).sum().reset_index()
 
     def records(self) -> pd.DataFrame:
         """Return per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.

@@ -111,9 +111,7 @@ def difference(first: Response, second: Response) -> float:
     presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
     time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
     found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
-    if first.collapse_storey:
-        time, other = (np.array([each.collapse_time]) for each in (first, second))
-        found.append((time, other, time))
+    found.append((a["collapse_time"], b["collapse_time"], a["collapse_time"]))
     return _largest(first, second, found)
 
 
@@ -156,7 +154,7 @@ def _largest(first: Response, second: Response, triples: Iterable[Triple]) -> fl
     move as the ground does have no numbers."""
     if not (first.has_result and second.has_result):
         return float("nan")
-    if (first.collapse_building, first.collapse_storey) != (second.collapse_building, second.collapse_storey):
+    if not np.array_equal(first.peaks["collapse_storey"], second.peaks["collapse_storey"]):
         return float("inf")
     x, y, scale = (np.concatenate([part.ravel() for part in each]) for each in zip(*triples, strict=True))
     size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))

@@ -17,6 +17,7 @@ from pounding_cli.solver.outcome import collapse_flag, flags_of
 from pounding_cli.solver.response import (
     BASES,
     COLLAPSED,
+    COLLAPSES,
     COLUMNS,
     DONE,
     LINKS,
@@ -48,24 +49,15 @@ def join_responses(scene: Scene, parts: Sequence[PartScene], responses: Sequence
         "effects": effects.kept,
         "dropped": (*effects.dropped, *_list_open_gaps(responses)),
         "final": _join_final(scene, parts, responses),
-        "collapse_time": math.nan,
-        "collapse_building": -1,
-        "collapse_storey": 0,
     }
     failed = [each for each in responses if not each.has_result]
     if failed:
         no_energy = dict.fromkeys(failed[0].energy, math.nan)
         return replace(failed[0], **facts, peaks=no_peaks(storeys, len(scene.links)), energy=no_energy, flags=())
-    collapsed = [number for number, each in enumerate(responses) if each.status == COLLAPSED]
-    if collapsed:
-        first = min(collapsed, key=lambda number: responses[number].collapse_time)
-        facts["collapse_time"] = responses[first].collapse_time
-        facts["collapse_building"] = parts[first].part.first + responses[first].collapse_building
-        facts["collapse_storey"] = responses[first].collapse_storey
     return replace(
         responses[0],
         **facts,
-        status=COLLAPSED if collapsed else DONE,
+        status=COLLAPSED if any(each.status == COLLAPSED for each in responses) else DONE,
         peaks=_join_peaks(scene, parts, responses),
         energy=_join_energies([each.energy for each in responses]),
         flags=tuple(_join_flags(parts, responses)),
@@ -98,7 +90,7 @@ def _join_peaks(scene: Scene, parts: Sequence[PartScene], responses: Sequence[Re
         link_numbers = list(each.part.link_numbers)
         for name in STOREYS:
             peaks[name][places, : max(response.storeys)] = response.peaks[name]
-        for name in BASES:
+        for name in (*BASES, *COLLAPSES):
             peaks[name][places] = response.peaks[name]
         for name in (*LINKS, *COLUMNS):
             peaks[name][link_numbers] = response.peaks[name]
@@ -139,11 +131,11 @@ def _join_flags(parts: Sequence[PartScene], responses: Sequence[Response]) -> It
 
 def list_placed_flags(scene: Scene, response: Response) -> list[str]:
     """Return the flags that name buildings, in the names of a scene, from the numbers of its response."""
-    flags: list[str] = list(flags_of(scene, response.peaks))
-    if response.status == COLLAPSED:
-        building = scene.buildings[int(response.collapse_building)]
-        flags.insert(0, collapse_flag(building.name, int(response.collapse_storey), response.collapse_time))
-    return flags
+    collapses = []
+    for place in response.fallen_buildings:
+        peaks = response.buildings[place]
+        collapses.append(collapse_flag(scene.buildings[place].name, peaks.collapse_storey, peaks.collapse_time))
+    return [*collapses, *flags_of(scene, response.peaks)]
 
 
 def list_other_flags(placed: Iterable[str], response: Response) -> list[str]:

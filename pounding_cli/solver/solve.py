@@ -220,18 +220,19 @@ class SceneRun:
             final = tuple((np.full(count, nan), np.full(count, nan)) for count in storeys)
             no_energy = dict.fromkeys(energy, nan)
             return Response(no_peaks(storeys, len(scene.links)), **facts, energy=no_energy, final=final)
+        peaks = peaks.copy()
         flags = outcome.flags_of(scene, peaks)
         if status == COLLAPSED:
             building, storey = outcome.collapse_of(layout, self.data.elements[number, : layout.number])
             time = float(run["time"])
-            facts |= {"collapse_time": time, "collapse_building": building, "collapse_storey": storey}
+            outcome.put_collapse(peaks, layout, building, storey, time)
             flags = (outcome.collapse_flag(layout.buildings[building].name, storey, time), *flags)
         if takes_step and run["trials"]:
             kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
             flags += (Flag(kind, detail, float(run["trials"] / run["steps"])),)
         final = tuple((dofs["u0"][span].copy(), dofs["w"][span, 0].copy()) for span in layout.floors)
-        return Response(peaks.copy(), **facts, energy=energy, flags=flags, final=final)
+        return Response(peaks, **facts, energy=energy, flags=flags, final=final)
 
 
 def prepare_run(

@@ -281,6 +281,8 @@ def describe_wrong_step(
     def find_allowed(*keys: str) -> list[str]:
         return [key for key in keys if can_vary(key, root.mark, root, Problems(""), model=model)]
 
+    if isinstance(above, list):
+        return describe_missing_entry(path, place, above)
     message = f"no key '{step}'{f' under {before!r}' if before else ''}"
     if place == 0:
         whole_key = find_whole_key(path, root) if model is schema.StudySpec else ""
@@ -291,7 +293,7 @@ def describe_wrong_step(
         of_one_link = ".".join((*path[:2], *path[4:]))
         if find_allowed(of_one_link):
             return message, f"this case has one link: write `{of_one_link}`"
-    if above is None or isinstance(above, dict | list):
+    if above is None or isinstance(above, dict):
         return message, nearest(step, known)
     owner = ""
     if place > 2 and path[0] in ("buildings", "cases"):
@@ -301,6 +303,12 @@ def describe_wrong_step(
     without_step_above = ".".join((*path[: place - 1], *path[place:]))
     allowed = find_allowed(without_step_above, before)
     return message, f"write {' or '.join(f'`{key}`' for key in allowed)}" if allowed else nearest(step, known)
+
+
+def describe_missing_entry(path: Sequence[str], place: int, entries: Sequence[Any]) -> tuple[str, str]:
+    """Return what is wrong with a dotted key whose step at `place` is no entry of a list, and what to write."""
+    message = f"no entry '{path[place]}' in the list '{'.'.join(path[:place])}'"
+    return message, f"{nearest(path[place], map(str, range(len(entries))))} (entries count from 0)"
 
 
 def find_whole_key(path: Sequence[str], root: Map) -> str:

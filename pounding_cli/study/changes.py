@@ -16,7 +16,7 @@ from pydantic import BaseModel
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.study import schema
-from pounding_cli.study.axes import describe_wrong_step, find_whole_key, sweep_maps
+from pounding_cli.study.axes import describe_missing_entry, describe_wrong_step, find_whole_key, sweep_maps
 from pounding_cli.study.edit import with_values
 from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, get, nearest, parse_value, with_value
 from pounding_cli.study.quantity import quote
@@ -205,10 +205,9 @@ def _find_wrong_step(path: KeySteps, tree: Map, model: type[BaseModel]) -> tuple
     for place, step in enumerate(path):
         above = get(tree, *path[:place])
         if isinstance(above, Items):
-            known = list(map(str, range(len(above))))
-            if step not in known:
-                message = f"no entry '{step}' in the list '{'.'.join(path[:place])}'"
-                return message, f"{nearest(step, known)}; or write the whole list"
+            if step not in map(str, range(len(above))):
+                message, hint = describe_missing_entry(path, place, above)
+                return message, f"{hint}; or write the whole list"
             continue
         if isinstance(above, Map) and step in above:
             continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from pounding_cli.model.building import Building
@@ -146,7 +146,11 @@ def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
             issues.add_written([issue for link, path in members for issue in _find_link_nowhere(link, path, meeting)])
             floors.append(((),) * len(links))
             continue
-        listed = {path: _find_listed_ends(link, path, meeting, issues) for link, path in members}
+        listed = {}
+        for link, path in members:
+            pair_hint = ", or add `pair:` where it stands between some neighbours only"
+            is_of_all = link.pair is None and len(meetings) > 1
+            listed[path] = _find_listed_ends(link, path, meeting, issues, pair_hint if is_of_all else "")
         taken = {ends[:4] for of_link in listed.values() for ends in of_link}
         floors.append(
             tuple(
@@ -179,8 +183,13 @@ def find_linked_pairs(name: str, case: Any, pairs: int) -> set[int]:
     return linked
 
 
-def _find_listed_ends(link: LinkSpec, path: KeyPath, meeting: Meeting, issues: Issues) -> tuple[LinkEnds, ...]:
-    """Return where a link stands that lists its floors; of `except` nothing, but unknown floors are noted."""
+def _find_listed_ends(
+    link: LinkSpec, path: KeyPath, meeting: Meeting, issues: Issues, pair_hint: str = ""
+) -> tuple[LinkEnds, ...]:
+    """Return where a link stands that lists its floors; of `except` nothing, but unknown floors are noted.
+
+    pair_hint : what else to write where the neighbours lack a floor
+    """
     is_list = isinstance(link.floors, tuple)
     right_floors = dict(meeting.floors)
     found: dict[LinkEnds, None] = {}
@@ -198,7 +207,7 @@ def _find_listed_ends(link: LinkSpec, path: KeyPath, meeting: Meeting, issues: I
                 message = f"{meeting.left.name} and {meeting.right.name} have no common floor {floor or BASE}"
                 raise IssuesFound([Issue(at, message, _hint_to_floors(floor, meeting))])
         except IssuesFound as refused:
-            issues.add_written(refused.issues)
+            issues.add_written(replace(issue, hint=issue.hint + pair_hint) for issue in refused.issues)
             continue
         if is_list:
             found[_join_floors(link, floor, right_floors[floor], meeting)] = None

@@ -61,6 +61,24 @@ def test_a_sweep_over_one_gap_solves_the_other_part_once(pound, folder):
         assert count_solved(pound, "run", "two.yaml", "-q", "-o", "r.h5", "--replace") == {"stiff-1|soft-1|rigid": 2}
 
 
+def test_counts_tell_what_is_solved_by_parts(pound, folder):
+    """A row of parts that other rows had is put together from them: nothing is left to solve."""
+
+    def run(left: str, right: str) -> tuple[str, str]:
+        text = STUDY.replace("estimate: all", "estimate: none").replace("gap: 1 cm", f"gap: {left}")
+        (folder / "two.yaml").write_text(text.replace("pair: 3, gap: 4 mm", f"pair: 3, gap: {right}"))
+        return tuple(pound(command, "two.yaml", "-o", "r.h5")[1] for command in ("check", "run"))
+
+    check, out = run("1 cm", "4 mm")
+    assert "2 of these by parts that nothing links, each part once" in check
+    assert "Time histories: 8 solved, 2 of them by parts that nothing links (4 parts solved), 0 reused" in out
+    check, out = run("2 cm", "5 mm")
+    assert "6 solved, 2 to solve" in check
+    check, out = run("1 cm", "5 mm")
+    assert "8 time histories; 8 solved, 0 to solve" in check
+    assert "Time histories: 0 solved, 8 reused, 0 failed" in out
+
+
 def test_buildings_that_nothing_links_are_those_alone(pound, folder):
     """They are in the tables anyway: no scene of the two is solved."""
     (folder / "two.yaml").write_text(
@@ -163,3 +181,58 @@ def test_a_moat_that_ends_at_the_ground_has_no_link_to_a_frame_beyond(pound, fol
     assert code == 2
     assert "two.yaml:7:" in err
     assert "moat-2 and frame meet at no floor: the link stands nowhere" in err
+
+
+FALLING = """\
+records: {use: [elcentro], duration: 8 s, scale: {pga: 0.8 g}}
+buildings:
+  weak: {storeys: 2, period: 0.9 s, p_delta: true, hardening: 0, yield: {base_shear: 0.03 W}}
+  frail: {storeys: 2, period: 0.8 s, p_delta: true, hardening: 0, yield: {base_shear: 0.05 W}}
+  house: {storeys: 2, period: 0.3 s, yield: {base_shear: 0.3 W}, collapse: never}
+  rigid: {wall: fixed}
+group: [weak, rigid, BUILDING]
+cases: {near: {gap: 1 cm, links: [{link: pounding, pair: 1}, {link: pounding, pair: 2}]}}
+analyses: [inelastic]
+estimate: none
+"""
+ITSELF = FALLING.replace("weak, rigid", "rigid").replace(", {link: pounding, pair: 2}", "")
+
+
+def test_a_building_that_stands_has_its_numbers_where_another_part_collapses(pound, folder):
+    (folder / "two.yaml").write_text(FALLING.replace("BUILDING", "house"))
+    (folder / "right.yaml").write_text(ITSELF.replace("BUILDING", "house"))
+    for name in ("two", "right"):
+        code, _, err = pound("run", f"{name}.yaml", "-o", f"{name}.h5")
+        assert code == 0, err
+    row, part = (open_results(f"{name}.h5") for name in ("two", "right"))
+    assert row.scene()["status"].tolist() == ["collapsed"]
+    storey, link = row.storey(), row.link()
+    is_house = storey["building"] == "house"
+    assert storey["V"].notna().tolist() == is_house.tolist()
+    assert storey[is_house]["V"].tolist() == part.storey().query("building == 'house'")["V"].tolist()
+    assert link["peak_force"].notna().tolist() == (link["right"] == "house").tolist()
+    assert link["peak_force"].dropna().tolist() == part.link()["peak_force"].tolist()
+    summary = row.summary().groupby("building")[["records_used", "records_collapsed"]].first()
+    assert summary.T.to_dict("list") == {"weak": [0, 1], "house": [1, 0]}
+
+
+def test_every_collapse_of_a_row_is_told(pound, folder):
+    (folder / "two.yaml").write_text(FALLING.replace("BUILDING", "frail"))
+    assert pound("run", "two.yaml", "-q", "-o", "r.h5")[0] == 0
+    collapsed = open_results("r.h5").values("collapsed")
+    assert ((collapsed > 0).ravel().tolist()) == [True, False, True]
+
+
+@pytest.mark.parametrize(("building", "limit"), [("frail", "collapse in frail"), ("house", "mu > 20 in house")])
+def test_a_limit_is_met_by_its_own_part_alone(pound, folder, building, limit):
+    """The other part collapses before."""
+    curves = []
+    for name, text in (("two", FALLING), ("right", ITSELF)):
+        question = f"sweep: {{records.scale.pga: [0.1 g, 0.4 g, 0.8 g]}}\nfragility: {{limits: [{limit}]}}\n"
+        text = text.replace("BUILDING", building)
+        (folder / f"{name}.yaml").write_text(text + question)
+        code, _, err = pound("fragility", f"{name}.yaml", "-o", f"{name}.h5")
+        assert code == 0, err
+        frame = open_results(f"{name}.h5").answer("fragility").frame
+        curves.append(frame[["state", "low", "high", "undecided"]].to_dict("list"))
+    assert curves[0] == curves[1]

@@ -45,8 +45,8 @@ class CurvePlace(NamedTuple):
 def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -> np.ndarray:
     """Return demand over limit [-], shape (motions, levels).
 
-    It is above 1 where the limit is passed, inf where a collapse ended the time history after that, UNDECIDED where one
-    did before, NaN where the time history failed or was not asked for.
+    It is above 1 where the limit is passed, inf where a collapse ended the time history of the building after that,
+    UNDECIDED where one did before, NaN where the time history failed or was not asked for.
 
     Passed are limits that were passed before a time history ended, the collapse itself, and limits on the drift or the
     ductility of the storey that collapsed: its drift has no bound.
@@ -55,16 +55,18 @@ def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -
     histories = place.histories[state]
     building = 0 if state == ALONE else place.target.building  # the only one of its scene
     demand = _compare_peaks(plan, solved, place, histories, building)
-    fallen_storey = np.nan_to_num(solved.values["collapse_storey"][histories]).astype(int)
-    is_fallen = fallen_storey > 0
-    is_building = is_fallen & (solved.values["collapse_building"][histories] == building)
+    fallen_storey = np.nan_to_num(solved.values["building.collapse_storey"][histories, building]).astype(int)
+    is_building = fallen_storey > 0
+    is_ended = ~np.isnan(solved.values["building.collapse_time"][histories, building])
+    if limit.quantity == CONTACT:  # of the pair, whose left building may be a wall that belongs to other parts too
+        is_ended |= ~np.isnan(solved.values["building.collapse_time"][histories, building + 1])
     is_target = is_building
     if limit.level and limit.quantity != COLLAPSE:
         is_target = is_building & (fallen_storey == limit.level)
     if limit.quantity not in ("mu", "drift", COLLAPSE):
         is_target = np.zeros_like(is_building)
     is_passed = (demand > 1) | is_target
-    demand = np.where(is_fallen, np.where(is_passed, np.inf, UNDECIDED), demand)
+    demand = np.where(is_ended, np.where(is_passed, np.inf, UNDECIDED), demand)
     return np.where(solved.has_result[histories], demand, np.nan)
 
 

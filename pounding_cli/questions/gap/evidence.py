@@ -219,14 +219,14 @@ def select_widest(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 
 
 def describe_floors(row: Row) -> str:
-    """Return which floors of two neighbours face each other: "floor 5", "floor 4 beside columns of A in storey 6"."""
+    """Return which floors of two neighbours face each other: "floor 5", "floor 4 beside storey 6 of A"."""
     left_floor = row["floor"]
     right_floor = row["right_floor"]
     side = row["columns"]
     if side == "left":
-        return f"floor {right_floor} beside columns of {row['left']} in storey {left_floor}"
+        return f"floor {right_floor} beside storey {left_floor} of {row['left']}"
     if side:
-        return f"floor {left_floor} beside columns of {row['right']} in storey {right_floor}"
+        return f"floor {left_floor} beside storey {right_floor} of {row['right']}"
     if left_floor != right_floor:
         return f"floors {left_floor} and {right_floor}"
     return f"floor {left_floor}" if left_floor > 0 else BASE

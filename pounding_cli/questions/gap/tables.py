@@ -56,8 +56,8 @@ FACING_COLUMNS = (
     Column("right_floor", "floor of the right building", NUMBER, "floor right", digits=0),
     Column(
         "columns",
-        "building whose columns, in the storey below its floor, a slab of the other faces: left or right; empty where "
-        "two slabs face each other",
+        "building whose columns or walls, in the storey below its floor, a slab of the other faces: left or right; "
+        "empty where two slabs face each other",
     ),
 )
 

@@ -24,7 +24,7 @@ from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_
 from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
 from pounding_cli.results.plausible import MAX_DUCTILITY
-from pounding_cli.solver.response import OUTCOMES
+from pounding_cli.solver.response import DONE, OUTCOMES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
@@ -327,6 +327,8 @@ def _describe_open_gaps(shown: Evidence) -> str:
         return ""
     if len(shown.group) == 1 or "gap" not in results.arrays:
         return "Every building stands alone: the study has no links, so there is no pounding."
+    if not (shown.values("status") == DONE).any():
+        return ""
     left_open = shown.values("gap")[:, None, None, :] - shown.values("max_closing")
     if not np.isfinite(left_open).any():
         return "No link carries a force: every building responds as it does alone."
