@@ -50,7 +50,8 @@ def _find_range_issues(scale: SpectrumSpec, rules: SuiteRules, group: Group) -> 
         message = f"the range begins at {scale.low:.4g} s; {rules.range_clause}, asks for {first:.4g} s, {whose}"
         yield Issue(("records", "scale", "from"), message, f"write `from: {_round_down(first):g} s`")
     if scale.high < last * (1 - _RELATIVE_TOLERANCE):
-        whose = f"{rules.range_end_factor:g} times the longest period of the buildings, {max(periods):.4g} s{rules.range_note}"
+        whose = f"{rules.range_end_factor:g} times the longest period of the buildings, {max(periods):.4g} s"
+        whose += rules.range_note
         message = f"the range ends at {scale.high:.4g} s; {rules.range_clause}, asks for {last:.4g} s, {whose}"
         yield Issue(("records", "scale", "to"), message, f"write `to: {-_round_down(-last):g} s`")
 
