@@ -194,8 +194,8 @@ class CauseFinder:
             return None
         counterparts = list_counterparts(self.plan, plan)
         key = solution_key(plan)
-        wanted = list({digest for digest in counterparts if digest is not None})
-        known = {digest for digest, keys in self.cache.find_keys(wanted).items() if key in keys}
+        digests_before = list({digest for digest in counterparts if digest is not None})
+        known = {digest for digest, keys in self.cache.find_keys(digests_before).items() if key in keys}
         digests = {digest.tobytes() for digest in plan.digests}
         return _Reversal(tuple(map(str, changes)), key, digests, counterparts, known.__contains__)
 
@@ -218,13 +218,13 @@ class CauseFinder:
 
 def reverse_changes(tree: Map, changes: Sequence[KeyChange]) -> Map:
     """Return the tree of a study with some keys as they were before."""
-    found: Any = tree
+    earlier: Any = tree
     for change in changes:
         if change.before is ABSENT:
-            found = without_value(found, change.path)
+            earlier = without_value(earlier, change.path)
         else:
-            found = with_value(found, change.path, change.before, tree.mark)
-    return found
+            earlier = with_value(earlier, change.path, change.before, tree.mark)
+    return earlier
 
 
 def list_counterparts(plan: Plan, other: Plan) -> list[bytes | None]:
@@ -232,9 +232,9 @@ def list_counterparts(plan: Plan, other: Plan) -> list[bytes | None]:
 
     The place is the point of the sweep, the case, the analysis, the motion, and the building that stands alone.
     """
-    found: list[bytes | None] = [None] * len(plan)
+    counterparts: list[bytes | None] = [None] * len(plan)
     if [axis.names for axis in plan.axes] != [axis.names for axis in other.axes]:
-        return found
+        return counterparts
     rows, columns = plan.first
     index = (*np.unravel_index(rows, plan.shape), columns)
     names: list[tuple[Sequence[Any], Sequence[Any]]] = [
@@ -249,8 +249,8 @@ def list_counterparts(plan: Plan, other: Plan) -> list[bytes | None]:
     for number in np.flatnonzero(is_there).tolist():
         scene = int(other.numbers[tuple(int(each[number]) for each in places)])
         if scene >= 0:
-            found[number] = other.digests[scene].tobytes()
-    return found
+            counterparts[number] = other.digests[scene].tobytes()
+    return counterparts
 
 
 def _find_places(names: Sequence[Any], others: Sequence[Any]) -> np.ndarray:

@@ -258,25 +258,27 @@ def _scale(elastic: ArrayLike, *factors: float) -> np.ndarray:
     return np.abs(elastic) * math.prod(factors)
 
 
-def _apply_ntc(at: CodePlace, ag: float, soil: float, edition: int) -> float:
+def _apply_ntc(place: CodePlace, ag: float, soil: float, edition: int) -> float:
     acceleration = ag * soil / GRAVITY
-    return ntc_separation(at.left, at.right, at.level, at.left_height, at.right_height, acceleration, edition)
+    return ntc_separation(
+        place.left, place.right, place.level, place.left_height, place.right_height, acceleration, edition
+    )
 
 
 CODE_RULES = (
     CodeRule(
         GB50011,
         "6.1.4",
-        lambda at, **keys: gb50011_width(min(at.left_height, at.right_height), **keys),
+        lambda place, **keys: gb50011_width(min(place.left_height, place.right_height), **keys),
         section="gb50011",
         source="gb50011-2010",
         at_base=True,
     ),
-    CodeRule(UBC, "1991: 2337(b)11", lambda at: absolute_sum(at.left, at.right)),
+    CodeRule(UBC, "1991: 2337(b)11", lambda place: absolute_sum(place.left, place.right)),
     CodeRule(
         ASCE7,
         "12.12.3",
-        lambda at: root_of_squares(at.left, at.right),
+        lambda place: root_of_squares(place.left, place.right),
         factors=("Cd", "Ie"),
         displacement=asce7_displacement,
         line=lambda displacement, _: displacement,
@@ -285,7 +287,7 @@ CODE_RULES = (
     CodeRule(
         EN1998,
         "4.4.2.7",
-        lambda at: en1998_separation(at.left, at.right, at.same_floors),
+        lambda place: en1998_separation(place.left, place.right, place.same_floors),
         factors=("qd",),
         displacement=en1998_displacement,
         line=lambda displacement, _: displacement,
@@ -294,7 +296,7 @@ CODE_RULES = (
     CodeRule(
         NTC2018,
         "7.2.1",
-        lambda at, **keys: _apply_ntc(at, edition=2018, **keys),
+        lambda place, **keys: _apply_ntc(place, edition=2018, **keys),
         options=("mu_d",),
         displacement=_scale,
         section="ntc2018",
@@ -303,7 +305,7 @@ CODE_RULES = (
     CodeRule(
         NTC2008,
         "7.2.2",
-        lambda at, **keys: _apply_ntc(at, edition=2008, **keys),
+        lambda place, **keys: _apply_ntc(place, edition=2008, **keys),
         options=("mu_d",),
         displacement=_scale,
         section="ntc2008",
@@ -312,7 +314,7 @@ CODE_RULES = (
     CodeRule(
         TBDY2018,
         "4.9.3",
-        lambda at: tbdy2018_separation(at.left, at.right, at.level, at.same_floors),
+        lambda place: tbdy2018_separation(place.left, place.right, place.level, place.same_floors),
         factors=("R", "Ie"),
         displacement=lambda elastic, reduction, importance: _scale(elastic, reduction / importance),
         by_name=True,
@@ -321,7 +323,7 @@ CODE_RULES = (
     CodeRule(
         E030,
         "33",
-        lambda at: np.maximum(2 / 3 * (at.left + at.right), e030_minimum(at.level)),
+        lambda place: np.maximum(2 / 3 * (place.left + place.right), e030_minimum(place.level)),
         factors=("R",),
         options=("irregular",),
         displacement=e030_displacement,
@@ -329,6 +331,6 @@ CODE_RULES = (
         by_name=True,
         source="e030-2018",
     ),
-    CodeRule(NBC202, "separation of blocks", lambda at: NBC202_WIDTH, by_name=True, source="nbc202-2015"),
+    CodeRule(NBC202, "separation of blocks", lambda place: NBC202_WIDTH, by_name=True, source="nbc202-2015"),
 )
 """The rules of codes, in the order of the tables."""

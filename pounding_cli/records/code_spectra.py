@@ -19,7 +19,7 @@ ASCE7 = "ASCE 7-16"
 NTC2018 = "NTC 2018"
 GB50011 = "GB 50011-2010"
 
-LONGEST_PERIOD = 60.0
+MAX_PERIOD = 60.0
 """Period to which a spectrum goes whose code sets no end [s]."""
 
 
@@ -43,16 +43,17 @@ class SuiteRules:
     """What a code asks of motions that are scaled to its spectrum.
 
     min_motions, count_clause : least number of motions, and where that stands
-    longest, range_clause : the range of periods runs from 0.2 times the shortest first period of the buildings to this
-        multiple of the longest one
+    range_end_factor, range_clause : the range of periods runs from RANGE_START_FACTOR times the shortest first period
+        of the buildings to this multiple of the longest one, and where that stands
     range_note : what else the clause says of the range
-    part, part_clause : part of the target that the mean spectrum may not fall below in that range [-]
+    part, part_clause : part of the target that the mean spectrum may not fall below in that range [-], and where that
+        stands
     peak_clause : where it asks that the mean of the peaks is at least the ordinate at T = 0; "" where it does not
     """
 
     min_motions: int
     count_clause: str
-    longest: float
+    range_end_factor: float
     range_clause: str
     range_note: str
     part: float
@@ -60,7 +61,7 @@ class SuiteRules:
     peak_clause: str = ""
 
 
-SHORTEST = 0.2
+RANGE_START_FACTOR = 0.2
 """Multiple of the shortest first period at which the range begins, in both codes whose rules are known [-]."""
 
 
@@ -71,7 +72,7 @@ class CodeRules:
     build : of the spectrum, from the parameters of the code by name and `damping` [-]
     clause : where the spectrum stands
     reference : key of the code in the references
-    end : longest period of the spectrum [s]
+    max_period : longest period of the spectrum [s]
     damping : the only damping ratio that it has [-]; None: any
     suite : what it asks of the motions; None where that is not known here
     """
@@ -79,7 +80,7 @@ class CodeRules:
     build: Callable[..., CodeSpectrum]
     clause: str
     reference: str
-    end: float = LONGEST_PERIOD
+    max_period: float = MAX_PERIOD
     damping: float | None = None
     suite: SuiteRules | None = None
 
@@ -111,7 +112,7 @@ EN1998_GROUND: Mapping[tuple[int, str], tuple[float, float, float, float]] = Map
 })  # fmt: skip
 """S [-], TB, TC, TD [s] by type of spectrum and ground type: EN 1998-1:2004, tables 3.2 and 3.3."""
 
-EN1998_END = 4.0
+EN1998_MAX_PERIOD = 4.0
 """Longest period of the spectrum of EN 1998-1:2004, eq. 3.5 [s]; the same in NTC 2018, 3.2.3.2.1."""
 
 
@@ -147,8 +148,8 @@ def build_en1998(
 def _build_european(name: str, at_zero: float, plateau: float, corners: tuple[float, float, float]) -> CodeSpectrum:
     """Return a spectrum that rises in T, stays, falls as 1 / T and then as 1 / T^2."""
     t_b, t_c, t_d = corners
-    values = (at_zero, plateau, plateau, plateau * t_c / t_d, plateau * t_c * t_d / EN1998_END**2)
-    return CodeSpectrum(name, (0.0, t_b, t_c, t_d, EN1998_END), values, (True, False, False, False))
+    values = (at_zero, plateau, plateau, plateau * t_c / t_d, plateau * t_c * t_d / EN1998_MAX_PERIOD**2)
+    return CodeSpectrum(name, (0.0, t_b, t_c, t_d, EN1998_MAX_PERIOD), values, (True, False, False, False))
 
 
 NTC_TOPOGRAPHY: Mapping[str, float] = MappingProxyType({"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4})
@@ -233,8 +234,8 @@ def build_asce7(
         raise ValueError(message)
     factor = MCER_FACTOR if level == "mcer" else 1.0
     t_s = sd1 / sds  # sd1 is the ordinate at 1 s: the product with it is in m/s
-    periods = (0.0, 0.2 * t_s, t_s, tl, LONGEST_PERIOD)
-    ordinates = (0.4 * sds, sds, sds, sd1 / tl, sd1 * tl / LONGEST_PERIOD**2)
+    periods = (0.0, 0.2 * t_s, t_s, tl, MAX_PERIOD)
+    ordinates = (0.4 * sds, sds, sds, sd1 / tl, sd1 * tl / MAX_PERIOD**2)
     name = f"{ASCE7}, SDS {sds / GRAVITY:.4g} g, SD1 {sd1 / GRAVITY:.4g} g, TL {tl:.4g} s"
     if level == "mcer":
         name += ", MCE_R"
@@ -243,7 +244,7 @@ def build_asce7(
 
 # China
 
-GB50011_END = 6.0
+GB50011_MAX_PERIOD = 6.0
 """Longest period of the spectrum of GB 50011-2010, 5.1.5 [s]."""
 
 
@@ -270,9 +271,9 @@ def build_gb50011(alpha_max: float, tg: float, damping: float = SPECTRUM_DAMPING
     slope = max(0.02 + (0.05 - damping) / (4.0 + 32.0 * damping), 0.0)
     plateau = max(1.0 + (0.05 - damping) / (0.08 + 1.6 * damping), 0.55)
     at_fall = plateau * 0.2**gamma
-    shares = (0.45, plateau, plateau, at_fall, at_fall - slope * (GB50011_END - 5.0 * tg))
+    shares = (0.45, plateau, plateau, at_fall, at_fall - slope * (GB50011_MAX_PERIOD - 5.0 * tg))
     name = f"{GB50011}, alpha_max {alpha_max:.4g}, Tg {tg:.4g} s"
-    periods = (0.0, 0.1, tg, 5.0 * tg, GB50011_END)
+    periods = (0.0, 0.1, tg, 5.0 * tg, GB50011_MAX_PERIOD)
     values = tuple(alpha_max * GRAVITY * share for share in shares)
     return CodeSpectrum(name, periods, values, (True, False, False, True))
 
@@ -280,7 +281,7 @@ def build_gb50011(alpha_max: float, tg: float, damping: float = SPECTRUM_DAMPING
 EN1998_SUITE = SuiteRules(
     min_motions=3,
     count_clause="EN 1998-1:2004, 3.2.3.1.2(4)a",
-    longest=2.0,
+    range_end_factor=2.0,
     range_clause="EN 1998-1:2004, 3.2.3.1.2(4)c",
     range_note="",
     part=0.9,
@@ -290,7 +291,7 @@ EN1998_SUITE = SuiteRules(
 ASCE7_SUITE = SuiteRules(
     min_motions=11,
     count_clause="ASCE/SEI 7-16, 16.2.2",
-    longest=2.0,
+    range_end_factor=2.0,
     range_clause="ASCE/SEI 7-16, 16.2.3.1",
     range_note=", or to a multiple from 1.5 on that is justified",
     part=0.9,
@@ -298,9 +299,9 @@ ASCE7_SUITE = SuiteRules(
 )
 
 CODES: Mapping[str, CodeRules] = MappingProxyType({
-    EN1998: CodeRules(build_en1998, "3.2.2.2", "en1998", EN1998_END, suite=EN1998_SUITE),
+    EN1998: CodeRules(build_en1998, "3.2.2.2", "en1998", EN1998_MAX_PERIOD, suite=EN1998_SUITE),
     ASCE7: CodeRules(build_asce7, "11.4.6 and 11.4.7", "asce2017", damping=SPECTRUM_DAMPING, suite=ASCE7_SUITE),
-    NTC2018: CodeRules(build_ntc2018, "3.2.3.2.1", "ntc2018", EN1998_END),
-    GB50011: CodeRules(build_gb50011, "5.1.5", "gb50011-2010", GB50011_END),
+    NTC2018: CodeRules(build_ntc2018, "3.2.3.2.1", "ntc2018", EN1998_MAX_PERIOD),
+    GB50011: CodeRules(build_gb50011, "5.1.5", "gb50011-2010", GB50011_MAX_PERIOD),
 })  # fmt: skip
 """The codes whose spectra are known, by the name that a study gives."""

@@ -25,8 +25,11 @@ from pounding_cli.texts import escape_controls
 
 KeySteps = tuple[str, ...]
 
-MAX_LABEL, MAX_NAME = 80, 80
-"""Characters of an argument in messages, and of the changes in the name of a file."""
+MAX_LABEL = 80
+"""Characters of an argument in messages."""
+
+MAX_NAME = 80
+"""Characters of the changes in the name of a file."""
 
 _DOTTED_SECTIONS = (("sweep",), ("uncertain",), ("optimise", "over"), ("keep", "histories", "where"))
 """Mappings whose keys are themselves dotted keys of the study."""

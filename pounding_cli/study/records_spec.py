@@ -264,9 +264,10 @@ class SpectrumSpec(Model):
     def _find_code_issues(self, target: CodeTargetSpec) -> Iterator[SpecIssue]:
         """Yield what is wrong with the range and the damping ratio of the spectrum of a code."""
         rules = CODES[target.name]
-        if self.high > rules.end:
-            message = f"{target.name}, {rules.clause}, gives its spectrum up to {rules.end:g} s, not to {self.high:g} s"
-            yield ("to",), message, f"write `to: {rules.end:g} s` at most"
+        if self.high > rules.max_period:
+            end = f"{rules.max_period:g} s"
+            message = f"{target.name}, {rules.clause}, gives its spectrum up to {end}, not to {self.high:g} s"
+            yield ("to",), message, f"write `to: {end}` at most"
         if "damping" not in self.model_fields_set:
             return
         if target.damping is not None and target.damping != self.damping:

@@ -10,7 +10,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import pluralize
 from pounding_cli.records import CODES
-from pounding_cli.records.code_spectra import SHORTEST, SuiteRules
+from pounding_cli.records.code_spectra import RANGE_START_FACTOR, SuiteRules
 from pounding_cli.records.motion import SPECTRUM_DAMPING
 from pounding_cli.study.group import Group
 from pounding_cli.study.issues import Issue
@@ -43,14 +43,15 @@ def _find_range_issues(scale: SpectrumSpec, rules: SuiteRules, group: Group) -> 
     periods = [float(each.periods[0]) for each in group.buildings if _has_known_period(each)]
     if not periods:
         return
-    first = SHORTEST * min(periods)
-    last = rules.longest * max(periods)
+    first = RANGE_START_FACTOR * min(periods)
+    last = rules.range_end_factor * max(periods)
     if scale.low > first * (1 + _RELATIVE_TOLERANCE):
-        whose = f"{SHORTEST:g} times the shortest period of the buildings, {min(periods):.4g} s"
+        whose = f"{RANGE_START_FACTOR:g} times the shortest period of the buildings, {min(periods):.4g} s"
         message = f"the range begins at {scale.low:.4g} s; {rules.range_clause}, asks for {first:.4g} s, {whose}"
         yield Issue(("records", "scale", "from"), message, f"write `from: {_round_down(first):g} s`")
     if scale.high < last * (1 - _RELATIVE_TOLERANCE):
-        whose = f"{rules.longest:g} times the longest period of the buildings, {max(periods):.4g} s{rules.range_note}"
+        whose = f"{rules.range_end_factor:g} times the longest period of the buildings, {max(periods):.4g} s"
+        whose += rules.range_note
         message = f"the range ends at {scale.high:.4g} s; {rules.range_clause}, asks for {last:.4g} s, {whose}"
         yield Issue(("records", "scale", "to"), message, f"write `to: {-_round_down(-last):g} s`")
 

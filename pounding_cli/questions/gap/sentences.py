@@ -214,12 +214,12 @@ def _join_needs(
     gaps : by analysis the gaps that the widths are compared with [m]
     """
     words: list[str] = []
-    told: Need | None = None
+    previous: Need | None = None
     for analysis, need in needs.items():
         width = _format_width(need.required, evidence.unit, (gaps or {}).get(analysis, ()))
-        basis = _describe_basis(need, told, evidence.unit)
+        basis = _describe_basis(need, previous, evidence.unit)
         words.append(describe(analysis, width, not words) + (f" ({basis})" if basis else ""))
-        told = need
+        previous = need
     return ", ".join(words)
 
 
@@ -233,13 +233,13 @@ def _describe_subject(evidence: GapEvidence, pair: tuple[str, str], analysis: st
     return f"{KINDS[analysis]} {'buildings need' if is_first else 'ones'} {width}"
 
 
-def _describe_basis(need: Need, told: Need | None, unit: Unit) -> str:
+def _describe_basis(need: Need, previous: Need | None, unit: Unit) -> str:
     """Return which motions and floors a width rests on; "" where the need before says so.
 
-    told : the need before
+    previous : the need before
     """
     floors = "" if need.is_widest else f", at {need.floors}"
-    is_same = told is not None and (told.motions, told.is_widest and need.is_widest) == (need.motions, True)
+    is_same = previous is not None and (previous.motions, previous.is_widest and need.is_widest) == (need.motions, True)
     mean = f"mean{'' if need.is_widest else ' there'} {unit_text(need.mean, unit)}"
     within = "within the numerical error of the gap; " if need.enough == NO and need.required <= need.gap else ""
     if is_same:
