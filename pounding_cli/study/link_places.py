@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE, Link
-from pounding_cli.model.meetings import Strike, deflection_of_columns, find_meetings, reach_of_slabs
+from pounding_cli.model.meetings import Strike, deflection_of_columns, find_end_level, find_meetings, reach_of_slabs
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.floor_places import FloorPair, FloorPlace
@@ -74,9 +74,7 @@ class Side(NamedTuple):
 
     def level(self, floor: int, at: float) -> float:
         """Return the elevation of a link's end [m]; arguments as of `Link`."""
-        if floor == 0:
-            return self.levels[0]
-        return at * self.levels[floor] + (1.0 - at) * self.levels[floor - 1]
+        return find_end_level(self.levels, floor, at)
 
     def deflection(self, floor: int, at: float) -> float:
         """Return the deflection per force of the columns that a link ends on [m/N]; arguments as of `Link`."""
