@@ -211,13 +211,13 @@ def _moving(weights: Weights) -> Weights:
     return {dof: weight for dof, weight in weights.items() if dof >= 0 and weight}
 
 
-def _scaled(weights: Weights, factor: float) -> Weights:
-    """Weights times a factor."""
+def _scale_weights(weights: Weights, factor: float) -> Weights:
+    """Return weights times a factor."""
     return {dof: factor * weight for dof, weight in weights.items()}
 
 
-def _columns_of(number: int, tie: Tie) -> Columns:
-    """The columns that a link ends on, of which one end stands between floors; number : of the link."""
+def _find_columns(number: int, tie: Tie) -> Columns:
+    """Return the columns that a link ends on, of which one end stands between floors; number : of the link."""
     left, right = tie.ends
     on_left = left[2] == 1.0  # the link comes from the left, to the columns on the left of the right building
     building, storey, at = right if on_left else left
@@ -280,7 +280,7 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     storeys, drags = [each for b in made for each in b.storeys], [each for b in made for each in b.drags]
     n, behaviours, all_weights, masses = dofs.size, [tie.law.behaviour for tie in ties], [], []
     for tie in ties:
-        left, right = (_scaled(made[b].end(floor, at), tie.cosine) for b, floor, at in tie.ends)
+        left, right = (_scale_weights(made[b].end(floor, at), tie.cosine) for b, floor, at in tie.ends)
         all_weights.append(left | {dof: -weight for dof, weight in right.items()})
         moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]
         masses.append((1.0 / moving[0] if moving[0] else math.inf, 1.0 / moving[1] if moving[1] else math.inf))
@@ -293,7 +293,7 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         element["last"] = len(terms)
     for element, weights in zip(elements[n:], [*(own for _, own in drags), *all_weights], strict=True):
         _tie(element, weights, terms)
-    struck = tuple(_columns_of(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
+    struck = tuple(_find_columns(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
     cosines = np.array([tie.cosine for tie in ties])
     floors = tuple(each.floors for each in made)
     columns = _filled(COLUMN, _column_shears(struck, floors, n + len(drags), terms), 1)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE, Link
-from pounding_cli.model.meetings import Strike, deflection_of_columns, find_meetings, reach_of_slabs
+from pounding_cli.model.meetings import Strike, deflection_of_columns, find_end_level, find_meetings, reach_of_slabs
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.floor_places import FloorPair, FloorPlace
@@ -32,6 +32,11 @@ class LinkEnds(NamedTuple):
     cosine: float = 1.0
     columns: float = 0.0
     flexibility: float = 0.0
+
+    @property
+    def places(self) -> tuple[int, int, float, float]:
+        """Floors and heights of both ends, whatever the angle of the link."""
+        return self[:4]
 
 
 class Side(NamedTuple):
@@ -69,9 +74,7 @@ class Side(NamedTuple):
 
     def level(self, floor: int, at: float) -> float:
         """Return the elevation of a link's end [m]; arguments as of `Link`."""
-        if floor == 0:
-            return self.levels[0]
-        return at * self.levels[floor] + (1.0 - at) * self.levels[floor - 1]
+        return find_end_level(self.levels, floor, at)
 
     def deflection(self, floor: int, at: float) -> float:
         """Return the deflection per force of the columns that a link ends on [m/N]; arguments as of `Link`."""
@@ -151,13 +154,9 @@ def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
             pair_hint = ", or add `pair:` where it stands between some neighbours only"
             is_of_all = link.pair is None and len(meetings) > 1
             listed[path] = _find_listed_ends(link, path, meeting, issues, pair_hint if is_of_all else "")
-        taken = {ends[:4] for of_link in listed.values() for ends in of_link}
-        floors.append(
-            tuple(
-                _choose_ends(link, meeting, listed[path], taken) if link.pair in (None, number) else ()
-                for link, path in links
-            )
-        )
+        taken = {ends.places for of_link in listed.values() for ends in of_link}
+        chosen = {path: _choose_ends(link, meeting, listed[path], taken) for link, path in members}
+        floors.append(tuple(chosen.get(path, ()) for _, path in links))
     issues.check()
     return tuple(floors)
 
@@ -235,12 +234,12 @@ def _listed_floors(link: LinkSpec) -> tuple[Any, ...]:
 
 
 def _choose_ends(
-    link: LinkSpec, meeting: Meeting, listed: tuple[LinkEnds, ...], taken: Collection[tuple[Any, ...]]
+    link: LinkSpec, meeting: Meeting, listed: tuple[LinkEnds, ...], taken: Collection[tuple[int, int, float, float]]
 ) -> tuple[LinkEnds, ...]:
     """Return where a link of a pair stands.
 
     listed : the ends that it lists itself
-    taken : floors and heights of all ends that links of the pair list
+    taken : places of all ends that links of the pair list
     """
     if link.at is not None:
         return ()
@@ -248,7 +247,7 @@ def _choose_ends(
         return listed
     ends = tuple(_join_floors(link, *both, meeting) for both in meeting.floors)
     if link.floors == "rest":
-        return tuple(each for each in ends if each[:4] not in taken)
+        return tuple(each for each in ends if each.places not in taken)
     return tuple(each for each in ends if each.left_floor not in _listed_floors(link))
 
 
@@ -274,25 +273,44 @@ def build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath)
         raise IssuesFound([Issue(path, "both ends of the link stand between floors", hint)])
     left_floor, left_at = _find_end(pair.left, meeting.left, path)
     right_floor, right_at = _find_end(pair.right, meeting.right, path)
+    level_ends = _round_to_strike(LinkEnds(left_floor, right_floor, left_at, right_at), meeting)
+    ends = _incline(link, level_ends, meeting)
+    if not pair.left.is_at_floor:
+        return _end_on_columns(ends, meeting.left, ends.left_floor, ends.left_at, path)
+    if not pair.right.is_at_floor:
+        return _end_on_columns(ends, meeting.right, ends.right_floor, ends.right_at, path)
+    return ends
+
+
+def _round_to_strike(ends: LinkEnds, meeting: Meeting) -> LinkEnds:
+    """Return the ends of a link; where a slab strikes there, with the very heights of that blow.
+
+    Heights from what the study writes differ from these by rounding, and one place must not count as two.
+    """
     for strike in meeting.strikes:
-        if _are_alike(LinkEnds(left_floor, right_floor, left_at, right_at), strike):  # the same but for rounding
-            left_at = strike.left_at
-            right_at = strike.right_at
-    ends = _incline(link, LinkEnds(left_floor, right_floor, left_at, right_at), meeting)
-    if pair.left.is_at_floor and pair.right.is_at_floor:
-        return ends
-    side, floor, at = (
-        (meeting.right, right_floor, right_at) if pair.left.is_at_floor else (meeting.left, left_floor, left_at)
-    )
+        if _are_alike(ends, strike):
+            return ends._replace(left_at=strike.left_at, right_at=strike.right_at)
+    return ends
+
+
+def _end_on_columns(ends: LinkEnds, side: Side, storey: int, at: float, path: KeyPath) -> LinkEnds:
+    """Return the ends of a link with the columns on which one of them stands.
+
+    side, storey, at : of these columns, with the height of the end in the storey [-]
+
+    Raises
+    ------
+    IssuesFound : the building has no columns, or their share of the storey is not known
+    """
     if side.columns == 0.0:
         message = f"the link ends between floors of {side.name}, which has no columns (`columns: none`)"
-        hint = f"let it end at a floor, e.g. {floor}, or write what part of the storey its columns have"
+        hint = f"let it end at a floor, e.g. {storey}, or write what part of the storey its columns have"
         raise IssuesFound([Issue(path, message, hint)])
     if side.columns is None:
-        message = f"the link ends on columns of {side.name} in storey {floor}, of which nothing is known"
+        message = f"the link ends on columns of {side.name} in storey {storey}, of which nothing is known"
         hint = f"write `columns:` in {side.name}, their part of the storey's stiffness, e.g. `columns: 20 %`"
         raise IssuesFound([Issue(path, message, hint)])
-    return ends._replace(columns=side.columns, flexibility=side.deflection(floor, at))
+    return ends._replace(columns=side.columns, flexibility=side.deflection(storey, at))
 
 
 def _find_end(place: FloorPlace, side: Side, path: KeyPath) -> tuple[int, float]:

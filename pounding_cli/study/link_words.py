@@ -37,7 +37,7 @@ def describe_links(links: Sequence[Link], group: Group, width: Unit, strength: U
 def _describe_law(link: Link, width: Unit, strength: Unit) -> str:
     """Return the law of a link with its gap, stiffness and parameters; without a stiffness that columns soften."""
     law = link.law
-    words = [_name(link), f"gap {width.text(link.gap)}"]
+    words = [_name_law(link), f"gap {width.text(link.gap)}"]
     stiffness = getattr(law, "stiffness", law.max_slopes[0])
     if stiffness > 0 and not link.columns:
         words.append(strength.text(stiffness, 4))
@@ -56,7 +56,7 @@ def _describe_law(link: Link, width: Unit, strength: Unit) -> str:
     return ", ".join(words)
 
 
-def _name(link: Link) -> str:
+def _name_law(link: Link) -> str:
     """Return the name of a law, with what it stands between where that is no pair of floors."""
     if not link.columns:
         return link.kind

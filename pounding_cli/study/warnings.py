@@ -496,12 +496,18 @@ def _warn_link_nowhere(link: CompleteLink, law: LinkLaw, group: Group, root: Any
     if (has_floors and not at_columns) or (has_strikes and (at_columns or not law.joins)):
         return
     pairs = join_limited(f"{meeting.left.name} and {meeting.right.name}" for meeting in meetings)
+    no_floors = f"no floors of {pairs} face each other"
+    no_strikes = f"no slab faces columns of known share between {pairs}"
     if at_columns:
-        message = f"the {law.name} stands nowhere: no slab faces columns of known share between {pairs}"
-        hint = "leave it out, or write `columns:` in the building whose columns it ends on"
+        reason = no_strikes
+        hint = "write `columns:` in the building whose columns it ends on"
+    elif law.joins:
+        reason = no_floors
+        hint = "write both of its ends, e.g. `floors: [[2, 2]]`"
     else:
-        message = f"the {law.name} stands nowhere: no floors of {pairs} face each other"
-        hint = "write both of its ends, e.g. `floors: [[2, 2]]`, or leave it out"
+        reason = f"{no_floors}, and {no_strikes}"
+        hint = "write `columns:` in the building whose columns are struck"
+    message = f"the {law.name} stands nowhere: {reason}"
     doubts.add(root, (*link.path, "link"), (*link.path, "link"), message, f"{hint}; otherwise leave it, {AS_MEANT}")
 
 
