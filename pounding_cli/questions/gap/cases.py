@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -142,7 +142,7 @@ def _is_at_heights(plan: Plan, point: int, place: int, link: Link) -> bool:
 
     A link may end on the same columns at another height: what the place requires is not meant there.
     """
-    index = (*np.unravel_index(point, plan.shape[:-3]), 0, place)
+    index: tuple[Any, ...] = (*np.unravel_index(point, plan.shape[:-3]), 0, place)
     heights = plan.links.left_at[index], plan.links.right_at[index]
     return bool(np.allclose((link.left_at, link.right_at), heights))
 
