@@ -240,7 +240,7 @@ def test_a_limit_is_met_by_its_own_part_alone(pound, folder, building, limit):
 
 def test_the_gap_of_a_pair_that_stands_is_told_beside_a_collapse(pound, folder):
     (folder / "two.yaml").write_text(FALLING.replace("BUILDING", "house"))
-    code, out, _ = pound("gap", "two.yaml", "-o", "r.h5")
+    _, out, _ = pound("gap", "two.yaml", "-o", "r.h5")
     out = " ".join(out.split())
     assert "Between weak | rigid all runs of yielding buildings failed" in out
     assert "(1 motion)" in out  # of the other pair, without a failed one
