@@ -154,7 +154,8 @@ def _largest(first: Response, second: Response, triples: Iterable[Triple]) -> fl
     move as the ground does have no numbers."""
     if not (first.has_result and second.has_result):
         return float("nan")
-    if not np.array_equal(first.peaks["collapse_storey"], second.peaks["collapse_storey"]):
+    fallen, other_fallen = (np.nan_to_num(each.peaks["collapse_storey"]) for each in (first, second))
+    if not np.array_equal(fallen, other_fallen):
         return float("inf")
     x, y, scale = (np.concatenate([part.ravel() for part in each]) for each in zip(*triples, strict=True))
     size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))

@@ -236,3 +236,12 @@ def test_a_limit_is_met_by_its_own_part_alone(pound, folder, building, limit):
         frame = open_results(f"{name}.h5").answer("fragility").frame
         curves.append(frame[["state", "low", "high", "undecided"]].to_dict("list"))
     assert curves[0] == curves[1]
+
+
+def test_the_gap_of_a_pair_that_stands_is_told_beside_a_collapse(pound, folder):
+    (folder / "two.yaml").write_text(FALLING.replace("BUILDING", "house"))
+    _, out, _ = pound("gap", "two.yaml", "-o", "r.h5")
+    out = " ".join(out.split())
+    assert "Between weak | rigid all runs of yielding buildings failed" in out
+    assert "(1 motion)" in out  # of the other pair, without a failed one
+    assert "1 of 1 run failed (1 collapsed) and are left out, but for pairs that nothing links to the collapse." in out

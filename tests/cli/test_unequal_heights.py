@@ -99,3 +99,22 @@ def test_a_joint_between_unequal_floors_tells_nothing_of_contact(pound, study):
     code, out, _ = pound("fragility", study, "-o", "f.h5")
     assert code == 0
     assert "median capacity above 0.200 g" in " ".join(out.split())
+
+
+def test_a_gap_at_another_height_of_the_storey_is_not_compared(pound, study):
+    """Floor 2 of B faces 2 / 3 of storey 3 of A; the other case strikes the same storey lower."""
+    written = STUDY[STUDY.index("  tied:") :]
+    cases = "  near: {gap: 1 mm, links: [{link: pounding, floors: [[2 + END, 2]]}]}\n"
+    for end, is_compared in (("2 m", True), ("20 %", False)):
+        study.write_text(STUDY.replace(written, cases.replace("END", end)))
+        code, out, err = pound("gap", study, "-o", "g.h5")
+        assert code == 0, err
+        assert ("Gaps of the cases" in out) == is_compared
+        assert "floor 2 beside storey 3 of A" in out
+
+
+def test_a_link_of_all_pairs_that_one_lacks_is_told_of_pair(pound, study):
+    study.write_text(STUDY.replace("[A, B]", "[B, A, B]").replace("[[2 + 50 %, 2]]", "[[2, 3]]"))
+    code, _, err = pound("check", study)
+    assert code == 2
+    assert "B-2 has 2 floors, not 3\n    write a floor from 1 to 2, or add `pair:` where it stands between" in err

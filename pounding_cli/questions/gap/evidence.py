@@ -76,7 +76,6 @@ class GapEvidence:
         self.unit: Unit = results.answer(GAP_TABLE).column("mean").unit
         self.gaps = self.shown.rows_here(results.answer(GAP_TABLE).frame)
         self.cases = self.shown.rows_here(results.answer(CASES_TABLE).frame)
-        self._scene = self.shown.rows_here(results.scene())
 
     @property
     def analyses(self) -> list[str]:
@@ -93,10 +92,13 @@ class GapEvidence:
         """Return whether one of two neighbours is a wall."""
         return bool(set(pair) & set(self.results.walls))
 
-    def count_failed(self, analysis: str) -> int:
-        """Return how many motions have no closings in an analysis."""
-        rows = self._scene[self._scene["analysis"] == analysis]
-        return len(select_failed(rows))
+    def list_failed_pairs(self, analysis: str) -> list[tuple[str, str]]:
+        """Return the neighbours that have no closings in an analysis under any motion."""
+        exact = select_exact(self.gaps)
+        exact = exact[exact["analysis"] == analysis]
+        links = self.results.link()
+        pairs = dict.fromkeys(zip(links["left"], links["right"], strict=True))
+        return [pair for pair in pairs if self.select_pair(exact, pair).empty]
 
     def count_motions(self) -> int:
         """Return the number of motions."""
@@ -127,7 +129,7 @@ class GapEvidence:
         """
         return Need(
             required, row["mean"], describe_floors(row), bool(row["mean"] >= rows["mean"].max()),
-            int(row["motions"]), self.count_failed(row["analysis"]), gap, enough,
+            int(row["motions"]), self.count_motions() - int(row["motions"]), gap, enough,
         )  # fmt: skip
 
     def list_entries(self, pair: tuple[str, str]) -> list[CaseEntry]:

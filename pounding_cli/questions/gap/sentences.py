@@ -78,10 +78,13 @@ def _compares_cases(results: ResultTables) -> bool:
 
 
 def _describe_failed_analysis(evidence: GapEvidence, analysis: str) -> str:
-    """Return that all runs of an analysis failed; "" where some did not."""
-    if evidence.count_failed(analysis) < evidence.count_motions():
+    """Return that all runs of an analysis failed, or all of some pairs that nothing links to the others; "" else."""
+    pairs = evidence.list_failed_pairs(analysis)
+    if not pairs:
         return ""
-    return f"All runs of {KINDS[analysis]} buildings failed; their gaps were not checked."
+    has_others = any(analysis in evidence.find_needs(pair) for pair in evidence.pairs)
+    where = f"Between {_join([' | '.join(pair) for pair in pairs])} all" if has_others else "All"
+    return f"{where} runs of {KINDS[analysis]} buildings failed; their gaps were not checked."
 
 
 # Are the gaps enough?

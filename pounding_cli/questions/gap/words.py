@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.model.effects import COUPLING
 from pounding_cli.model.separation import CODE_RULES, NTC2008, NTC2018, UBC
 from pounding_cli.numbers import NOTHING, format_number, join_limited, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
@@ -31,6 +32,7 @@ from pounding_cli.questions.gap.tables import (
     LINE_TABLE,
     RATE_TABLE,
 )
+from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Column, Row, Table
 
@@ -197,9 +199,12 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     cases = results.answer(CASES_TABLE).frame
     yield from _iter_rate_notes(results)
     scene = results.scene()
-    if failed := select_failed(scene)["status"].value_counts().to_dict():
+    failed_rows = select_failed(scene)
+    if failed := failed_rows["status"].value_counts().to_dict():
         outcomes = ", ".join(f"{count} {status}" for status, count in failed.items())
-        yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out."
+        is_divided = failed_rows[failed_rows["status"] == COLLAPSED]["dropped"].str.contains(COUPLING)
+        kept = ", but for pairs that nothing links to the collapse" if is_divided.any() else ""
+        yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out{kept}."
     yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
     fewest = int(exact["motions"].min())
     if fewest >= MIN_MOTIONS:
