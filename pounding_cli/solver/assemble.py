@@ -284,7 +284,7 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         all_weights.append(left | {dof: -weight for dof, weight in right.items()})
         moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]
         masses.append((1.0 / moving[0] if moving[0] else math.inf, 1.0 / moving[1] if moving[1] else math.inf))
-    links = [_element(each, eased=each.force is not None) for each in behaviours]
+    links = [_element(each, eased=each.force is not None and not each.begins_by_series) for each in behaviours]
     elements, terms = _filled(ELEMENT, [*storeys, *(drag for drag, _ in drags), *links]), list[tuple[float, int]]()
     for i, element in enumerate(elements[:n]):
         element["left"], element["right"], element["hold"] = i, max(i - 1, 0), dofs[i]["below"]

@@ -314,7 +314,7 @@ def commit(dofs, elements, terms, r, series):
                     r.onset = -1.0
             if el.least > -TOUCH and was_open and el.closed:
                 el.time = r.time - r.begun
-            elif el.least > -TOUCH and el.peak_v < TOUCH:
+            elif not el.closed and el.least > -TOUCH and el.peak_v < TOUCH:
                 el.time, el.hits = 0.0, 0
             el.stuck += 1
             r.events += 1

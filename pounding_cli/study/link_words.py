@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from pounding_cli.laws.infill import InfillOnColumns
+from pounding_cli.laws.law import in_series
 from pounding_cli.laws.pounding import restitution_from_damping
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.numbers import Unit, join_limited
@@ -131,6 +133,8 @@ def _find_share_left(link: Link, group: Group) -> float | None:
         flexibility = meeting.left.deflection(link.left_floor, link.left_at)
     else:
         flexibility = meeting.right.deflection(link.right_floor, link.right_at)
+    if isinstance(link.law, InfillOnColumns):
+        stiffness = in_series(stiffness, link.law.flexibility)
     return 1.0 - flexibility * stiffness
 
 

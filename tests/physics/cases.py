@@ -214,6 +214,10 @@ UNALIGNED = (
         more=formula("c*r", "always", c="2e6 N*s/m"),
     ),
     Row("infill on columns", INFILL, SLABS, {"height": [4.2, 3.0, 3.0]}, gap=THIN, chained=False),
+    Row(
+        "infill on columns, printed and cut", INFILL | {"law": "printed", "tension_cut": True}, SLABS,
+        {"height": [4.2, 3.0, 3.0]}, gap=THIN, peak=7.0, chained=False,
+    ),
 )  # fmt: skip
 
 ROWS = {row.name: row for row in (*LINKS, *STOREYS, *GROUNDS, *COLUMNS, *UNALIGNED)}

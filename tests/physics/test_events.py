@@ -361,6 +361,7 @@ class TestFixedSteps:
             ({"link": "none"}, {"storey_law": "peak-oriented"}), ({"link": "none"}, {"p_delta": True}),
             ({"links": ["pounding", {"link": "damper", "damping_coefficient": 1e6}], "gap": 0.004}, {}),
             ({"links": ["pounding", TO_COLUMNS], "gap": 0.004}, {"columns": 0.2}),
+            ({"link": "infill", "gap": 0.004, "law": "printed", "floors": [[2, "1 + 40 %"]]}, {"columns": 0.2}),
         ],
         ids=str,
     )  # fmt: skip
