@@ -458,6 +458,18 @@ def test_infill_on_columns(law: str, speed: float) -> None:
     assert run.impacts.tolist() == [1]
 
 
+def test_infill_beside_columns_that_hardly_bend() -> None:
+    """Close to a floor the bending changes nothing, and the infill keeps its series; two springs in series add up.
+    Fails if such columns cost the time of the exact curve."""
+    infill = pounding_cli.Infill(gap=GAP, stiffness=2e7, impact_stiffness=1e9, damping_ratio=0.2)
+    assert infill.soften(1e-19) is infill
+    softer = infill.soften(1e-10)
+    assert softer.identity != infill.identity
+    assert softer.soften(2e-10) == infill.soften(1e-10 + 2e-10)
+    with pytest.raises(ValueError, match="flexibility is inf m/N"):
+        infill.soften(math.inf)
+
+
 @pytest.mark.parametrize("distance", [None, 1.6])
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_damper_on_columns(mirrored: bool, distance: float | None) -> None:
