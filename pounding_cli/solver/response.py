@@ -70,7 +70,7 @@ class BuildingPeaks:
     sway : largest |translation| of the foundation, 0 on a fixed base [m]
     rocking : largest |rotation| of the foundation, 0 on a fixed base [rad]
     isolator_displacement : sway of a base on isolators; NaN of others [m]
-    collapse_storey : storey of the building that collapsed, from 1; 0 where none did
+    collapse_storey : storey of the building that collapsed, from 1; 0 where none did [-]
     collapse_time : when a storey of the building, or of one that links join to it, collapsed [s]; NaN where none did,
         and of a wall that moves as the ground does. The other numbers are those up to that time
     """
