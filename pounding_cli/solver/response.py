@@ -71,8 +71,8 @@ class BuildingPeaks:
     rocking : largest |rotation| of the foundation, 0 on a fixed base [rad]
     isolator_displacement : sway of a base on isolators; NaN of others [m]
     collapse_storey : storey of the building that collapsed, from 1; 0 where none did [-]
-    collapse_time : when a storey of the building, or of one that links join to it, collapsed [s]; NaN where none did,
-        and of a wall that moves as the ground does. The other numbers are those up to that time
+    collapse_time : when a storey of the building, or of one that links join to it, collapsed, up to which the other
+        numbers are; NaN where none did, and of a wall that moves as the ground does [s]
     """
 
     shear: np.ndarray
