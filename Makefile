@@ -4,6 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.stamp
 PEERS := .venv/.peers
+MOTIONS := .venv/.motions
 POUND := $(BIN)/pound
 # uv installs what is locked, and compiles modules on all cores, in a third of the time of pip, which installs uv. It does
 # not read the settings of pip.
@@ -70,6 +71,8 @@ LOCKED := $(BIN)/uv pip compile --quiet --upgrade --no-deps --generate-hashes --
 lock: $(BIN)/uv
 	$(BIN)/uv lock --quiet --upgrade
 	$(BIN)/uv export --quiet --locked --no-emit-project --no-annotate --no-header --extra test --extra dev --extra docs -o requirements/all.txt
+	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
+	  --extra motions --constraint requirements/all.txt -o requirements/motions.txt pyproject.toml
 	printf 'uv\n' | $(LOCKED) --universal -o requirements/uv.txt -
 	printf 'heyoka\nopenseespy==3.7.*\nopenseespylinux==3.7.*\n' | $(LOCKED) --python-version 3.11 \
 	  --python-platform x86_64-manylinux_2_28 -o requirements/peers.txt -
@@ -99,12 +102,18 @@ bench: $(PEERS)
 pictures: setup
 	$(BIN)/python -m tests.bench pictures
 
+# The package with the recorded motions of FEMA P695 (70 MB, which `make test` does without).
+$(MOTIONS): $(STAMP) requirements/motions.txt
+	$(UV) --require-hashes -r requirements/motions.txt
+	touch $(MOTIONS)
+
 # The independent integrator's runs once more, into tests/physics/references.npz (five minutes); with CHECK=--check they
 # are compared with those kept there instead. Then the documentation, the matrix and the kernel cache with the tests that
-# `make test` skips.
-reference: setup
+# `make test` skips, and the recorded motions of FEMA P695.
+reference: $(MOTIONS)
 	nice -n 5 $(BIN)/python -m tests.physics.references $(CHECK)
-	POUND_NIGHTLY=1 $(BIN)/python -m pytest -n auto --dist loadgroup tests/docs tests/matrix tests/hard/test_kernel_cache.py
+	POUND_NIGHTLY=1 $(BIN)/python -m pytest -n auto --dist loadgroup tests/docs tests/matrix tests/hard/test_kernel_cache.py \
+	  tests/cli/test_motion_sets.py
 
 # Random studies over the whole schema (about ten minutes; SCENES=2000 for a short run), and a thousand mutations each of
 # studies and motions.

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from pounding_cli.api.scenes import history as history
     from pounding_cli.api.scenes import motion as motion
     from pounding_cli.api.scenes import scene as scene
+    from pounding_cli.api.standing import Standing as Standing
+    from pounding_cli.api.standing import explain_run as explain_run
     from pounding_cli.api.studies import load_study as load_study
     from pounding_cli.api.studies import open_results as open_results
     from pounding_cli.api.studies import run as run
@@ -34,6 +36,7 @@ __version__ = "0.1.0"
 _OFFERED = {
     "api.results": ("Results",),
     "api.scenes": ("building", "history", "motion", "scene"),
+    "api.standing": ("Standing", "explain_run"),
     "api.studies": ("load_study", "open_results", "run"),
     "errors": ("InputError",),
     "laws.joints": ("Connector",),

@@ -104,22 +104,23 @@ RESPONSE_VARIABLES = (
              kind="i", alone=True, always=False),
     Variable("impacts", LINK_DIMS, "1", "number of times the link closed",
              of="link.impacts", difference_scale=NO_DIFFERENCE, charts=_BOTH, label="contacts"),
-    Variable("peak_force", LINK_DIMS, "N", "largest link force",
+    Variable("peak_force", LINK_DIMS, "N", "largest link force, along its axis where the link is inclined",
              of="link.peak_force", difference_scale="peak_force", charts=_BOTH),
     Variable("max_closing", LINK_DIMS, "m", "largest closing of the two floors, gap not subtracted",
              of="link.max_closing", difference_scale="max_closing", charts=_BOTH, label="largest closing"),
-    Variable("impulse", LINK_DIMS, "N s", "link force summed over time, pulling negative",
+    Variable("impulse", LINK_DIMS, "N s",
+             "link force summed over time, pulling negative; along its axis where the link is inclined",
              of="link.impulse", difference_scale="impulse", charts=_HEIGHT),
     Variable("contact_time", LINK_DIMS, "s", "time with a force in the link",
              of="link.contact_time", difference_scale="contact_time", charts=_HEIGHT),
     Variable("shear_below", LINK_DIMS, "N",
-             "largest shear in the struck columns below the blow, without damping force",
+             "largest shear in the columns below the end of the link, such as a blow, without damping force",
              of="columns.shear_below", difference_scale=ITSELF, charts=_HEIGHT,
-             label="column shear below the blow", always=False),
+             label="column shear below the link", always=False),
     Variable("shear_above", LINK_DIMS, "N",
-             "largest shear in the struck columns above the blow, without damping force",
+             "largest shear in the columns above the end of the link, such as a blow, without damping force",
              of="columns.shear_above", difference_scale=ITSELF, charts=_HEIGHT,
-             label="column shear above the blow", always=False),
+             label="column shear above the link", always=False),
     Variable("shear_demand", LINK_DIMS, "1",
              "the larger of both over the columns' share of the storey's yield shear",
              of="columns.demand", charts=_BOTH, label="column shear over strength", always=False),
@@ -159,7 +160,10 @@ SCENE_VARIABLES = (
 )  # fmt: skip
 
 COLUMN_VARIABLES = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
-"""Names of the variables that files have where some link strikes columns."""
+"""Names of the variables that files have where some link ends on columns."""
+
+INCLINED_VARIABLES = ("inclination", "facing")
+"""Names of the variables that files have where some link joins places of different heights."""
 
 _WHERE = "part of the height of the storey below its floor, 1 at it"
 
@@ -168,7 +172,13 @@ LINK_VARIABLES = (
     Variable("gap", ("case", "link"), "m", "initial distance of the two floors"),
     Variable("left_at", ("case", "link"), "1", f"left end: {_WHERE}", always=False),
     Variable("right_at", ("case", "link"), "1", f"right end: {_WHERE}", always=False),
-)
+    Variable("inclination", ("case", "link"), "rad",
+             "angle between the link and the horizontal; its force acts along it, and force times cosine on the floors",
+             always=False),
+    Variable("facing", ("case", "link"), "1",
+             "1 where its ends are as high as each other, within the slabs; 0 elsewhere: there it crosses no gap",
+             always=False),
+)  # fmt: skip
 
 # BUILDING_VARIABLES and RECORD_VARIABLES have only those swept axes that change one of them.
 
@@ -184,7 +194,7 @@ BUILDING_VARIABLES = (
 )
 
 RECORD_VARIABLES = (
-    Variable("record_source", ("record",), "", "real, stand-in or user", "s"),
+    Variable("record_source", ("record",), "", "real, stand-in, user or the set", "s"),
     Variable("record_digest", ("record",), "", "SHA-256 of the motion as used", "s"),
     Variable("record_scale", ("record",), "1", "factor on the motion as read"),
     Variable("record_window", ("record",), "s", "duration used", label="duration"),

@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 from scipy.constants import g as STANDARD_GRAVITY
 from scipy.stats import norm
 
+from pounding_cli.api.studies import open_results
 from pounding_cli.report.style import RC
 
 FOLDER = Path(__file__).parents[1] / "gallery"
@@ -161,6 +162,23 @@ def draw_fragility(solved: Solved, figure: Figure) -> None:
     ax.legend()
 
 
+def draw_target(solved: Solved, figure: Figure) -> None:
+    """Spectra of the motions as used, their mean, and the target with what the mean may fall to."""
+    match = open_results(solved.file).spectrum_match
+    periods = np.union1d(match.periods, [each for each in match.target.periods if each > match.periods[0]])
+    periods = periods[periods <= match.periods[-1]]
+    target = match.target.interpolate(periods) / STANDARD_GRAVITY
+    spectra = np.array(list(match.spectra.values())) / STANDARD_GRAVITY
+    ax = figure.subplots()
+    ax.axvspan(match.target.low, match.target.high, color="0.94", lw=0)
+    ax.plot(match.periods, spectra.T, color="0.75", lw=0.8)
+    ax.plot(match.periods, spectra.mean(axis=0), color=COLORS[0], lw=2.0, label=f"mean of {len(spectra)}")
+    ax.plot(periods, target, color="black", lw=1.6, label=match.target.name)
+    ax.plot(periods, match.at_least * target, ":", color="black", label=f"{100 * match.at_least:g} % of it")
+    ax.set(xscale="log", xlim=(periods[0], periods[-1]), xlabel="period [s]", ylabel="pseudo-acceleration [g], 5 %")
+    ax.legend()
+
+
 def draw_oscillators(solved: Solved, figure: Figure) -> None:
     """Both ratios over the frequency, at 5 % damping."""
     import h5py
@@ -260,9 +278,12 @@ ENTRIES = {
     "contact-laws": Entry("run", draw_laws),
     "viscous-dampers": Entry("run", over("cases.dampers.links.1.damping_coefficient", "damping [MN s/m]", 1e-6, True)),
     "friction-dampers": Entry("run", over("cases.dampers.links.1.slip_force", "slip force [kN]", 1e-3, True)),
+    "retrofit": Entry("run", heights("frame")),
     "slabs-columns": Entry("run", draw_columns),
     "soft-soil": Entry("run", over("buildings.stiff.foundation.sway_stiffness", "sway stiffness [MN/m]", 1e-6, True)),
+    "hospital-moat": Entry("run", over("cases.moat.gap", "width of the moat [cm]", 100)),
     "required-gap": Entry("gap", draw_gap),
+    "code-spectrum": Entry("run", draw_target),
     "fragility": Entry("fragility", draw_fragility),
     "paper-pair": Entry("run", heights("stiff"), pair_numbers),
     "paper-three": Entry("run", heights("stiff"), three_numbers),

@@ -13,7 +13,7 @@ import click
 from pounding_cli.cli.main import COMMANDS, cli
 from pounding_cli.methods import METHODS
 from pounding_cli.questions import load_questions, study_model
-from pounding_cli.questions.gap.spec import Gb50011Spec
+from pounding_cli.questions.gap.spec import Gb50011Spec, NtcSpec
 from pounding_cli.report.references import list_method_sources
 from pounding_cli.study import building_spec, link_specs, records_spec, schema
 from pounding_cli.study.quantity import PLAUSIBLE_RANGES
@@ -31,6 +31,7 @@ API = {
     "Load, run, open": (
         "pounding_cli.api.studies.load_study",
         "pounding_cli.api.studies.run",
+        "pounding_cli.api.standing.explain_run",
         "pounding_cli.api.studies.open_results",
     ),
     "A study": ("pounding_cli.study.study.Study",),
@@ -85,6 +86,7 @@ MODELS = {
     "`records.scale`: peak velocity": records_spec.PgvSpec,
     "`records.scale`: an ordinate of the spectrum": records_spec.SaSpec,
     "`records.scale`: a target spectrum": records_spec.SpectrumSpec,
+    **{f"`records.scale.target`: {name}": spec for name, spec in records_spec.CODE_TARGETS.items()},
     "`buildings.NAME`": building_spec.BuildingSpec,
     "`yield`": building_spec.CodeSpec,
     "`yield`: a base-shear coefficient": building_spec.BaseShearSpec,
@@ -98,6 +100,7 @@ MODELS = {
     "`keep.histories`": schema.HistoriesSpec,
     **{f"`{each.name}`": each.section.spec for each in load_questions() if each.section is not None},
     "`gap.gb50011`": Gb50011Spec,
+    "`gap.ntc2018`, `gap.ntc2008`": NtcSpec,
 }
 """Headings of the page of keys, and the mapping under each."""
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from pounding_cli.api.standing import compute_content_key, find_current
+from pounding_cli.api.standing import compute_content_key, find_current, find_unchanged_output
 from pounding_cli.batch.cache import Cache, cache_path
+from pounding_cli.batch.parts import list_parts
 from pounding_cli.batch.pool import open_pool
 from pounding_cli.batch.progress import Progress
 from pounding_cli.batch.solve import Solver
@@ -25,6 +26,7 @@ from pounding_cli.results.file import FORMAT_VERSION, is_results, read_attribute
 from pounding_cli.results.histories import iter_kept_histories
 from pounding_cli.results.responses import solution_key, solver_version
 from pounding_cli.results.results import ResultTables
+from pounding_cli.study.file import Problems
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,6 +49,7 @@ class RunOutcome:
     """Counts of scenes, each scene once: done now, failed, reused from a former run.
 
     path : the results file
+    divided, parts : scenes among those done now that were put together from parts, and the parts solved for them
     failures : the scenes that failed, in the order of the study
     engine, workers : how the scenes were solved
     content : SHA-256 of all that the results follow from
@@ -66,6 +69,8 @@ class RunOutcome:
     solver_seconds: float
     wall_seconds: float
     results: ResultTables | None = None
+    divided: int = 0
+    parts: int = 0
 
 
 def ask_question(name: str, study: Study) -> StudyQuestion:
@@ -73,8 +78,22 @@ def ask_question(name: str, study: Study) -> StudyQuestion:
     if name == "sensitivity":
         from pounding_cli.questions.sensitivity.indices import Sensitivity
 
-        return Sensitivity(study, judge=_judge_claims)
+        question = Sensitivity(study, judge=_judge_claims)
+        _refuse_drawn_changes(question)
+        return question
     return load_question(name).ask(study)
+
+
+def _refuse_drawn_changes(question: Sensitivity) -> None:
+    """Raise InputError where a changed value has no effect, since its key is drawn from a distribution."""
+    study = question.study
+    drawn = {member.key for each in question.inputs for member in each.members}
+    problems = Problems(study.file)
+    for change in study.changes:
+        if change.key in drawn:
+            message = "has no effect: under `uncertain:` the key is drawn from a distribution"
+            problems.add(change.mark, message, f"change that, `uncertain.{change.key}=...`, or leave it out")
+    problems.check()
 
 
 def _judge_claims(plan: Plan, data: xr.Dataset, question: Sensitivity) -> Iterator[Series]:
@@ -114,7 +133,9 @@ def run_study(
         _check_output(output, study, question.name, replace)
         if not replace and (scenes := find_current(output, content)) is not None:
             return RunOutcome(output, content, 0, 0, scenes, (), "none", 1, 0.0, time.perf_counter() - begin)
-        cache = stack.enter_context(contextlib.closing(Cache(cache_path(output))))
+        unchanged = find_unchanged_output(question)
+        shared = None if unchanged is None else cache_path(unchanged)
+        cache = stack.enter_context(contextlib.closing(Cache(cache_path(output), shared=shared)))
         if cache.was_damaged:
             reporter.write_note(f"{cache.path} was damaged: its time histories are solved again")
         if cache.delete_other_versions(f"solver {solver_version()} "):
@@ -145,11 +166,11 @@ def run_study(
         arrays = answer.arrays.with_attrs(attributes)
         write_results(output, arrays, answer.tables, histories)
         if replace:
-            cache.delete_others(solution_key(plan), [digest.tobytes() for digest in plan.digests])
+            cache.delete_others(solution_key(plan), [*(digest.tobytes() for digest in plan.digests), *list_parts(plan)])
     return RunOutcome(
         output, content, solver.solved_count - len(solver.failures), len(solver.failures), solver.reused_count,
         tuple(_failures(plan, solver)), solver.engine, solver.workers, solver.seconds, time.perf_counter() - begin,
-        ResultTables(output, arrays, answer.tables),
+        ResultTables(output, arrays, answer.tables), solver.divided_count, solver.part_count,
     )  # fmt: skip
 
 

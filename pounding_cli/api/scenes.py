@@ -58,7 +58,8 @@ def motion(
 
     Parameters
     ----------
-    source : accelerations, shape (n,), n >= 2; or the path of a file; or a name that `pound records list` shows
+    source : accelerations, shape (n,), n >= 2; or the path of a file; or a name that `pound records list` shows; or a
+        motion of a set, "far-field/KOBE-NIS000"
     dt : time step [s]; needed for an array, and for a file of one column that does not say it
     unit : of the accelerations: m/s2 for an array and what a file says, unless given
     name : what tables and figures call it; "motion", the file's stem or the catalogue's name unless given
@@ -163,15 +164,16 @@ def _from_array(values: Any, dt: float | str | None, unit: str | None) -> Motion
 
 def _named_or_read(source: str | Path, dt: float | str | None, unit: str | None) -> Motion:
     word = str(source)
-    if isinstance(source, str) and word in records.list_names():
+    is_of_set = isinstance(source, str) and records.find_set_name(word) is not None and not os.path.exists(word)
+    if is_of_set or (isinstance(source, str) and word in records.list_names()):
         if dt is not None or unit is not None:
-            raise InputError(
-                Problem(
-                    f"'{word}' is a catalogue motion; its time step and unit are fixed", "leave 'dt' and 'unit' out"
-                )
-            )
+            kind = "motion of a set" if is_of_set else "catalogue motion"
+            message = f"'{word}' is a {kind}; its time step and unit are fixed"
+            raise InputError(Problem(message, "leave 'dt' and 'unit' out"))
+        if is_of_set:
+            return records.read_set_motion(records.get_set_motion(word))
         return records.load_motion(word)
     if isinstance(source, str) and not (Path(word).suffix or os.path.exists(word) or set("/\\") & set(word)):
-        records.get_entry(word)  # refuses it, with the nearest name
+        records.get_entry(word, records.MOTION_SETS)  # refuses it, with the nearest name
     step = None if dt is None else quantity(TIME, dt, "dt")
     return records.read_file(Path(word).expanduser(), dt=step, unit=unit).motion

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,21 +10,33 @@ if TYPE_CHECKING:
     from pounding_cli.api.results import Results
     from pounding_cli.batch.progress import Progress
     from pounding_cli.study import Study
+    from pounding_cli.study.changes import Change
 
 
-def load_study(source: str | Path | Mapping[str, Any]) -> Study:
+def load_study(
+    source: str | Path | Mapping[str, Any], changes: Mapping[str, Any] | Sequence[Change] = ()
+) -> Study:  # fmt: skip
     """Read and check a study: a file, or a dict with the keys and units of one.
+
+    Parameters
+    ----------
+    source : path of the file, or the dict
+    changes : values in place of those there, by dotted key as a sweep has it, `{"cases.near.gap": "4 cm"}`; they are
+        checked as if they stood in the study, whose text (`Study.text`) has them, and its results have a name of their
+        own unless one is given
 
     Raises
     ------
-    InputError : with every problem found, each with line and column, or in a dict with its key
+    InputError : with every problem found, each with line and column, or in a dict and in changes with its key
     """
     from pounding_cli.questions import study_model
     from pounding_cli.study import load_study_file, study_of
+    from pounding_cli.study.data import list_changes
 
+    changed = list_changes(changes) if isinstance(changes, Mapping) else changes
     if isinstance(source, Mapping):
-        return study_of(source, study_model())
-    return load_study_file(Path(source), study_model())
+        return study_of(source, study_model(), changed)
+    return load_study_file(Path(source), study_model(), changed)
 
 
 def run(
@@ -43,7 +55,7 @@ def run(
     Parameters
     ----------
     study : a loaded study, the path of its file, or a dict as `load_study` takes
-    output : the results file; `results/<study stem>.h5` unless given
+    output : the results file; `results/<study stem>.h5` unless given, with the values that were changed in its name
     workers : scenes side by side; the cores of this machine unless given
     engine : "threads", "processes", "serial" or "dask": the same rows from each
     scheduler : address of a Dask scheduler, for the dask engine; a cluster on this machine unless given
@@ -62,7 +74,7 @@ def run(
     from pounding_cli.api.running import ask_question, run_study
 
     loaded = load_study(study) if isinstance(study, Mapping | str | Path) else study
-    path = Path(output) if output is not None else default_output(Path(loaded.path), workflow)
+    path = Path(output) if output is not None else default_output(loaded.path, workflow, loaded.changes)
     run_study(
         ask_question(workflow, loaded),
         path,
@@ -87,7 +99,16 @@ def open_results(path: str | Path) -> Results:
     return Results(Path(path))
 
 
-def default_output(study: Path, workflow: str = "run") -> Path:
-    """Return the default results file: `results/<study stem>.h5` in the current directory, with the name of the
-    question behind the stem where one is asked."""
-    return Path("results") / (f"{study.stem}.h5" if workflow == "run" else f"{study.stem}-{workflow}.h5")
+def default_output(study: Path, workflow: str = "run", changes: Sequence[Change] = ()) -> Path:
+    """Return the default results file: `results/<study stem>.h5` in the current directory.
+
+    Behind the stem stand the name of the question, where one is asked, and the values that are changed.
+    """
+    return Path("results") / f"{format_stem(study, '' if workflow == 'run' else workflow, changes)}.h5"
+
+
+def format_stem(study: Path, question: str = "", changes: Sequence[Change] = ()) -> str:
+    """Return the name of the results of a study without its ending: `two-gap-cases.near.gap=4-cm`."""
+    from pounding_cli.study.changes import name_changes
+
+    return "-".join(filter(None, (study.stem, question, name_changes(changes))))

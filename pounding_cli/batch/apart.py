@@ -15,7 +15,7 @@ import numpy as np
 from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver.response import BASES, DONE, LINKS, STOREYS, Response, no_peaks
+from pounding_cli.solver.response import BASES, COLLAPSES, DONE, LINKS, STOREYS, Response, no_peaks
 
 MAX_REMEMBERED = 4096
 """Largest number of responses that `ApartResponses` holds."""
@@ -121,7 +121,7 @@ def answer_from_apart(scene: Scene, apart: ApartScene, response: Response) -> Re
     """Return the response of a scene in which no gap closes, from that of its neighbours with nothing between them."""
     effects = effects_of(scene)
     peaks = no_peaks(response.storeys, len(scene.links))
-    for name in (*STOREYS, *BASES):
+    for name in (*STOREYS, *BASES, *COLLAPSES):
         peaks[name] = response.peaks[name]
     for name in LINKS:
         peaks[name] = 0.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import sqlite3
 import zlib
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -39,15 +38,21 @@ class Cache:
     ----------
     path : the file; a damaged one is made anew, and `was_damaged` is true
     read_only : write nothing; a file that is missing or damaged holds nothing then
+    shared : cache of another run from which responses are taken that this one lacks; nothing is written to it
 
     Raises
     ------
     InputError : another run uses it; it cannot be written
     """
 
-    def __init__(self, path: Path, read_only: bool = False) -> None:
+    def __init__(self, path: Path, read_only: bool = False, shared: Path | None = None) -> None:
         self.path = path
+        self.read_only = read_only
         self.was_damaged = False
+        self._shared: Cache | None = None
+        if shared is not None and shared != path:
+            with contextlib.suppress(InputError):  # another run uses it; these scenes are solved again then
+                self._shared = Cache(shared, read_only=True)
         if read_only:
             self._open_to_read()
             return
@@ -126,29 +131,41 @@ class Cache:
         InputError : another run uses the file
         """
         for part in _iter_parts(digests):
-            query = f"SELECT digest, kind, numbers, sum FROM scene WHERE key = ? AND digest IN ({_placeholders(part)})"
-            with self._explain_errors():
-                records = self._db.execute(query, (key, *part)).fetchall()
-            rows = dict[bytes, Row]()
-            for digest, packed_kind, numbers, checksum in records:
-                if _checksum(digest, packed_kind, numbers) == checksum:
-                    rows[digest] = (zlib.decompress(packed_kind).decode(), numbers)
+            rows = self._read_rows(key, part)
+            if self._shared is not None:
+                missing = [digest for digest in part if digest not in rows]
+                taken = self._shared._read_rows(key, missing)
+                if taken and not self.read_only:
+                    self.store(key, taken)
+                rows |= taken
             yield rows
 
-    def count_by_key(self, digests: Sequence[bytes]) -> dict[str, int]:
-        """Return how many of some scenes are kept, by the key of how they were solved.
+    def _read_rows(self, key: str, digests: Sequence[bytes]) -> dict[bytes, Row]:
+        """Return the responses of some scenes that stand in the file itself."""
+        query = f"SELECT digest, kind, numbers, sum FROM scene WHERE key = ? AND digest IN ({_placeholders(digests)})"
+        with self._explain_errors():
+            records = self._db.execute(query, (key, *digests)).fetchall()
+        rows = dict[bytes, Row]()
+        for digest, packed_kind, numbers, checksum in records:
+            if _checksum(digest, packed_kind, numbers) == checksum:
+                rows[digest] = (zlib.decompress(packed_kind).decode(), numbers)
+        return rows
+
+    def find_keys(self, digests: Sequence[bytes]) -> dict[bytes, set[str]]:
+        """Return of some scenes that are kept the keys of how they were solved.
 
         Raises
         ------
         InputError : another run uses the file
         """
-        counts = Counter[str]()
+        found: dict[bytes, set[str]] = {} if self._shared is None else self._shared.find_keys(digests)
         for part in _iter_parts(digests):
-            query = f"SELECT key, COUNT(*) FROM scene WHERE digest IN ({_placeholders(part)}) GROUP BY key"
+            query = f"SELECT digest, key FROM scene WHERE digest IN ({_placeholders(part)})"
             with self._explain_errors():
                 records = self._db.execute(query, part).fetchall()
-            counts.update(dict(records))
-        return dict(counts)
+            for digest, key in records:
+                found.setdefault(digest, set()).add(key)
+        return found
 
     def delete_others(self, key: str, digests: Sequence[bytes]) -> None:
         """Delete all other scenes, and those of other keys.
@@ -195,6 +212,8 @@ class Cache:
 
     def close(self) -> None:
         """Write the rest and let other runs use the file."""
+        if self._shared is not None:
+            self._shared.close()
         self._db.close()
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import replace
 from itertools import islice
@@ -23,6 +23,7 @@ from pounding_cli.solver.response import OUTCOMES
 if TYPE_CHECKING:
     from pounding_cli.batch.apart import ApartResponses
     from pounding_cli.batch.attempt import Attempt, GroupResult, Task
+    from pounding_cli.batch.parts import SceneList
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.study.plan import Plan
 
@@ -64,6 +65,8 @@ class Solver:
     Attributes
     ----------
     solved_count, reused_count : scenes that were solved now, and those that were found solved
+    divided_count, part_count : of those solved now, scenes that were put together from parts, and the parts that were
+        solved for them, without buildings alone
     failures : status and advice of those that were solved now without a result, by digest
     seconds : time inside the solver now, all workers together [s]
     engine, workers : how scenes were solved; "none" where none was
@@ -75,6 +78,8 @@ class Solver:
         self.progress = progress
         self.solved_count = 0
         self.reused_count = 0
+        self.divided_count = 0
+        self.part_count = 0
         self.failures: dict[bytes, tuple[str, str]] = {}
         self.seconds = 0.0
         self.engine = "none"
@@ -136,17 +141,50 @@ class Solver:
 
     def _solve_missing(self, plan: Plan, missing: np.ndarray, solved: Responses) -> None:
         """Solve scenes, and put them into the cache and among those that are solved."""
+        from pounding_cli.batch.parts import DividedScenes, SceneList
+
+        is_divided = plan.divided[missing]
+        whole = missing[~is_divided]
+        divided = DividedScenes(plan, missing[is_divided])
+        of_known_parts = divided.load(self.cache, plan)
+        self.reused_count += len(of_known_parts)
+        self._keep_rows(plan, of_known_parts, solved)
+        missing = np.setdiff1d(missing, list(of_known_parts))
+        if not missing.size:
+            return
         self.progress.add_histories(len(missing), self.reused_count)
+        task = self._build_task(plan)
         try:
-            for numbers, rows in self._iter_groups(plan, self._build_task(plan), missing):
-                digests = [plan.digests[number].tobytes() for number in numbers]
-                self.cache.store(solution_key(plan), dict(zip(digests, rows, strict=True)))
-                solved.add(dict(zip(numbers.tolist(), rows, strict=True)))
-                self._count_group(digests, numbers, solved)
+            number_by_digest = {plan.digests[number].tobytes(): number for number in whole.tolist()}
+            scenes = SceneList(plan, divided.list_unknown(number_by_digest))
+            to_solve = np.concatenate((whole, scenes.part_numbers))
+            for numbers, rows in self._iter_groups(scenes, task, to_solve):
+                row_by_number = dict(zip(numbers.tolist(), rows, strict=True))
+                row_by_digest = {scenes.digest(number): row for number, row in row_by_number.items()}
+                parts = [digest for digest in row_by_digest if digest not in number_by_digest]
+                self.cache.store(solution_key(plan), {digest: row_by_digest[digest] for digest in parts})
+                of_plan = {number: row for number, row in row_by_number.items() if number < len(plan)}
+                of_parts = divided.add(row_by_digest, parts)
+                self.divided_count += len(of_parts)
+                self.part_count += len(parts)
+                self._take_rows(plan, of_plan | of_parts, solved)
         finally:
             self.progress.stop_display()
         if not self._has_stored_rates:
             self._store_rates(plan, missing, solved)
+
+    def _take_rows(self, plan: Plan, rows: Mapping[int, Row], solved: Responses) -> None:
+        """Keep responses of a plan's scenes that were solved now, and count them."""
+        if not rows:
+            return
+        self._keep_rows(plan, rows, solved)
+        self._count_group([plan.digests[number].tobytes() for number in rows], np.array(list(rows)), solved)
+
+    def _keep_rows(self, plan: Plan, rows: Mapping[int, Row], solved: Responses) -> None:
+        """Put responses of a plan's scenes, by number, into the cache and among those that are solved."""
+        row_by_digest = {plan.digests[number].tobytes(): row for number, row in rows.items()}
+        self.cache.store(solution_key(plan), row_by_digest)
+        solved.add(rows)
 
     def _build_task(self, plan: Plan) -> Task:
         """Return the settings of a plan; what is known of neighbours with nothing between them stays while they do."""
@@ -178,9 +216,11 @@ class Solver:
         store_rates(measure_rates(plan, some, solved.values["seconds"]))
         self._has_stored_rates = True
 
-    def _iter_groups(self, plan: Plan, task: Task, numbers: np.ndarray) -> Iterator[SolvedGroup]:
+    def _iter_groups(self, scenes: SceneList, task: Task, numbers: np.ndarray) -> Iterator[SolvedGroup]:
         """Yield groups of scenes and their rows as they are solved."""
-        run = _PlanRun(plan, task, self._apart_responses, self.progress)
+        if not numbers.size:
+            return
+        run = _PlanRun(scenes, task, self._apart_responses, self.progress)
         if self.engine == "none":
             self.engine = "serial"
         if self.solved_count:
@@ -256,17 +296,18 @@ class Solver:
 
 
 class _PlanRun:
-    """Groups of a plan's scenes, as they are given to whoever solves them.
+    """Groups of scenes, as they are given to whoever solves them.
 
     Parameters
     ----------
+    scene_list : the scenes of a plan, and parts of them
     task : settings
     apart_responses : what is known of neighbours with nothing between them by these settings; new ones are added
     progress : takes in which kernels are compiled
     """
 
-    def __init__(self, plan: Plan, task: Task, apart_responses: ApartResponses, progress: Progress) -> None:
-        self.plan = plan
+    def __init__(self, scene_list: SceneList, task: Task, apart_responses: ApartResponses, progress: Progress) -> None:
+        self.scene_list = scene_list
         self.task = task
         self.apart_responses = apart_responses
         self.progress = progress
@@ -296,13 +337,14 @@ class _PlanRun:
     def build_lost_group(self, numbers: np.ndarray) -> SolvedGroup:
         """Return scenes that ended their worker, without results."""
         responses = [
-            self.task.build_failed_response(scene, LOST_STATUS, LOST_ADVICE) for scene in self.plan.scenes(numbers)
+            self.task.build_failed_response(scene, LOST_STATUS, LOST_ADVICE)
+            for scene in self.scene_list.scenes(numbers)
         ]
         return SolvedGroup(numbers, [encode_response(response) for response in responses])
 
     def _list_attempts(self, numbers: np.ndarray) -> list[Attempt]:
         """Return the attempts to solve some scenes, after a note on kernels that are compiled for them."""
-        attempts = self.task.list_attempts(self.plan.scenes(numbers))
+        attempts = self.task.list_attempts(self.scene_list.scenes(numbers))
         if self._uncompiled:
             self._announce_kernels(attempts)
         return attempts

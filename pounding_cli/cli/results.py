@@ -137,8 +137,9 @@ def _find_values(values: Sequence[Any], text: str, unit: Unit, key: str) -> list
     "--format", "form", type=click.Choice(("table", "csv")), default="table", show_default=True,
     help="table: aligned columns in the units of the study, or kN and mm; csv: every column, all digits in SI.",
 )  # fmt: skip
+@click.option("--study", "wants_study", is_flag=True, help="Print the study as it was run, as a file that runs again.")
 @rows_options
-def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt: skip
+def show(file: Path, table: str | None, form: str, wants_study: bool, **rows: Any) -> None:  # fmt: skip
     """Print TABLE of a results file: storey, floor, link, struck, base, scene, flagged, accuracy, summary, records or
     buildings, or the answer of the command that wrote the file, which is the default (docs/results.md).
 
@@ -146,10 +147,16 @@ def show(file: Path, table: str | None, form: str, **rows: Any) -> None:  # fmt:
     Example:
       pound show results/fig6.h5 storey --format csv --case touching --building stiff
       pound show results/sweep.h5 storey --where storey=3 --where "cases.gap.gap=5 cm"
+      pound show results/sweep.h5 --study > again.yaml
     """
     from pounding_cli.texts import escape_formulas
 
     results = open_file(file)
+    if wants_study:
+        if table:
+            raise InputError(Problem(f"{table} and --study contradict each other", "leave one of them out"))
+        click.echo(results.study_text, nl=False)
+        return
     table = table or (results.answers[0] if results.answers else "summary")
     _check_tables(results, [table])
     frame = _select_rows(results, results.table(table), _parse_conditions(**rows), table)

@@ -11,15 +11,24 @@ from typing import TYPE_CHECKING, Any, cast
 
 import click
 
-from pounding_cli.cli.options import FILE, output_option, print_failures, quiet_option, study_argument, together
+from pounding_cli.cli.options import (
+    CHANGES_HELP,
+    FILE,
+    output_option,
+    print_failures,
+    quiet_option,
+    study_argument,
+    together,
+)
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.numbers import format_duration
+from pounding_cli.numbers import format_duration, pluralize
 from pounding_cli.questions import TITLES
 
 if TYPE_CHECKING:
     from pounding_cli.api.running import RunOutcome
     from pounding_cli.batch.progress import JsonLines
     from pounding_cli.questions.optimise.optimum import Optimise
+    from pounding_cli.study.changes import Change
 
 solving_options = together(
     quiet_option,
@@ -58,6 +67,8 @@ _FURTHER_OPTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
 
 _HELP = """{title}{about}
 
+{changes}
+
 Time histories of earlier runs are reused, also after changes of the study. After Ctrl-C, a crash or a full disk, run
 the same command again to resume. Exit code 0: all done; 1: some failed; 2: the study or the output was refused.
 
@@ -71,7 +82,7 @@ def build_question_command(name: str) -> click.Command:
     """Return the command of a question."""
     about = "" if name == "run" else f" The section `{name}:` of STUDY says what is asked (docs/how-to/{name}.md)."
 
-    @click.command(name, help=_HELP.format(title=TITLES[name], about=about, name=name))
+    @click.command(name, help=_HELP.format(title=TITLES[name], about=about, name=name, changes=CHANGES_HELP))
     @study_argument
     @output_option("results/STUDY.h5" if name == "run" else f"results/STUDY-{name}.h5")
     @together(*_FURTHER_OPTIONS.get(name, ()), solving_options, click.pass_context)
@@ -83,10 +94,18 @@ def build_question_command(name: str) -> click.Command:
 
 
 def solve_study(
-    name: str, study: Path, output: Path | None, quiet: bool, log_json: bool, write: Path | None = None, **how: Any
+    name: str,
+    study: Path,
+    changes: tuple[Change, ...],
+    output: Path | None,
+    quiet: bool,
+    log_json: bool,
+    write: Path | None = None,
+    **how: Any,
 ) -> bool:
     """Load a study, ask the question of that name, write the results file and print what came out.
 
+    changes : values in place of those of the study
     write : where the study with the best values goes
     how : keyword arguments of `api.running.run_study`
 
@@ -102,7 +121,7 @@ def solve_study(
     from pounding_cli.batch.progress import JsonLines, choose_progress
 
     log = JsonLines() if log_json else None
-    loaded = load_study(study)
+    loaded = load_study(study, changes)
     for warning in loaded.warnings:
         if log:
             log.write_event("warning", text=str(warning))
@@ -111,7 +130,8 @@ def solve_study(
     asked = ask_question(name, loaded)
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])
-    outcome = run_study(asked, output or default_output(study, name), progress=log or choose_progress(quiet), **how)
+    path = output or default_output(study, name, changes)
+    outcome = run_study(asked, path, progress=log or choose_progress(quiet), **how)
     if log:
         _log_outcome(log, outcome)
     else:
@@ -130,8 +150,12 @@ def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:
     """Print counts and times, unless `quiet`, and every scene that failed."""
     if not quiet:
         side = f", {outcome.workers} side by side" if outcome.workers > 1 else ""
+        by_parts = ""
+        if outcome.divided:
+            parts = f" ({pluralize(outcome.parts, 'part')} solved)" if outcome.parts else ""
+            by_parts = f", {outcome.divided} of them by parts that nothing links{parts}"
         click.echo(
-            f"Time histories: {outcome.done} solved, {outcome.reused} reused, {outcome.failed} failed{side}; "
+            f"Time histories: {outcome.done} solved{by_parts}, {outcome.reused} reused, {outcome.failed} failed{side}; "
             f"solver {format_duration(outcome.solver_seconds)}, in all {format_duration(outcome.wall_seconds)}\n"
             f"Results: {outcome.path}"
         )
@@ -144,6 +168,7 @@ def _log_outcome(log: JsonLines, outcome: RunOutcome) -> None:
         log.write_event("failed", scene=failure.place, status=failure.status, advice=failure.advice)
     log.write_event(
         "end", done=outcome.done, failed=outcome.failed, reused=outcome.reused, results=str(outcome.path),
+        divided=outcome.divided, parts=outcome.parts,
         engine=outcome.engine, workers=outcome.workers, solver_seconds=round(outcome.solver_seconds, 3),
         wall_seconds=round(outcome.wall_seconds, 3),
     )  # fmt: skip
@@ -168,12 +193,12 @@ def _check_best(asked: Optimise, write: Path, replace: bool) -> None:
 def _write_best(asked: Optimise, outcome: RunOutcome, write: Path) -> bool:
     """Write the study with the best values that the results have; return whether there are such."""
     from pounding_cli.api.studies import open_results
-    from pounding_cli.questions.optimise.optimum import NOTHING
+    from pounding_cli.questions.optimise.optimum import NO_OPTIMUM
     from pounding_cli.questions.optimise.tables import OPTIMUM
 
     results = outcome.results or open_results(outcome.path)
     table = results.answer(OPTIMUM).frame
-    if table["outcome"].iloc[0] == NOTHING:
+    if table["outcome"].iloc[0] in NO_OPTIMUM:
         return False
     write.write_text(asked.format_study(tuple(table["place"].tolist())), encoding="utf-8", newline="")
     return True

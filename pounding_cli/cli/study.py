@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from pounding_cli.cli.options import FILE, output_option, study_argument
-from pounding_cli.errors import InputError
+from pounding_cli.cli.options import FILE, changes_argument, output_option, study_argument
+from pounding_cli.errors import InputError, Problem
 from pounding_cli.numbers import count_histories, format_duration, pluralize, round_roughly
 
 if TYPE_CHECKING:
+    from pounding_cli.api.standing import Standing
     from pounding_cli.batch.forecast import Forecast, RunDuration
-    from pounding_cli.errors import Problem
     from pounding_cli.model.building import Building
-    from pounding_cli.model.links import Link
     from pounding_cli.numbers import Unit
     from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study import Plan, Study
+    from pounding_cli.study.changes import Change
 
 
 @click.command()
@@ -65,14 +64,18 @@ def init(name: str, template: str) -> None:  # fmt: skip
 @click.command()
 @study_argument
 @output_option("results/STUDY.h5", "Results file, beside which solved time histories are kept.")
-def check(study: Path, output: Path | None) -> None:
+def check(study: Path, changes: tuple[Change, ...], output: Path | None) -> None:
     """Validate STUDY and show what a run would solve, what is solved already and about how long the rest would take.
 
     The command reports every problem as file:line:column, what is wrong and what to write instead. It accepts studies
     of all commands. Nothing is solved, compiled or written; times are by the rates of earlier runs on this computer.
+    KEY=VALUE puts a value in place of that of STUDY (docs/how-to/change.md): what is shown is about a run with it.
     Exit code 0: the study is valid; 2: it was refused.
 
-    Example: pound check configs/fig6.yaml
+    \b
+    Example:
+      pound check configs/fig6.yaml
+      pound check configs/fig6.yaml accuracy=1e-8
     """
     from pounding_cli.api.studies import load_study
     from pounding_cli.paper import TITLES as POINT_TITLES
@@ -84,12 +87,12 @@ def check(study: Path, output: Path | None) -> None:
     if kind in POINT_TITLES:
         from pounding_cli.paper.points import load_sweep
 
-        sweep = load_sweep(study, kind)
+        sweep = load_sweep(study, kind, changes)
         for warning in sweep.warnings:
             click.echo(f"warning: {warning}", err=True)
         click.echo(f"OK: {name}: a study of `pound {kind}`, {pluralize(len(sweep.points), 'point')} to compute")
         return
-    read = load_study(study)
+    read = load_study(study, changes)
     questions = _read_questions(read, [each for each in TITLES if each == "run" or read.tree.get(each) is not None])
     plan, *_ = [each.plan for each in questions]
     for warning in read.warnings:
@@ -105,7 +108,8 @@ def check(study: Path, output: Path | None) -> None:
     click.echo("\n".join(_describe_plan(plan)))
     click.echo("commands   (times on one core, by the rates of earlier runs on this computer)")
     for each in questions:
-        click.echo(f"  pound {each.name:<12} {_describe_standing(each, output)}")
+        line, *below = _describe_standing(each, output)
+        click.echo("\n".join([f"  pound {each.name:<12} {line}", *below]))
 
 
 def _read_questions(study: Study, names: Sequence[str]) -> list[StudyQuestion]:
@@ -124,18 +128,22 @@ def _read_questions(study: Study, names: Sequence[str]) -> list[StudyQuestion]:
     return questions
 
 
-def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
-    """Return how many time histories a question has, how many are solved, why others are not, and their time."""
+def _describe_standing(question: StudyQuestion, output: Path | None) -> list[str]:
+    """Return how many time histories a question has, how many are solved, and the time of the others.
+
+    Lines below say why others are not solved, by cause, and what is reused.
+    """
     from pounding_cli.api.standing import find_standing
     from pounding_cli.api.studies import default_output
 
-    path = output or default_output(Path(question.study.path), question.name)
+    study = question.study
+    path = output or default_output(study.path, question.name, study.changes)
     try:
         standing = find_standing(question, path)
     except InputError as refused:  # another run is using these results
-        return f"{count_histories(len(question.plan))}; {refused.problems[0].message}"
+        return [f"{count_histories(len(question.plan))}; {refused.problems[0].message}"]
     if standing.is_current:
-        return f"{count_histories(standing.total)}, all solved: {path} is current"
+        return [f"{count_histories(standing.total)}, all solved: {path} is current"]
     total = count_histories(standing.total)
     missing = str(standing.missing)
     if question.extent != "has":
@@ -143,10 +151,38 @@ def _describe_standing(question: StudyQuestion, output: Path | None) -> str:
         missing = f"about {round_roughly(standing.missing)}"
     if question.extent == "has at most":
         total += f", at most {len(question.plan)}"
-    said = [total, f"{standing.solved} solved, {missing} to solve"]
-    if standing.reasons:
-        said.append(", ".join(standing.reasons))
-    return f"{'; '.join(said)}; {_describe_duration(standing.duration)}"
+    said = [total, f"{standing.solved} solved, {missing} to solve", *standing.reasons]
+    line = f"{'; '.join(said)}; {_describe_duration(standing.duration)}"
+    return [line, *_describe_causes(standing, question.extent == "has")]
+
+
+def _describe_causes(standing: Standing, has_counts: bool) -> Iterator[str]:
+    """Yield in lines the changes that make time histories new, and what is reused.
+
+    has_counts : whether the number of time histories is known beforehand
+    """
+    from pounding_cli.api.causes import format_subjects
+
+    if standing.causes:
+        since = "" if standing.since is None else f" since {standing.since} was written"
+        yield from _wrap(f"new{since}:", 4)
+    for cause in standing.causes:
+        if not has_counts:
+            yield from _wrap(cause.subject, 6)
+        elif cause.count == standing.total:
+            yield from _wrap(f"{cause.subject}: all {count_histories(cause.count)}", 6)
+        else:
+            yield from _wrap(str(cause), 6)
+    if standing.causes and standing.solved:
+        yield from _wrap(f"reused: {count_histories(standing.solved)}{format_subjects(dict(standing.reused))}", 4)
+
+
+def _wrap(text: str, indent: int) -> list[str]:
+    """Return the lines of a text that stands below a command."""
+    from pounding_cli.texts import wrap_text
+
+    first, *others = wrap_text(text, 79 - indent - 2)
+    return [f"{'':{indent}}{first}", *(f"{'':{indent + 2}}{line}" for line in others)]
 
 
 def _describe_duration(duration: RunDuration) -> str:
@@ -182,16 +218,24 @@ def _describe_plan(plan: Plan) -> list[str]:
         f"solves     {count_histories(len(plan))}",
         *(f"           {count:6d} {what}" for what, count in found.scenes.items()),
     ]
+    if divided_count := int(plan.divided.sum()):
+        lines.append(f"           {divided_count:6d} of these by parts that nothing links, each part once")
     lines.append("meetings (at the first point of the sweep)" if study.axes_changing("buildings") else "meetings")
-    group = [study.building(first, place) for place in range(len(plan.buildings))]
+    group = study.group(first).buildings
     lines += [f"  {line}" for line in format_meetings(group)]
     lines += _isolators(group, study.unit("gap"))
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
-    lines += ["effects    (in time histories of the group)", *_effects(found), "motions    (as used)"]
+    lines += ["effects    (in time histories of the group)", *_effects(found)]
+    is_swept = bool(study.axes_changing("records"))
+    lines.append(
+        "motions    (with the values that the study writes; the sweep changes them)"
+        if is_swept
+        else "motions    (as used)"
+    )
     unit = study.unit("acceleration")
-    for use in study.motion_uses(first).values():
+    for use in study.written_suite.uses.values():
         measures = f"peak {unit.text(use.pga, 3)}, Arias {use.arias:.3f} m/s"
         lines.append(f"  {use.name:<16} {use.source}, first {use.window:g} s x {use.scale:.3f}: {measures}")
     if (match := study.spectrum_match()) is not None:
@@ -222,45 +266,24 @@ def _effects(found: Forecast) -> Iterator[str]:
 
 
 def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
-    """The links of a case at the first point of the sweep, in words."""
-    said = Counter[str]()
-    for link in plan.build(case * len(plan.analyses) * len(plan.records)).links:
-        said[_describe_link(link, width, strength)] += 1
-    return "; ".join(f"{count} x {what}" for what, count in said.items()) or "no links: runs as buildings alone"
+    """Return the links of a case at the first point of the sweep, in words."""
+    from pounding_cli.study.link_words import describe_links
 
-
-def _describe_link(link: Link, width: Unit, strength: Unit) -> str:
-    """Return the law of a link with its gap, stiffness and parameters in words."""
-    from pounding_cli.laws.pounding import restitution_from_damping
-    from pounding_cli.study.warnings import format_value, units_of_size
-
-    law = link.law
-    words = [f"{'slab against columns' if link.columns else link.kind}", f"gap {width.text(link.gap)}"]
-    stiffness = getattr(law, "stiffness", law.max_slopes[0])
-    if stiffness > 0 and not link.columns:
-        words.append(strength.text(stiffness, 4))
-    for name, field in law.parameters().items():
-        value, unit = getattr(law, name), field.metadata["parameter"].unit
-        if name in ("gap", "stiffness", "impact_stiffness", "straight_below") or not isinstance(value, float):
-            continue
-        title = name.replace("_", " ").replace("1 m s", "1 m/s")
-        if name == "damping_ratio":
-            words.append(f"damping ratio {100 * value:.3g} % (restitution {restitution_from_damping(value):.3g})")
-        elif unit.startswith("N"):
-            words.append(f"{title} {format_value(value, units_of_size(unit))}")
-        else:
-            words.append(f"{title} {value:.3g}{'' if unit == '-' else f' {unit}'}")
-    return ", ".join(words)
+    links = plan.build(case * len(plan.analyses) * len(plan.records)).links
+    return describe_links(links, plan.study.group((0,) * len(plan.axes)), width, strength)
 
 
 @click.command()
 @click.argument("source", type=FILE, metavar="STUDY|FILE.h5")
+@changes_argument
 @click.option(
     "--format", "form", type=click.Choice(("text", "bibtex")), default="text", show_default=True,
     help="Plain text, or entries for a .bib file.",
 )  # fmt: skip
-def cite(source: Path, form: str) -> None:  # fmt: skip
+def cite(source: Path, changes: tuple[Change, ...], form: str) -> None:  # fmt: skip
     """List the references of a study or a results file, what each is used for, and the sources of the motions.
+
+    KEY=VALUE puts a value in place of that of STUDY (docs/how-to/change.md).
 
     \b
     Example:
@@ -271,13 +294,17 @@ def cite(source: Path, form: str) -> None:  # fmt: skip
     from pounding_cli.report.references import REFERENCES, iter_motion_sources, list_citations
 
     if source.suffix in (".yaml", ".yml"):
-        study = load_study(source)
+        study = load_study(source, changes)
         title = study.title
         question = "run"
         resolved = study.to_plain_data()
         methods: tuple[str, ...] = (study.spec.method,)
         sources = {use.name: use.source for use in study.motion_uses(study.first_point).values()}
     else:
+        if changes:
+            raise InputError(
+                Problem("changes a study, not results", "name a study, or leave it out", changes[0].mark[0])
+            )
         results = open_results(source)
         title = results.title
         question = results.workflow

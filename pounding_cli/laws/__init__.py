@@ -11,7 +11,7 @@ from pounding_cli.laws.formula import WrittenLaw
 from pounding_cli.laws.foundation import Rocking, Sway
 from pounding_cli.laws.hertz import Hertz, HertzDamp, Jankowski
 from pounding_cli.laws.imk import PeakOriented, PeakOrientedImk, PinchingImk
-from pounding_cli.laws.infill import Infill
+from pounding_cli.laws.infill import Infill, InfillOnColumns
 from pounding_cli.laws.joints import Connector, Damper, Friction, Maxwell, Viscous
 from pounding_cli.laws.law import JOINED, Behaviour, Law, LinkLaw
 from pounding_cli.laws.pounding import Pounding
@@ -41,7 +41,7 @@ BUILT_IN: tuple[type[Law], ...] = (
 """In the order in which reference pages list them."""
 
 
-_ACTING = (*(law for law in BUILT_IN if issubclass(law, LinkLaw | StoreyLaw)), Slider, WrittenLaw)
+_ACTING = (*(law for law in BUILT_IN if issubclass(law, LinkLaw | StoreyLaw)), Slider, WrittenLaw, InfillOnColumns)
 BEHAVIOURS: tuple[Behaviour, ...] = tuple(dict.fromkeys((JOINED, *(law.behaviour for law in _ACTING))))
 """What the elements of all laws do, each once: the `kind` of an element is its place here."""
 
@@ -67,6 +67,11 @@ def contact_laws() -> dict[str, type[LinkLaw]]:
 def storey_laws() -> dict[str, type[StoreyLaw]]:
     """The laws that storeys can have, likewise."""
     return {law.name: law for law in BUILT_IN if issubclass(law, StoreyLaw)}
+
+
+def is_damper(name: str) -> bool:
+    """Return whether a law of links is that of a damper (`LinkLaw.takes_energy`); not of one that is not installed."""
+    return link_laws().get(name, LinkLaw).takes_energy
 
 
 def link_symbol(name: str) -> str:

@@ -1,10 +1,10 @@
 """Material that fills the gap: soft at first, as stiff as an impact where it is pressed to nothing (paper, eqs 8 and
-9)."""
+9); between floors, and between a slab and columns that bend."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from enum import StrEnum
 from typing import Any
 
@@ -14,6 +14,9 @@ from pounding_cli.laws.pounding import DASHPOT_CITATION, DashpotLaw, reduced_mas
 
 MIN_THICKNESS = 1e-6
 """Least thickness in a study [m]: the cubic (s_imp - s_mat) / (3 d^2) grows without bound."""
+
+NEGLIGIBLE_BENDING = 1e-9
+"""Flexibility of a spring in series times the largest stiffness of an infill [-] below which the spring is left out."""
 
 HELD_WIDTH_SHARE = 1e-7
 MIN_HELD_WIDTH = 1e-10
@@ -162,10 +165,12 @@ class Infill(LinkLaw):
         return self.stiffness, cubic, root, self.impact_stiffness, offset, d, float(self.cuts_tension), held_rate
 
     def soften(self, flexibility: float) -> Infill:
-        """Return the law with both of its springs in series with another: exact where it is not pressed, and in its
-        slope beyond its thickness."""
-        stiffness = in_series(self.stiffness, flexibility)
-        return replace(self, stiffness=stiffness, impact_stiffness=in_series(self.impact_stiffness, flexibility))
+        """Return the law in series with a spring; the law itself where that changes no force by a part of
+        `NEGLIGIBLE_BENDING`."""
+        if flexibility * self.impact_stiffness < NEGLIGIBLE_BENDING:
+            return self
+        parameters = {each.name: getattr(self, each.name) for each in fields(Infill)}
+        return InfillOnColumns(**parameters, flexibility=flexibility)
 
     @property
     def max_slopes(self) -> tuple[float, float]:
@@ -179,3 +184,179 @@ class Infill(LinkLaw):
         beyond = max(closing - d, 0.0)
         energy = 0.5 * k * inside**2 + 0.25 * cubic * inside**4
         return energy + (impact * d + offset) * beyond + 0.5 * impact * beyond**2
+
+
+NEGLIGIBLE_TERM = 1e-12
+"""Fifth power of the closing in the force of an infill on columns, over its first, up to which the force is that of the
+first and third power [-]. So floors in touch at rest have a series, which tells whether they part."""
+
+_PASSES, _FLEXIBILITY, _LIGHTLY, _K_LIGHTLY, _CUBIC_LIGHTLY = range(8, 13)
+"""Parameters of an infill on columns beside those of an infill, whose line beyond the thickness is that of the series:
+closing v2 [m] beyond which the material is pressed beyond its thickness, behind the jump of the printed law;
+flexibility of the columns [m/N]; closing up to which the force is a cubic [m], and its spring [N/m] and cubic [N/m3].
+The thickness is the closing v1 at which the material is pressed to its thickness."""
+
+_LIGHT, _CURVED, _JUMP, _PAST = range(1, 5)
+"""Branches of an infill on columns; from 5 on without a force."""
+
+_WITHOUT_FORCE_ON_COLUMNS = 4
+"""Places from a branch to the same without a force."""
+
+
+def find_compression(v: float, stiffness: float, cubic: float, flexibility: float) -> float:
+    """Return the compression x [m] of a material with the force F = s x + p x^3 in series with a spring.
+
+    It is the one real root of v = x + f F(x). With w^2 = 3 f p / (1 + f s) and x = 2 sinh(t) / w the equation is
+    sinh(3 t) = 1.5 w v / (1 + f s).
+
+    Parameters
+    ----------
+    v : deformation of both [m]
+    stiffness, cubic : s [N/m] and p [N/m3] of the material, >= 0
+    flexibility : f of the spring [m/N]
+    """
+    softer = 1.0 + flexibility * stiffness
+    scale = math.sqrt(3.0 * flexibility * cubic / softer)
+    if scale == 0.0:
+        return v / softer
+    return 2.0 / scale * math.sinh(math.asinh(1.5 * scale * v / softer) / 3.0)
+
+
+def series_force(e: Any, v: float, r: float) -> float:
+    """Return the force [N] of an infill on columns inside its thickness, with the dashpot of the tangent k_t of both in
+    series."""
+    x = find_compression(v, e.p[_K], e.p[_CUBIC], e.p[_FLEXIBILITY])
+    slope = e.p[_K] + 3.0 * e.p[_CUBIC] * x * x
+    tangent = slope / (1.0 + e.p[_FLEXIBILITY] * slope)
+    return (e.p[_K] + e.p[_CUBIC] * x * x) * x + e.p[_ROOT] * math.sqrt(tangent) * r
+
+
+def set_pressed_through(e: Any) -> None:
+    """Set the force while the material of the printed law keeps its thickness and columns bend to the force behind its
+    jump."""
+    stiffness = 1.0 / e.p[_FLEXIBILITY]
+    dashpot = e.p[_ROOT] * math.sqrt(stiffness)
+    behind = e.p[_K_BEYOND] * e.p[_PASSES] + e.p[_F0_BEYOND]
+    set_line(e, stiffness, dashpot, behind - stiffness * e.p[_PASSES], e.p[_THICKNESS], e.p[_PASSES])
+
+
+def next_branch_on_columns(e: Any, guard: int) -> None:
+    """Open, lightly pressed, inside its thickness, at the jump there of the printed law, beyond it; where the tension
+    is cut, the last four without a force too."""
+    if guard == START or (guard == LOW and e.low == 0.0):
+        set_open(e)
+        return
+    pulls = e.branch > _PAST
+    branch = e.branch - _WITHOUT_FORCE_ON_COLUMNS if pulls else e.branch
+    has_jump = e.p[_PASSES] > e.p[_THICKNESS]
+    if guard == SIGN_CHANGE:
+        pulls = not pulls
+    elif guard == HIGH:
+        branch += 1 if has_jump or branch != _CURVED else 2
+    else:
+        branch -= 1 if has_jump or branch != _PAST else 2
+    if branch == _LIGHT:
+        set_line(e, e.p[_K_LIGHTLY], 0.0, 0.0, 0.0, e.p[_LIGHTLY])
+        e.cubic, e.root = e.p[_CUBIC_LIGHTLY], e.p[_ROOT]
+    elif branch == _CURVED:
+        set_line(e, 0.0, 0.0, 0.0, e.p[_LIGHTLY], e.p[_THICKNESS])
+        e.smooth = 1
+    elif branch == _JUMP:
+        set_pressed_through(e)
+    else:
+        set_beyond(e)
+        e.low = e.p[_PASSES]
+    e.branch = branch + _WITHOUT_FORCE_ON_COLUMNS if pulls else branch
+    e.cuts = 1 if e.p[_CUTS] > 0.0 else 0
+    e.acts = 0 if pulls else 1
+
+
+@dataclass(frozen=True)
+class InfillOnColumns(Infill):
+    """An infill F(x) in series with the bending of columns: v = x + f F(x), with the dashpot 2 xi sqrt(k_t m') v' of
+    the tangent k_t of both; `Infill.soften` gives it.
+
+    flexibility : f, deformation of the columns per force [m/N]
+    """
+
+    behaviour = Behaviour(next_branch_on_columns, series_force, begins_by_series=True)
+
+    flexibility: float = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0.0 < self.flexibility < math.inf:
+            raise ValueError(f"link: flexibility is {self.flexibility:g} m/N; it must be finite and above zero")
+
+    @property
+    def cubic(self) -> float:
+        """p of the material [N/m3]."""
+        return (self.impact_stiffness - self.stiffness) / (3 * self.gap**2)
+
+    @property
+    def forces_at_thickness(self) -> tuple[float, float]:
+        """Forces [N] of the material at its thickness before and behind the jump of the printed law; alike in the
+        continuous law."""
+        before = self.stiffness * self.gap + self.cubic * self.gap**3
+        return before, self.impact_stiffness * self.gap if self.law is InfillLaw.PRINTED else before
+
+    def element_parameters(self, left_mass: float, right_mass: float) -> tuple[float, ...]:
+        """As the parameters above."""
+        before, behind = self.forces_at_thickness
+        reaches = self.gap + self.flexibility * before
+        passes = self.gap + self.flexibility * behind
+        root = 2 * self.damping_ratio * math.sqrt(self.dashpot.mass(left_mass, right_mass))
+        beyond = in_series(self.impact_stiffness, self.flexibility)
+        cuts = float(self.cuts_tension)
+        line = (beyond, behind - beyond * passes)
+        lightly = self._expansion(reaches)
+        return self.stiffness, self.cubic, root, *line, reaches, cuts, 0.0, passes, self.flexibility, *lightly
+
+    def _expansion(self, reaches: float) -> tuple[float, float, float]:
+        """Return the closing [m] up to which the force is k v + q v^3, k [N/m] and q [N/m3].
+
+        F = (s / a) v + (p / a^4) v^3 - (3 f p^2 / a^7) v^5 + ... with a = 1 + f s
+
+        reaches : closing at which the material is pressed to its thickness [m]
+        """
+        softer = 1.0 + self.flexibility * self.stiffness
+        first = self.stiffness / softer
+        third = self.cubic / softer**4
+        fifth = 3.0 * self.flexibility * self.cubic**2 / softer**7
+        closing = 0.5 * reaches
+        if fifth * closing**4 > NEGLIGIBLE_TERM * first:
+            closing = (NEGLIGIBLE_TERM * first / fifth) ** 0.25
+        return closing, first, third
+
+    def soften(self, flexibility: float) -> InfillOnColumns:
+        """Return the law in series with one more spring."""
+        return replace(self, flexibility=self.flexibility + flexibility)
+
+    @property
+    def max_slopes(self) -> tuple[float, float]:
+        """Beyond its thickness; as printed, at the jump there, where columns alone give way."""
+        before, behind = self.forces_at_thickness
+        if behind > before:
+            stiffness = 1.0 / self.flexibility
+        else:
+            stiffness = in_series(self.impact_stiffness, self.flexibility)
+        return stiffness, 2 * self.damping_ratio * math.sqrt(0.5 * stiffness)
+
+    def stored_energy(self, closing: float, force: float) -> float:
+        """The energy in the material and in the columns, f F^2 / 2 [J]."""
+        _, _, _, beyond, offset, reaches, _, _, passes, *_ = self.element_parameters(1.0, 1.0)
+        closing = max(closing, 0.0)
+        if closing <= reaches:
+            x = find_compression(closing, self.stiffness, self.cubic, self.flexibility)
+            spring_force = self.stiffness * x + self.cubic * x**3
+        elif closing < passes:
+            x = self.gap
+            spring_force = (closing - x) / self.flexibility
+        else:
+            spring_force = beyond * closing + offset
+            x = closing - self.flexibility * spring_force
+        inside = min(x, self.gap)
+        past = x - inside
+        material = 0.5 * self.stiffness * inside**2 + 0.25 * self.cubic * inside**4
+        material += (self.forces_at_thickness[1] + 0.5 * self.impact_stiffness * past) * past
+        return material + 0.5 * self.flexibility * spring_force**2

@@ -73,7 +73,7 @@ class Damper(Joint):
         return 0.0, self.damping_coefficient
 
     def soften(self, flexibility: float) -> Damper:
-        """Return the law itself: it has no spring, and a dashpot moves by far more than columns bend under it."""
+        """Return the law itself: it has no spring, and usually moves by far more than columns bend under it."""
         return self
 
 
@@ -119,7 +119,7 @@ class Viscous(Joint):
         return self.force_at_1_m_s, self.exponent, self.straight_below**4
 
     def soften(self, flexibility: float) -> Viscous:
-        """Return the law itself: it has no spring, and a dashpot moves by far more than columns bend under it."""
+        """Return the law itself: it has no spring, and usually moves by far more than columns bend under it."""
         return self
 
     @property

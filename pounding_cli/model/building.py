@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,8 +22,6 @@ DEFAULT_COLLAPSE_RATIO = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
 
 _LAW_FIELDS = "storey_law", "law_parameters"
-_MEETING_FIELDS = "slab", "columns"
-"""Fields that say what neighbours strike; they move no building by themselves, and links carry what follows."""
 
 
 class UnstableError(ValueError):
@@ -104,7 +103,7 @@ class Building:
         pushes them on; None without P-Delta
     slab : thickness of the floor slabs [m], >= 0, below every storey height; says which floors of neighbours meet
     columns : part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-],
-        0 < columns <= 1; None: not known
+        0 <= columns <= 1, 0 where it has walls and no columns; None: not known
     plan : of floors that twist; its lines add up to `stiffness` and `yield_shear`; None for floors that do not
     collapse : drift over storey height at which a storey counts as collapsed [-], > 0, inf for never; None: 0.10 where
         storeys that yield may lose all resistance, never elsewhere
@@ -132,6 +131,9 @@ class Building:
     columns: float | None = None
     plan: FloorPlan | None = None
 
+    meeting_fields: ClassVar[tuple[str, ...]] = ("slab", "columns")
+    """Fields that say what neighbours strike; they move no building by themselves, and links carry what follows."""
+
     def __post_init__(self) -> None:
         loads = () if self.gravity_load is None else ("gravity_load",)
         for key in ("mass", "height", "stiffness", "yield_shear", "hardening", *loads):
@@ -152,8 +154,8 @@ class Building:
             raise ValueError(f"{self.name}: collapse is {self.collapse:g}; it must be above zero, or inf for never")
         if not 0 <= self.slab < self.height.min():
             raise ValueError(f"{self.name}: slab is {self.slab:g} m; it must be thinner than its storeys are high")
-        if self.columns is not None and not 0 < self.columns <= 1:
-            raise ValueError(f"{self.name}: columns is {self.columns:g}; it must be above 0 and at most 1")
+        if self.columns is not None and not 0 <= self.columns <= 1:
+            raise ValueError(f"{self.name}: columns is {self.columns:g}; it must be from 0 to 1")
         unknown = [key for key, _ in self.law_parameters if key not in self.storey_law.parameters()]
         if unknown:
             raise ValueError(f"{self.name}: the storey law '{self.storey_law.name}' has no parameter '{unknown[0]}'")
@@ -288,7 +290,9 @@ class Building:
         sha = hashlib.sha256()
         for each in fields(self):
             value = getattr(self, each.name)
-            if each.name in ("name", *_MEETING_FIELDS) or (each.name in _LAW_FIELDS and self.storey_law is Bilinear):
+            if each.name in ("name", *self.meeting_fields):
+                continue
+            if each.name in _LAW_FIELDS and self.storey_law is Bilinear:
                 continue  # bilinear storeys have the digest that they had before there were others
             if each.name in ("gravity_load", "collapse", "plan") and value is None:
                 continue  # nor do these change the digests of buildings without them

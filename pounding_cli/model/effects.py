@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.model.parts import format_parts
 from pounding_cli.model.scene import Analysis, Scene
 
 RESIDUAL_DRIFTS = "residual drifts"
@@ -21,7 +22,10 @@ RESIDUAL_DRIFTS = "residual drifts"
 NOT_REQUESTED = "the study does not ask for them (key residual_drift)"
 """The reason to leave them out; without a colon, which ends the name of an effect."""
 
-EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS)
+COUPLING = "coupling of the whole row"
+"""The effect that is left out of a scene of parts that nothing links."""
+
+EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS, COUPLING)
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is stated."""
 
 OVERRULING_REASONS = ("the analysis is elastic", "without a dashpot no link can pull")
@@ -52,8 +56,15 @@ class DroppedEffect:
         return cls(cls.LINKS, f"{NEVER_CLOSES}, {width * 1000:.3g} mm of it stay open", neighbours)
 
     @classmethod
+    def of_parts(cls, parts: str) -> DroppedEffect:
+        """Return the coupling of a row whose `parts`, in words, nothing links."""
+        return cls(COUPLING, f"no force passes between {parts}, and each is solved by itself")
+
+    @classmethod
     def parse(cls, line: str) -> DroppedEffect:
         """Return the effect of a line that `str` wrote; names of buildings may have any characters."""
+        if line.startswith(f"{COUPLING}: "):
+            return cls(COUPLING, line.removeprefix(f"{COUPLING}: "))
         head, _, reason = line.rpartition(": ")
         if reason.startswith(NEVER_CLOSES):
             return cls(cls.LINKS, reason, head.removeprefix(f"{cls.LINKS} "))
@@ -140,7 +151,11 @@ class LinkTraits(NamedTuple):
 def effects_of(scene: Scene) -> Effects:
     """Return the effects of a scene, which its own data decide alone."""
     links = tuple(sorted({LinkTraits.of(link) for link in scene.links}))
-    return _decide_effects(scene.buildings, links, scene.analysis, scene.residual_drift)
+    effects = _decide_effects(scene.buildings, links, scene.analysis, scene.residual_drift)
+    parts = format_parts(scene.buildings, scene.links)
+    if not parts:
+        return effects
+    return replace(effects, dropped=(*effects.dropped, DroppedEffect.of_parts(parts)))
 
 
 @functools.lru_cache(maxsize=256)  # the same for every motion and gap

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -59,6 +60,9 @@ class Link:
         for height in (self.left_at, self.right_at):
             if not 0.0 < height <= 1.0:
                 raise ValueError(f"link: it ends at {height:g} of a storey height; give a part above 0, 1 at the floor")
+        ends = ((self.left_floor, self.left_at), (self.right_floor, self.right_at))
+        if any(floor == 0 and height < 1.0 for floor, height in ends):
+            raise ValueError("link: it ends below a base; give the storey above it by its floor")
         has_one_end_on_columns = (self.left_at < 1.0) != (self.right_at < 1.0)
         if not 0.0 <= self.columns <= 1.0 or (self.columns > 0.0 and not has_one_end_on_columns):
             raise ValueError(f"link: columns is {self.columns:g}; give a part of 1 where one end stands between floors")
@@ -107,6 +111,11 @@ class Link:
     def gap(self) -> float:
         """Initial distance of the floors [m]; NaN where nothing stands between them."""
         return self.law.gap
+
+    @property
+    def inclination(self) -> float:
+        """Angle between the link and the horizontal [rad]."""
+        return math.acos(self.cosine)
 
     @cached_property
     def identity(self) -> str:

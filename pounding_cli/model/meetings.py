@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,19 +100,26 @@ def _find_slab_meetings(
     return tuple((i + 1, j + 1) for i, j in nearest), ordered
 
 
-def end_level(building: Building, floor: int, at: float) -> float:
-    """Return the elevation of a link's end at a building [m]; floor and `at` as of `Link`."""
+def find_end_level(levels: Sequence[float], floor: int, at: float) -> float:
+    """Return the elevation of a link's end [m].
+
+    Parameters
+    ----------
+    levels : elevations of the base and the floors of its building [m]
+    floor, at : as of `Link`
+    """
     if floor == 0:
-        return 0.0
-    return building.level(floor) - (1.0 - at) * float(building.height[floor - 1])
+        return levels[0]
+    return at * levels[floor] + (1.0 - at) * levels[floor - 1]
 
 
 def face_each_other(link: Link, left: Building, right: Building) -> bool:
     """Return whether the ends of a link are as high as each other, within the slabs of both buildings."""
     if isinstance(left, Wall) or isinstance(right, Wall):
         return True
-    rise = end_level(left, link.left_floor, link.left_at) - end_level(right, link.right_floor, link.right_at)
-    return abs(rise) <= reach_of_slabs(left.slab, right.slab)
+    left_level = find_end_level((0.0, *left.elevation.tolist()), link.left_floor, link.left_at)
+    right_level = find_end_level((0.0, *right.elevation.tolist()), link.right_floor, link.right_at)
+    return abs(right_level - left_level) <= reach_of_slabs(left.slab, right.slab)
 
 
 def reach_of_slabs(left_slab: float, right_slab: float) -> float:

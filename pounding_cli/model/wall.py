@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,6 +26,8 @@ class Wall(Building):
     """
 
     moves: bool = True
+
+    meeting_fields: ClassVar[tuple[str, ...]] = (*Building.meeting_fields, "height")
 
     @classmethod
     def build(
@@ -62,7 +65,7 @@ class Wall(Building):
         )
 
     def raise_to(self, roof: float) -> Wall:
-        """Return the wall up to the highest roof [m] of its row, where it has no height of its own."""
+        """Return the wall up to the highest roof [m] beside it, where it has no height of its own."""
         if self.height[0] != UNLIMITED_HEIGHT:
             return self
         return replace(self, height=np.array([roof]))

@@ -19,6 +19,7 @@ from pounding_cli.paper import load_point_command
 from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import Axis, read_axes
+from pounding_cli.study.changes import Change, apply_changes
 from pounding_cli.study.file import Problems, read_study, refuse_other_kinds, with_value
 from pounding_cli.study.warnings import Doubts, warn_values
 from pounding_cli.study.words import describe_errors
@@ -139,11 +140,16 @@ def build_array(unit: str, text: str, values: Any, *dims: str) -> Array:
     return Array(dims, np.asarray(values), {"units": unit, "long_name": text})
 
 
-def load_sweep(path: Path, name: str) -> Sweep:
-    """Read and validate a study of a command.  Raises `InputError` with every problem and its place."""
+def load_sweep(path: Path, name: str, changes: Sequence[Change] = ()) -> Sweep:
+    """Read and validate a study of a command.  Raises `InputError` with every problem and its place.
+
+    changes : values in place of those of the file
+    """
     command = load_point_command(name)
     text, root = read_study(path)
     refuse_other_kinds(root, str(path), name)
+    if changes:
+        text, root = apply_changes(text, root, changes, str(path), command.spec)
     problems = Problems(str(path))
     axes = read_axes(root, problems, command.spec)
     problems.check()

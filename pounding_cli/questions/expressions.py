@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from pounding_cli.laws import link_symbol
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.columns import column_of
+from pounding_cli.results.dataset import find_contacts
+from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.expression import (
     FLOOR,
     LINK,
     QUANTITIES,
+    SHEAR_DEMAND,
     Expression,
     ExpressionError,
     Statement,
@@ -47,8 +49,8 @@ def evaluate_expression(expression: Expression, values: Values, over_motions: st
     Shape (...).
 
     values : of all variables that the expression names, of `status`, and of those that tell which storeys there are:
-        drift, mu, acceleration, max_closing
-    over_motions : `mean` or `largest` of the motions, storey by storey before storeys are compared
+        drift, mu, acceleration, max_closing, peak_force
+    over_motions : `mean`, `largest` or `smallest` of the motions, storey by storey before storeys are compared
     """
     results = expression(lambda quantity: _evaluate_quantity(quantity, values, over_motions))
     return np.where(np.isfinite(results), results, np.nan)
@@ -74,10 +76,17 @@ def evaluate_error(expression: Expression, values: Values, over_motions: str) ->
 
 
 def _find_values(name: str, values: Values) -> np.ndarray:
-    """Return the values of a variable; where no case has a link, those of links are empty."""
-    if name in LINK and name not in values:
+    """Return the values of a variable; where no case has a link, those of links are empty.
+
+    The shear demand is that of columns which a link loads, and 0 of every other link.
+    """
+    if name in LINK and "max_closing" not in values:
         return np.zeros((*values["status"].shape, 0))
-    return values[name]
+    if name != SHEAR_DEMAND:
+        return values[name]
+    if name not in values:
+        return np.zeros_like(values["max_closing"])
+    return np.where(values["peak_force"] > 0, np.nan_to_num(values[name]), 0.0)
 
 
 def _find_error(name: str, values: Values) -> np.ndarray:
@@ -115,6 +124,9 @@ def _evaluate_quantity(
         known = "acceleration" if name in FLOOR else "drift"
     exists = ~np.isnan(_find_values(known, values))
     axes: tuple[int, ...] = (-1,) if name in LINK else (-2, -1)
+    if quantity.building is None:  # else the buildings that a collapse ended would count for nothing beside the others
+        is_done = values["status"] == DONE
+        numbers = np.where(np.expand_dims(is_done, axes), numbers, np.nan)
     if quantity.building is not None:
         numbers = numbers[..., [quantity.building], :]
         exists = exists[..., [quantity.building], :]
@@ -261,9 +273,8 @@ def find_struck_buildings(
         return frozenset()
     kind = arrays["kind"].values[..., case, :]
     impacts = arrays["impacts"].values[..., list(points), case, analysis, :, :]
-    is_contact = np.vectorize(lambda name: bool(name) and link_symbol(name) == "gap", otypes=[bool])(kind)
-    is_contact = is_contact.reshape(-1, is_contact.shape[-1]).any(axis=0)
-    is_struck = (impacts.reshape(-1, impacts.shape[-1]) > 0).any(axis=0) & is_contact
+    is_contact = find_contacts(plan, kind).reshape(-1, kind.shape[-1]).any(axis=0)
+    is_struck = np.logical_and((impacts.reshape(-1, impacts.shape[-1]) > 0).any(axis=0), is_contact)
     return frozenset(
         building
         for place, struck in zip(plan.links.places, is_struck.tolist(), strict=True)

@@ -37,7 +37,7 @@ from pounding_cli.records.hazard import intensity_factor, read_hazard
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.motions import MotionUse
 from pounding_cli.study.quantity import ACCELERATION, Quantity
-from pounding_cli.study.records_spec import INTENSITY_KEYS
+from pounding_cli.study.records_spec import INTENSITY_KEYS, CodeTargetSpec, scales_in_proportion
 
 YEARS = 50.0
 """Years of the probability that stands beside a rate."""
@@ -166,7 +166,7 @@ def poisson_probability(rate: float, years: float = YEARS) -> float:
 
 _VELOCITY = Quantity("velocity", "m/s", "20 cm/s", 0.0, open_low=True)
 _FACTOR = Quantity("scale factor", "", "1.5", 0.0, open_low=True)
-MEASURE_QUANTITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "pgv": _VELOCITY, "factor": _FACTOR}
+MEASURE_QUANTITIES = {"pga": ACCELERATION, "sa": ACCELERATION, "ag": ACCELERATION, "pgv": _VELOCITY, "factor": _FACTOR}
 """Quantity of every intensity measure, by which its values are read."""
 
 SWEEP_EXAMPLE = "write e.g. `sweep: {records.scale.pga: {from: 0.05 g, to: 2 g, step: 0.05 g}}`"
@@ -181,6 +181,8 @@ def find_intensity_axis(question: StudyQuestion, axes: Sequence[Axis], min_inten
         message = ""
         if len(axis.names) > 1:
             message = f"{' and '.join(axis.names)} move together: the intensity is an axis of its own"
+        elif not scales_in_proportion(axis.names[0], code := _target_code(question)):
+            message = f"the spectrum of {code} is not in proportion to '{axis.names[0]}', as an intensity has to be"
         elif any(isinstance(value, str) for (value,) in axis.values):
             message = f"'{axis.names[0]}' takes values that are not numbers"
         elif len(axis) < min_intensities:
@@ -193,8 +195,17 @@ def find_intensity_axis(question: StudyQuestion, axes: Sequence[Axis], min_inten
     return None
 
 
+def _target_code(question: StudyQuestion) -> str | None:
+    """Return the code of the target spectrum as written; None without one."""
+    target = getattr(question.study.spec.records.scale, "target", None)
+    return target.name if isinstance(target, CodeTargetSpec) else None
+
+
 def measure_motion(use: MotionUse, motion: Motion, measure: Measure) -> float:
-    """Return the intensity of a motion as used [SI]."""
+    """Return the intensity of a motion as used [SI].
+
+    measure : any but `ag`, which motions do not have by themselves
+    """
     match measure.name:
         case "factor":
             return use.scale
@@ -273,6 +284,28 @@ MAX_GAP = 1e3
 _HALVINGS = 60
 
 
+def compute_contact_rates(
+    hazard: Hazard, log_gaps: np.ndarray, log_intensities: np.ndarray, log_closings: np.ndarray, draws: np.ndarray
+) -> np.ndarray:
+    """Return the annual rates of contact, of every draw of motions at its gap [1/year], shape (draws,).
+
+    log_gaps : of the gaps [m], shape (draws,)
+    log_intensities : rising, shape (levels,)
+    log_closings : of the closings [m], shape (levels, motions)
+    draws : how often each takes every motion, shape (draws, motions)
+    """
+    count = draws.sum(axis=1, keepdims=True)
+    mean = draws @ log_closings.T / count
+    variance = np.maximum(draws @ (log_closings**2).T / count - mean**2, 0.0)
+    spread = np.maximum(np.sqrt(variance * count / (count - 1)), 1e-6)
+    edges = np.exp(np.concatenate([[-np.inf], log_intensities[:-1], [np.inf]]))  # the last line goes on
+    score = (mean - log_gaps[:, None]) / spread
+    slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(log_intensities)], axis=1)
+    slope[:, -1] = np.maximum(slope[:, -1], 0.0)
+    intercept = score - slope * log_intensities
+    return hazard.contributions(edges, intercept, slope).sum(axis=1)
+
+
 def find_gaps(
     hazard: Hazard, rate: float, log_intensities: np.ndarray, log_closings: np.ndarray, draws: np.ndarray
 ) -> np.ndarray:
@@ -283,20 +316,11 @@ def find_gaps(
     log_closings : of the closings [m], shape (levels, motions)
     draws : how often each takes every motion, shape (draws, motions)
     """
-    count = draws.sum(axis=1, keepdims=True)
-    mean = draws @ log_closings.T / count
-    variance = np.maximum(draws @ (log_closings**2).T / count - mean**2, 0.0)
-    spread = np.maximum(np.sqrt(variance * count / (count - 1)), 1e-6)
-    edges = np.exp(np.concatenate([[-np.inf], log_intensities[:-1], [np.inf]]))  # the last line goes on
     low = np.full(len(draws), np.log(MIN_GAP))
     high = np.full(len(draws), np.log(MAX_GAP))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        score = (mean - middle[:, None]) / spread
-        slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(log_intensities)], axis=1)
-        slope[:, -1] = np.maximum(slope[:, -1], 0.0)
-        intercept = score - slope * log_intensities
-        is_too_often = hazard.contributions(edges, intercept, slope).sum(axis=1) > rate
+        is_too_often = compute_contact_rates(hazard, middle, log_intensities, log_closings, draws) > rate
         low = np.where(is_too_often, middle, low)
         high = np.where(is_too_often, high, middle)
     is_inside = (low > np.log(2 * MIN_GAP)) & (high < np.log(0.5 * MAX_GAP))

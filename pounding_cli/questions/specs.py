@@ -79,8 +79,8 @@ HAZARD_DESCRIPTION = (
 )
 
 
-MEASURES = ("pga", "pgv", "sa", "factor")
-"""Intensity measures, as `records.scale` has them; `factor` is the scale factor itself."""
+MEASURES = ("pga", "pgv", "sa", "ag", "factor")
+"""Intensity measures, as `records.scale` has them; `ag` is that of the target spectrum, `factor` the scale factor."""
 
 _PERIOD = TIME.replace(name="period", example="0.5 s", low=0.01, open_low=False, high=60.0)
 _MEASURE = re.compile(r"(?P<name>[A-Za-z]+)\s*(?:\(\s*(?P<period>[^()]*?)\s*\))?\Z")
@@ -106,7 +106,7 @@ def parse_measure(value: Any) -> Measure:
     match = _MEASURE.match(value.strip()) if isinstance(value, str) and len(value) < 60 else None
     name, period = match.groups() if match is not None else ("", None)
     if name not in MEASURES or (period is not None and (name != "sa" or not written_unit(period))):
-        hint = "write pga, pgv, factor or the pseudo-acceleration at a period, sa(0.5 s)"
+        hint = "write pga, pgv, factor, ag of a target spectrum, or the pseudo-acceleration at a period, sa(0.5 s)"
         raise refuse(f"'{str(value)[:60]}' is not an intensity measure", hint)
     return Measure(name, 0.0 if period is None else _PERIOD.read(period))
 

@@ -13,7 +13,19 @@ from pounding_cli.records.catalogue import (
     save_motion,
     user_folder,
 )
+from pounding_cli.records.code_spectra import CODES, CodeSpectrum
 from pounding_cli.records.motion import GRAVITY, Motion, arias, displacement, pgv, significant_duration, spectrum
+from pounding_cli.records.motion_sets import (
+    INSTALL_COMMAND,
+    MOTION_SETS,
+    SOURCE_PREFIX,
+    SetMotion,
+    find_installed_version,
+    find_set_name,
+    get_set_motion,
+    read_set_motion,
+    select_set_motions,
+)
 from pounding_cli.records.reading import MOTION_FORMATS, Reading, read_file
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum, arias_factor, scale_factor, spectrum_factors
 from pounding_cli.records.text import MotionWarning

@@ -10,7 +10,7 @@ from __future__ import annotations
 import difflib
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from fnmatch import fnmatch
@@ -109,14 +109,18 @@ def list_names() -> tuple[str, ...]:
     return tuple(load_catalogue())
 
 
-def get_entry(name: str) -> Entry:
-    """Return the catalogue entry of `name`; raises `InputError` with the nearest name for an unknown one."""
+def get_entry(name: str, set_names: Iterable[str] = ()) -> Entry:
+    """Return the catalogue entry of `name`; raises `InputError` with the nearest name for an unknown one.
+
+    set_names : sets of motions that may stand in place of a name, and may be meant
+    """
     entries = load_catalogue()
     if name in entries:
         return entries[name]
-    near = difflib.get_close_matches(name.lower().replace(" ", ""), entries, n=1, cutoff=0.5)
+    names = (*entries, *set_names)
+    near = difflib.get_close_matches(name.lower().replace(" ", ""), names, n=1, cutoff=0.5)
     hint = f"did you mean '{near[0]}'? " if near else ""
-    hint += f"known: {', '.join(entries)}; for a file of your own write {{file: path/to/motion.AT2}}"
+    hint += f"known: {', '.join(names)}; for a file of your own write {{file: path/to/motion.AT2}}"
     raise InputError(Problem(f"no motion '{name}' in the catalogue", hint))
 
 

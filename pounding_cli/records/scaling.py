@@ -29,8 +29,12 @@ RATIO_TOLERANCE = 1e-4
 class TargetSpectrum:
     """A spectrum to be met over a range of periods.
 
-    periods, values : its points [s], [m/s2], straight lines between them in ln T and ln Sa
-    low, high : the range [s]; damping : ratio [-]
+    periods, values : its points [s], [m/s2]; the first period may be 0 where the line from there is straight in T
+    low, high : the range [s]
+    damping : ratio [-]
+    straight_in_period : of every interval between points, whether the line is straight in T and Sa, as the rising
+        branches of codes are; else it is straight in ln T and ln Sa, as all of them are where this is empty
+    name : code and parameters in words, e.g. "EN 1998-1, type 1, soil C, 0.25 g"; "" of another spectrum
     """
 
     periods: tuple[float, ...]
@@ -38,6 +42,8 @@ class TargetSpectrum:
     low: float
     high: float
     damping: float = SPECTRUM_DAMPING
+    straight_in_period: tuple[bool, ...] = ()
+    name: str = ""
 
     @classmethod
     def of(cls, motion: Motion, low: float, high: float, damping: float = SPECTRUM_DAMPING) -> TargetSpectrum:
@@ -60,7 +66,38 @@ class TargetSpectrum:
 
     def interpolate(self, periods: np.ndarray) -> np.ndarray:
         """Return its values at `periods` [m/s2]."""
-        return np.exp(np.interp(np.log(periods), np.log(self.periods), np.log(self.values)))
+        points = np.array(self.periods)
+        values = np.array(self.values)
+        has_logarithm = points > 0
+        logarithms = np.interp(np.log(periods), np.log(points[has_logarithm]), np.log(values[has_logarithm]))
+        ordinates: np.ndarray = np.exp(logarithms)
+        if not any(self.straight_in_period):
+            return ordinates
+        is_straight = np.array(self.straight_in_period)[self._intervals_of(periods)]
+        return np.where(is_straight, np.interp(periods, points, values), ordinates)
+
+    def _intervals_of(self, periods: np.ndarray) -> np.ndarray:
+        """Return the numbers of the intervals between points in which periods lie, or that are next to them."""
+        return np.clip(np.searchsorted(self.periods, periods, side="right") - 1, 0, len(self.periods) - 2)
+
+    def slope_bounds(self, periods: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the lowest and the highest slope d ln Sa / d ln T between each two of some periods [-].
+
+        Between two of its points the slope is constant, or rises or falls all the way: that of a straight line
+        Sa = a + b T is b T / Sa. No two periods may have a point between them.
+
+        periods : rising, shape (n,); the slopes have the shape (n - 1,)
+        """
+        ordinates = self.interpolate(periods)
+        between = np.diff(np.log(ordinates)) / np.diff(np.log(periods))
+        if not any(self.straight_in_period):
+            return between, between
+        interval = self._intervals_of(np.sqrt(periods[:-1] * periods[1:]))
+        rise = (np.diff(self.values) / np.diff(self.periods))[interval]
+        is_straight = np.array(self.straight_in_period)[interval]
+        left = np.where(is_straight, rise * periods[:-1] / ordinates[:-1], between)
+        right = np.where(is_straight, rise * periods[1:] / ordinates[1:], between)
+        return np.minimum(left, right), np.maximum(left, right)
 
 
 def scale_factor(motion: Motion, measured: float, wanted: float) -> float:
@@ -105,10 +142,10 @@ def lowest_ratio(motions: Mapping[str, Motion], target: TargetSpectrum) -> tuple
     values = log_ratio(periods)
     while True:
         width = np.diff(np.log(periods))
-        slope = np.diff(np.log(target.interpolate(periods))) / width  # of the target, straight in every interval
-        falls = steepest + slope  # how steeply the ratio may fall from the left end, and from the right one
-        falls_back = steepest - slope
-        bounds = (falls_back * values[:-1] + falls * values[1:] - falls * falls_back * width) / (2.0 * steepest)
+        lowest_slope, highest_slope = target.slope_bounds(periods)
+        falls = steepest + highest_slope  # how steeply the ratio may fall from the left end, and from the right one
+        falls_back = steepest - lowest_slope
+        bounds = (falls_back * values[:-1] + falls * values[1:] - falls * falls_back * width) / (falls + falls_back)
         can_dip = (falls > 0) & (falls_back > 0)
         between = np.flatnonzero(can_dip & (bounds < values.min() - RATIO_TOLERANCE))
         if not between.size:
@@ -177,7 +214,8 @@ class SpectrumMatch:
     ) -> SpectrumMatch:
         """The match of motions already cut and scaled; `each` and `at_least` as in `spectrum_factors`."""
         what = "every motion by a factor of its own" if each else "all motions by one factor"
-        words = f"Scaled to a target spectrum from {target.low:g} to {target.high:g} s, {what}. "
+        spectrum_in_words = f"the spectrum of {target.name}," if target.name else "a target spectrum"
+        words = f"Scaled to {spectrum_in_words} from {target.low:g} to {target.high:g} s, {what}. "
         if at_least is not None:
             # What least squares alone would still change in the motions is the factor that `at_least` added.
             lift = 1.0 / min(spectrum_factors(used, target, each).values())

@@ -14,6 +14,7 @@ import pandas as pd
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.effects import DroppedEffect, summarize_effects
+from pounding_cli.model.links import BASE
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, describe_motions, find_written_value, format_point
@@ -146,9 +147,12 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
     """Return the motions as used where the keys that change them have the values that the study writes, and these
     values by key; a key of which the study writes none has its first value.
 
-    A written intensity need not be one of those that are swept: every way to scale is in proportion to its value.
+    A written intensity need not be one of those that are swept, since most ways to scale are in proportion to it.
     """
-    from pounding_cli.study.records_spec import INTENSITY_KEYS  # here: a terminal prints results without a study
+    from pounding_cli.study.records_spec import (
+        INTENSITY_KEYS,
+        scales_in_proportion,
+    )  # here: a terminal prints results without a study
 
     frame, point = results.records(), dict[str, Any]()
     columns = ["record", "source", "scale", "window", "pga", "arias", "digest"]
@@ -164,13 +168,21 @@ def _motions_as_written(results: ResultTables) -> tuple[pd.DataFrame, dict[str, 
         frame = frame[(frame[keys] == values).all(axis=1)]
         point |= {key: values[key] for key in keys}
         (key, *others), value = keys, written[keys[0]]
-        if not (is_written.any() or others) and key in INTENSITY_KEYS and isinstance(value, float):
+        is_alone = not (is_written.any() or others) and isinstance(value, float)
+        if is_alone and key in INTENSITY_KEYS and scales_in_proportion(key, _target_code(results)):
             factor = value / point[key]
             frame = frame.assign(**{name: frame[name] * factor for name in ("scale", "pga")}, digest="")
             frame["arias"] *= factor**2
             point[key] = value
     frame = frame[columns].drop_duplicates("record", ignore_index=True)
     return frame.assign(digest=frame["digest"].str[:12]), point
+
+
+def _target_code(results: ResultTables) -> str | None:
+    """Return the code of the target spectrum that the study writes; None without one."""
+    scale = results.resolved["records"]["scale"]
+    target = scale.get("target") if isinstance(scale, dict) else None
+    return target.get("code") if isinstance(target, dict) else None
 
 
 def _varied_motions(results: ResultTables, point: Mapping[str, Any]) -> list[str]:
@@ -223,7 +235,7 @@ def _build_cases(shown: Evidence) -> Table:
         kinds = Counter(zip(mine["kind"], mine["gap"], strict=True))
         words = [f"{count} × {kind}, gap {unit.text(gap)}" for (kind, gap), count in kinds.items()]
         pairs = sorted(set(zip(mine["floor"], mine["right_floor"], strict=True)))
-        floors = ", ".join(str(left) if left == right else f"{left}|{right}" for left, right in pairs)
+        floors = ", ".join(str(left or BASE) if left == right else f"{left}|{right}" for left, right in pairs)
         rows.append([case, "; ".join(words) or "none: the buildings stand alone", floors or NOTHING])
     return table_of_texts("Cases", ("case", "links", "at floors"), rows)
 

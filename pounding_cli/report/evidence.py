@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.numbers import Unit
+from pounding_cli.numbers import Unit, join_limited
 from pounding_cli.results.flags import FlagGroup, flag_groups_of
 from pounding_cli.variables import VARIABLES
 
@@ -23,6 +23,9 @@ MARK = "†"
 """Stands behind the name of a case whose numbers mean nothing for some motions."""
 MOST_CASES = 40
 """Cases in the figures and on the page; the tables hold all."""
+
+_MAX_CHARACTERS_OF_NAMES = 300
+# About three lines, of which the captions of figures hold few more.
 
 RESPONSES = (("elastic", "V_ratio"), ("inelastic", "mu_ratio"))
 """Analysis and ratio to the building alone that stand for the response, as in Figs 6 and 7 of the paper."""
@@ -209,6 +212,14 @@ def _get_at(tree: Any, path: Iterable[str]) -> Any:
 
 
 def describe_motions(records: pd.DataFrame) -> str:
-    """Return the motions by where they come from: "Motions: real: taft; stand-in: elcentro, eureka."."""
-    kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(", ".join)
+    """Return the motions by where they come from: "Motions: real: taft; stand-in: elcentro, eureka.".
+
+    Of many motions of one kind the first are named; the table of motions has all.
+    """
+    kinds = records.drop_duplicates("record").groupby("source", sort=False)["record"].agg(_join_names)
     return f"Motions: {'; '.join(f'{kind}: {named}' for kind, named in kinds.items())}."
+
+
+def _join_names(names: Iterable[str]) -> str:
+    """Return names of motions joined by commas, of very many the first and how many are left."""
+    return join_limited(names, max_characters=_MAX_CHARACTERS_OF_NAMES)

@@ -235,6 +235,8 @@ SPACE = 0.35
 """Space between two buildings."""
 STOREY = 0.42
 """Height of a mean storey."""
+KERB = 0.1
+"""Least height of a wall."""
 MANY = 7
 """From this many buildings on, the periods are written upright and without their symbol."""
 
@@ -250,7 +252,7 @@ def draw_sketch(evidence: Evidence) -> Figure:
 def draw_group(ax: Axes, evidence: Evidence, black: str, named: bool = False) -> None:
     """Draw the buildings left to right as blocks of storeys to one scale, with their slabs and periods.
 
-    Walls are filled.
+    Walls are hatched; one that ends at the ground is drawn as a kerb.
 
     black : building filled
     named : whether their names stand below
@@ -258,14 +260,20 @@ def draw_group(ax: Axes, evidence: Evidence, black: str, named: bool = False) ->
     from matplotlib.patches import Rectangle
 
     are_many = len(evidence.group) >= MANY
-    scale = STOREY / float(evidence.buildings["height"].mean())
+    is_of_frame = evidence.buildings["building"].isin(evidence.buildings_without_walls)
+    scale = STOREY / float(evidence.buildings["height"][is_of_frame].mean())
     top = 0.0
     for place, name in enumerate(evidence.group):
         rows = evidence.buildings[evidence.buildings["building"] == name]
         left = place * (WIDTH + SPACE)
         is_wall = name not in evidence.buildings_without_walls
         slab = scale * float(rows["slab"].iloc[0])
-        face, edge, grey = ("black", "0.75", "0.75") if name == black or is_wall else ("white", "black", "0.4")
+        face, edge, grey = ("black", "0.75", "0.75") if name == black else ("white", "black", "0.4")
+        if is_wall:
+            height = max(scale * float(rows["height"].iloc[0]), KERB)
+            ax.add_patch(Rectangle((left, 0), WIDTH, height, facecolor="0.85", edgecolor="0.4", hatch="////", lw=0.8))
+            top = max(top, height)
+            rows = rows.iloc[:0]
         for height, level in zip(scale * rows["height"], scale * rows["height"].cumsum(), strict=True):
             ax.add_patch(Rectangle((left, level - height), WIDTH, height, facecolor=face, edgecolor=edge, lw=0.8))
             if slab:

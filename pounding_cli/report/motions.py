@@ -73,15 +73,33 @@ def draw_spectra(match: SpectrumMatch, title: str, unit: Unit) -> Figure:
     line.set_label("motions")
     mean = np.mean(list(match.spectra.values()), axis=0)
     ax.plot(match.periods, mean / unit.factor, color="#0072B2", lw=2.2, label=f"mean of {len(match.spectra)}")
-    across = np.geomspace(target.periods[0], target.periods[-1], 200)
-    ordinates = np.exp(np.interp(np.log(across), np.log(target.periods), np.log(target.values)))
-    ax.plot(across, ordinates / unit.factor, color="black", lw=2.0, dashes=(5, 2), label="target")
+    across = _list_drawn_periods(target, match.periods[0], match.periods[-1])
+    label = target.name or "target"
+    ax.plot(across, target.interpolate(across) / unit.factor, color="black", lw=2.0, dashes=(5, 2), label=label)
     if match.at_least is not None:
-        limit = match.at_least * target.ordinates / unit.factor
-        ax.plot(target.grid, limit, color="black", lw=1.0, dashes=(1, 2), label=f"{match.at_least:g} of the target")
+        within = _with_corners(target.grid, target)
+        limit = match.at_least * target.interpolate(within) / unit.factor
+        ax.plot(within, limit, color="black", lw=1.0, dashes=(1, 2), label=f"{match.at_least:g} of the target")
     ax.set(xscale="log", xlim=(match.periods[0], match.periods[-1]), xlabel="period [s]")
     ax.set_ylim(bottom=0)
     ax.set_ylabel(f"pseudo-acceleration [{unit.name}], {100 * target.damping:g} % damping")
     ax.legend(fontsize=8)
     finish(figure, f"Target spectrum: {title}", f"{match.words} Shaded: that range.")
     return figure
+
+
+def _list_drawn_periods(target: TargetSpectrum, first: float, last: float) -> np.ndarray:
+    """Return the periods at which a target is drawn [s], its corners among them.
+
+    first, last : ends of the axis [s]: the spectrum of a code is not drawn beyond them
+    """
+    ends = target.periods[0], target.periods[-1]
+    if target.name:
+        ends = max(first, ends[0]), min(last, ends[1])
+    return _with_corners(np.geomspace(*ends, 200), target)
+
+
+def _with_corners(periods: np.ndarray, target: TargetSpectrum) -> np.ndarray:
+    """Return rising periods, and the corners of a target between them [s]."""
+    corners = [corner for corner in target.periods if periods[0] < corner < periods[-1]]
+    return np.union1d(periods, corners)

@@ -13,7 +13,8 @@ from pounding_cli import __version__
 from pounding_cli.laws import link_laws, storey_laws
 from pounding_cli.laws.foundation import FrictionPendulum
 from pounding_cli.methods import METHODS
-from pounding_cli.records import load_catalogue
+from pounding_cli.numbers import join_limited
+from pounding_cli.records import CODES, SOURCE_PREFIX, load_catalogue
 
 _ENTRY = re.compile(r"^@(\w+)\{([^,\s]+),\n(.*?)^\}$", re.MULTILINE | re.DOTALL)
 _FIELD = re.compile(r"^  (\w+) = \{(.*)\},?$", re.MULTILINE)
@@ -84,7 +85,7 @@ def list_citations(
     Parameters
     ----------
     resolved : the study with every default filled in
-    sources : motion -> its label: "real", "stand-in" or "user"
+    sources : motion -> its label: "real", "stand-in", "user" or that of a set
     methods : keys in METHODS that solve its scenes, buildings alone included
     cite : the same of its question: resolved -> keys, and what each was used for
     """
@@ -93,6 +94,10 @@ def list_citations(
         uses[key].append(purpose)
     if "stand-in" in sources.values():
         uses["lilhanand1988"].append("the synthesis of the stand-in motions")
+    if any(label.startswith(SOURCE_PREFIX) for label in sources.values()):
+        uses["fema2009"].append("the sets of recorded motions")
+        uses["chiou2008"].append("the records of these sets, of the PEER NGA database")
+        uses["talley2023"].append("the files from which they are read")
     return {key: list(dict.fromkeys(uses[key])) for key in REFERENCES if key in uses}
 
 
@@ -104,6 +109,7 @@ def _iter_scene_references(resolved: Mapping[str, Any], methods: Collection[str]
     scale = resolved["records"]["scale"]
     if scale == "table1":
         yield "spiliopoulos1996", "the scales of Table 1"
+    yield from _iter_target_references(scale)
     if scale == "table1" or (isinstance(scale, Mapping) and "arias" in scale):
         yield "arias1970", "the intensity by which the motions are scaled"
     for method in (METHODS[name] for name in methods):
@@ -113,6 +119,14 @@ def _iter_scene_references(resolved: Mapping[str, Any], methods: Collection[str]
             judge = METHODS["taylor"] if method.takes_step else method  # as solver.estimate has it
             for key, _ in judge.citation:
                 yield key, "the finer runs for error and sensitivity"
+
+
+def _iter_target_references(scale: Any) -> Iterator[tuple[str, str]]:
+    """Yield the code whose spectrum the motions are scaled to."""
+    target = scale.get("target") if isinstance(scale, Mapping) else None
+    if isinstance(target, Mapping) and "code" in target:
+        rules = CODES[target["code"]]
+        yield rules.reference, f"the target spectrum, {rules.clause}"
 
 
 def _iter_law_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -137,7 +151,15 @@ def iter_motion_sources(sources: Mapping[str, str]) -> Iterator[str]:
 
     sources : as for `list_citations`
     """
+    names_of_set = defaultdict[str, list[str]](list)
     for name, kind in sources.items():
+        if kind.startswith(SOURCE_PREFIX):
+            names_of_set[kind].append(name)
+    for kind, names in names_of_set.items():
+        yield f"{kind}: {join_limited(names)}; recorded motions of the PEER NGA database, as recorded"
+    for name, kind in sources.items():
+        if kind.startswith(SOURCE_PREFIX):
+            continue
         known = load_catalogue().get(name)
         if known is None or kind.startswith("user"):
             yield f"{name} ({kind}): your own file: cite its source"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from pounding_cli.laws import link_symbol
+from pounding_cli.laws import is_damper, link_symbol
 from pounding_cli.report.evidence import MOST_CASES, Evidence, build_evidence, list_points
 from pounding_cli.report.style import looks, to_page_look
 from pounding_cli.report.sweep import SweptAxis, find_meaningless, list_swept_axes
@@ -247,6 +247,7 @@ def _pack_links(evidence: Evidence, history: History, case: str) -> tuple[list[d
                 "floor": int(row["floor"]),
                 "right_floor": int(row["right_floor"]),
                 "drawn": link_symbol(row["kind"]),
+                "damper": is_damper(row["kind"]),
                 "gap": float(row["gap"]),
                 "left_at": float(row.get("left_at", 1.0)),
                 "right_at": float(row.get("right_at", 1.0)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -26,13 +27,13 @@ _FURTHER = {
     "records_used": ("1", "number of records with a V_ratio"),
     "records_flagged": ("1", "number of records whose scene carries a flag"),
     "records_meaningless": ("1", "number of records whose numbers have no meaning"),
-    "records_collapsed": ("1", "number of records in whose scene a storey collapsed"),
+    "records_collapsed": ("1", "number of records in which the building, or one linked to it, collapsed"),
     "flag": ("", "what is flagged"),
     "detail": ("", "where, and by how much"),
     "severity": ("1", "larger where a flag of that kind is worse; none where its kind does not compare"),
     "meaningless": ("", "whether the numbers of the scene have no meaning"),
-    "at": ("1", "height of the blow: part of the height of the storey"),
-    "by": ("", "building whose slab strikes"),
+    "at": ("1", "height of the end of the link, such as a blow: part of the height of the storey"),
+    "by": ("", "building at the other end of the link, such as that whose slab strikes"),
     "by_floor": ("1", "its floor"),
     "left": COORDINATE_VARIABLES["link_left"],
     "right": COORDINATE_VARIABLES["link_right"],
@@ -50,7 +51,7 @@ _OPTIONAL_ENDINGS = {
 }
 """Table -> endings of the names of columns that are left out first where there is no room; CSV has them all."""
 
-_COUNTS = ("impacts", "place", "records_used", "records_flagged", "records_meaningless", "records_collapsed")
+_COUNTS = ("impacts", "facing", "place", "records_used", "records_flagged", "records_meaningless", "records_collapsed")
 """Columns of whole numbers that files have as doubles, since some of their rows have none."""
 
 _DISPLAY_UNITS = {
@@ -71,6 +72,7 @@ _DISPLAY_UNITS_OF_COLUMNS = {
     "window": Unit("s"),
     "period": Unit("s"),
     "arias": Unit("m/s"),
+    "inclination": Unit("deg", math.pi / 180.0),
 }
 """Columns that are read in another unit than those of their kind."""
 

@@ -15,6 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pounding_cli import __version__, variables
+from pounding_cli.laws import link_symbol
+from pounding_cli.laws.apart import Apart
+from pounding_cli.laws.formula import WRITTEN_LAWS
+from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.links import link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
@@ -87,6 +91,8 @@ def _has_values(plan: Plan, v: Variable) -> bool:
     """Return whether a variable has values in a study: some have no links, few have links that strike columns."""
     if v.name in variables.COLUMN_VARIABLES:
         return any(place.is_on_columns for place in plan.links.places)
+    if v.name in variables.INCLINED_VARIABLES:
+        return bool((plan.links.facing == 0.0).any())
     return "link" not in v.dims or bool(plan.links.places)
 
 
@@ -95,16 +101,17 @@ def _responses(plan: Plan, solved: Responses, declared: list[Variable]) -> Array
     scene = plan.numbers[..., 0]
     alone = plan.numbers[..., 1:]
     digests = np.array([digest.tobytes().hex() for digest in plan.digests] + [""], object)
-    collapsed = solved.values["collapse_building"]
+    fallen_storey = np.nan_to_num(solved.values["building.collapse_storey"]).astype(np.int64)
     arrays = Arrays()
     for v in declared:
         if v.of:
             whole = solved.values[v.of].copy()
-            whole[~solved.is_done] = np.nan  # peaks are of whole motions
+            whole[~_is_of_whole_motion(plan, solved, v)] = np.nan
             arrays[v.name] = whole[alone, 0] if v.alone else whole[scene]
         elif v.name in ("collapsed", "collapsed0"):
-            at, place = (alone, 0) if v.alone else (scene[..., None], np.arange(alone.shape[-1]))
-            arrays[v.name] = np.where(collapsed[at] == place, solved.values["collapse_storey"][at], 0).astype(np.int64)
+            arrays[v.name] = fallen_storey[alone, 0] if v.alone else fallen_storey[scene]
+        elif v.name == "collapse_time":
+            arrays[v.name] = np.fmin.reduce(solved.values["building.collapse_time"][scene], axis=-1)
         elif v.name in TEXTS:
             arrays[v.name] = solved.texts[v.name][scene]
         elif v.name == "scene":
@@ -113,6 +120,17 @@ def _responses(plan: Plan, solved: Responses, declared: list[Variable]) -> Array
             array = solved.values[v.name][scene]
             arrays[v.name] = np.nan_to_num(array).astype(np.int64) if v.kind == "i" else array
     return arrays
+
+
+def _is_of_whole_motion(plan: Plan, solved: Responses, v: Variable) -> np.ndarray:
+    """Return where the peaks of a variable are of whole motions, shape (scenes + 1, buildings or links).
+
+    A collapse ends the motion of the buildings that links join to it. One of a building alone stands at place 0.
+    """
+    if "link" not in v.dims:
+        return solved.is_whole
+    left = np.array([place.left for place in plan.links.places])
+    return solved.is_whole[:, left] & solved.is_whole[:, left + 1]
 
 
 def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:
@@ -169,17 +187,37 @@ def _flag(plan: Plan, solved: Responses, found: Arrays) -> None:
         add(zero, Flag(f"{base} = 0", "ratio refused"))
     if "shear_demand" not in found:
         return
-    demand = np.where(found["impacts"] > 0, found["shear_demand"], np.nan)  # one that yields has 1 anyway
-    for at in np.argwhere((demand > 1).any(axis=-1)):
-        mine = demand[tuple(at)]
-        struck = {plan.links.places[link].struck_storey for link in np.flatnonzero(mine > 1).tolist()}
-        worst = int(np.nanargmax(mine))
-        building, storey = plan.links.places[worst].struck_storey
-        more = f", and {pluralize(len(struck) - 1, 'more storey')}" if len(struck) > 1 else ""
-        where = f"{plan.buildings[building]} storey {storey}"
-        times = f"{mine[worst]:.3g} times their share of the yield shear"
-        flag = Flag("columns overloaded by a blow", f"{where}, {times}{more}", float(mine[worst]))
-        add(tuple(at[:, None]), flag)
+    is_loaded = found["contact_time"] > 0  # columns that yield by themselves have 1 anyway
+    is_blow = find_contacts(plan, found["kind"])[..., None, None, :]  # the same in all analyses and motions
+    for words, is_meant in (("columns overloaded by a blow", is_blow), ("columns overloaded by a link", ~is_blow)):
+        demand = np.where(is_loaded & is_meant, found["shear_demand"], np.nan)
+        for at in np.argwhere((demand > 1).any(axis=-1)):
+            detail, worst = _describe_overload(plan, demand[tuple(at)])
+            add(tuple(at[:, None]), Flag(words, detail, worst))
+
+
+def find_contacts(plan: Plan, kinds: np.ndarray) -> np.ndarray:
+    """Return where floors strike each other across a link, of an array of names of laws; False where there is none."""
+    own_laws = plan.study.spec.laws
+
+    def is_contact(kind: str) -> bool:
+        symbol = WRITTEN_LAWS[own_laws[kind].acts].symbol if kind in own_laws else link_symbol(kind)
+        return kind not in ("", Apart.name) and symbol == LinkLaw.symbol
+
+    return np.vectorize(is_contact, otypes=[bool])(kinds)
+
+
+def _describe_overload(plan: Plan, demand: np.ndarray) -> tuple[str, float]:
+    """Return in words where the columns of a scene are loaded beyond their strength, and the largest demand [-].
+
+    demand : of the columns at every link, above 1 at some; NaN where none are loaded
+    """
+    storeys = {plan.links.places[link].struck_storey for link in np.flatnonzero(demand > 1).tolist()}
+    worst = int(np.nanargmax(demand))
+    building, storey = plan.links.places[worst].struck_storey
+    more = f", and {pluralize(len(storeys) - 1, 'more storey')}" if len(storeys) > 1 else ""
+    where = f"{plan.buildings[building]} storey {storey}"
+    return f"{where}, {demand[worst]:.3g} times their share of the yield shear{more}", float(demand[worst])
 
 
 # Coordinates, buildings and motions

@@ -8,7 +8,6 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.effects import RESIDUAL_DRIFTS
 from pounding_cli.numbers import pluralize
 from pounding_cli.results.flags import point_label
-from pounding_cli.solver.response import DONE
 from pounding_cli.texts import escape_formula_list
 
 if TYPE_CHECKING:
@@ -23,8 +22,9 @@ UNITS = {"PFA": "mps2", "PID": "rad", "RID": "rad"}
 def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tuple[pd.DataFrame, int]:
     """Return the demand table of one building in one case and analysis, and the number of scenes that are left out.
 
-    Left out are scenes in which a storey collapsed or that failed, since Pelicun takes the probability of collapse
-    apart, and scenes without residual drifts (a flag of them has the reason).
+    Left out are scenes that failed or in which a storey collapsed, of the building or of one that links join to it,
+    since Pelicun takes the probability of collapse apart, and scenes without residual drifts (a flag of them has the
+    reason).
 
     Parameters
     ----------
@@ -56,13 +56,11 @@ def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tu
     points = rows[scene].drop_duplicates()  # in the order of the study, which a pivot table does not keep
     keys = [*scene, "case", "analysis", "building", "storey"]
     rows = rows.merge(results.floor("acceleration").rename(columns={"floor": "storey"}), on=keys)
-    rows = rows.merge(results.scene()[[*scene, "case", "analysis", "status"]])
     over_height = (rows["drift_ratio"] / rows["drift"]).fillna(0.0)  # 1 / height
     rows = rows.assign(
         PFA=rows["acceleration"], PID=rows["drift_ratio"], RID=rows["residual_drift"].abs() * over_height
     )
-    is_complete = (rows["status"] == DONE) & rows["RID"].notna()
-    wide = rows[is_complete].pivot_table(list(UNITS), scene, "storey")
+    wide = rows[rows["RID"].notna()].pivot_table(list(UNITS), scene, "storey")
     wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns.to_list()]  # type: ignore[str-unpack]
     wide = points.merge(wide.reset_index(), on=scene)
     records = results.records()

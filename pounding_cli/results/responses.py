@@ -9,12 +9,23 @@ import sys
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli import __version__
-from pounding_cli.solver.response import BASES, COLUMNS, DONE, LINKS, OUTCOMES, STOREYS, Response, peaks_type
+from pounding_cli.solver.response import (
+    BASES,
+    COLLAPSES,
+    COLUMNS,
+    DONE,
+    LINKS,
+    OUTCOMES,
+    STOREYS,
+    Flag,
+    Response,
+    peaks_type,
+)
 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
@@ -23,12 +34,11 @@ TEXTS = ("status", "advice", "method", "flags", "flag_severity", "effects", "dro
 """Texts of a response; of the last four one entry a line."""
 
 SCALARS = (
-    "accuracy", "time_step", "steps", "events", "orders", "seconds", "error_estimate", "sensitivity", "collapse_time",
-    "collapse_building", "collapse_storey",
+    "accuracy", "time_step", "steps", "events", "orders", "seconds", "error_estimate", "sensitivity",
 )  # fmt: skip
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
 
-PARTS = {"building.": (*STOREYS, *BASES), "link.": LINKS, "columns.": COLUMNS}
+PARTS = {"building.": (*STOREYS, *BASES, *COLLAPSES), "link.": LINKS, "columns.": COLUMNS}
 """What names in `Responses.values` begin with -> the peaks of a response."""
 
 Row = tuple[str, bytes]
@@ -54,6 +64,43 @@ def encode_response(response: Response) -> Row:
     return json.dumps([texts, size]), np.array(numbers, float).tobytes() + r.peaks.tobytes()
 
 
+def decode_response(row: Row, storeys: tuple[int, ...]) -> Response:
+    """Return the response of a row of `encode_response`, without its end state and effects, which its scene decides.
+
+    storeys : of every building
+    """
+    texts, size = json.loads(row[0])
+    numbers = np.frombuffer(row[1], row_type(*size))[0]
+    text_by_name = dict(zip(TEXTS, texts, strict=True))
+    severities = map(float, text_by_name["flag_severity"].splitlines())
+    flags = []
+    for line, severity in zip(text_by_name["flags"].splitlines(), severities, strict=True):
+        kind, _, detail = line.partition(": ")
+        flags.append(Flag(kind, detail, severity))
+    peaks_of_row = peaks_type(*size)
+    peaks = np.frombuffer(row[1], peaks_of_row, offset=len(row[1]) - peaks_of_row.itemsize)[0]
+    facts: dict[str, Any] = {name: float(numbers[name]) for name in SCALARS}
+    for name in ("steps", "events", "orders"):
+        facts[name] = int(facts[name])
+    return Response(
+        peaks,
+        storeys,
+        status=text_by_name["status"],
+        advice=text_by_name["advice"],
+        method=text_by_name["method"],
+        **facts,
+        energy={name: float(numbers[f"energy_{name}"]) for name in ENERGIES},
+        flags=tuple(flags),
+    )
+
+
+def read_status(row: Row) -> str:
+    """Return the status of the response of a row."""
+    texts, _ = json.loads(row[0])
+    status: str = texts[TEXTS.index("status")]
+    return status
+
+
 class Responses:
     """The responses of a plan's scenes as arrays by scene number, as they are added.  The last place, -1, stands for
     a scene that nobody asked for: it has no numbers.
@@ -62,7 +109,7 @@ class Responses:
     texts : TEXTS by name, "" of a scene that was not solved, shape (scenes + 1,)
     values : "building.drift" (scenes + 1, buildings, storeys), a building alone at place 0; "building.sway" (scenes +
         1, buildings); "link.impacts", "columns.demand" (scenes + 1, links of `plan.links`); "error_estimate",
-        "collapse_storey", "energy_input", ... (scenes + 1,); NaN where there is nothing
+        "energy_input", ... (scenes + 1,); NaN where there is nothing
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -101,6 +148,14 @@ class Responses:
     def is_done(self) -> np.ndarray:
         """Scenes that ended with their motion, shape (scenes + 1,)."""
         return self.texts["status"] == DONE
+
+    @property
+    def is_whole(self) -> np.ndarray:
+        """Buildings whose numbers are of a whole motion, shape (scenes + 1, buildings).
+
+        They may stand in a scene that has collapsed, where nothing joins them to what collapsed.
+        """
+        return self.has_result[:, None] & np.isnan(self.values["building.collapse_time"])
 
     @property
     def has_result(self) -> np.ndarray:

@@ -31,6 +31,7 @@ from pounding_cli.variables import (
     COLUMN_VARIABLES,
     DISPLAY_QUANTITIES,
     FLOOR_DIMS,
+    INCLINED_VARIABLES,
     LINK_DIMS,
     RATIO_VARIABLES,
     RESPONSE_VARIABLES,
@@ -222,7 +223,8 @@ class ResultTables:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
         some are named."""
         names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK_DIMS], "link_right_floor"]
-        names = list(columns) or [*names, *(name for name in COLUMN_VARIABLES if name in self.arrays)]
+        optional = [name for name in (*COLUMN_VARIABLES, *INCLINED_VARIABLES) if name in self.arrays]
+        names = list(columns) or [*names, *optional]
         if "link" not in self.arrays:
             import pandas as pd
 
@@ -237,9 +239,10 @@ class ResultTables:
         return frame[(frame[names] > 0).any(axis=1)].reset_index(drop=True)
 
     def struck(self) -> pd.DataFrame:
-        """Per row of columns that a slab strikes between floors: building, storey, height of the blow over that of the
-        storey [-], who strikes with which floor, shears below and above the blow [N], the larger over the columns'
-        share of the yield shear [-], blows, largest force [N]. No row where no slab strikes columns.
+        """Per row of columns that a link ends on between floors, such as the blow of a slab: building, storey, height
+        of the end over that of the storey [-], building and floor of the other end, law of the link, gap [m], shears
+        below and above the end [N], the larger over the columns' share of the yield shear [-], blows, largest force
+        [N], time with a force [s]. No row where no link ends on columns.
         """
         sides = {
             "building": ("left", "right"), "storey": ("floor", "right_floor"), "at": ("left_at", "right_at"),
@@ -248,10 +251,10 @@ class ResultTables:
         link = self.link()
         link = link.reindex(columns=[*dict.fromkeys([*link.columns, *COLUMN_VARIABLES])])
         link = link[link["shear_below"].notna()].reset_index(drop=True)
-        is_left = link["link"].astype(str).str.contains(", left")
+        is_left = link["left_at"] < 1.0
         by_side = {name: link[left].where(is_left, link[right]) for name, (left, right) in sides.items()}
         return link[[*self.axes, *SCENE_DIMS]].assign(
-            **by_side, **link[["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force"]]
+            **by_side, **link[["gap", *COLUMN_VARIABLES[2:], "impacts", "peak_force", "kind", "contact_time"]]
         )
 
     def struck_links(self) -> pd.DataFrame:
@@ -291,19 +294,28 @@ class ResultTables:
 
         Standard deviations are with n - 1; `records_used` counts the records with a V_ratio, `records_flagged` those
         whose scene carries a flag, `records_meaningless` those whose numbers mean nothing (`flagged`),
-        `records_collapsed` those in whose scene a storey collapsed.
+        `records_collapsed` those in which a storey collapsed, of the building or of one that links join to it.
         """
         names = [*(f"{ratio}_{measure}" for ratio in RATIO_VARIABLES for measure in _MEASURES), "V_ratio_count"]
         frame = self._build_frame(names, ("case", "analysis", "building", "storey"), {"mass": np.isfinite})
         place = [*self.axes, "case", "analysis"]
-        scenes = self._build_frame(["flags", "status"], SCENE_DIMS)
+        scenes = self._build_frame(["flags"], SCENE_DIMS)
         counts = scenes[place].assign(
             records_flagged=scenes["flags"] != "",
             records_meaningless=scenes["flags"].map(is_void),
-            records_collapsed=scenes["status"] == COLLAPSED,
         )
         counts = counts.groupby(place, sort=False).sum()
-        return frame.rename(columns={"V_ratio_count": "records_used"}).merge(counts, on=place)
+        collapses = self._count_collapses()
+        frame = frame.rename(columns={"V_ratio_count": "records_used"}).merge(counts, on=place)
+        return frame.merge(collapses, on=[*place, "building"])
+
+    def _count_collapses(self) -> pd.DataFrame:
+        """Return by building the records in which a collapse ended its motion, in the column `records_collapsed`."""
+        place = [*self.axes, "case", "analysis", "building"]
+        buildings = self._build_frame(["sway"], (*SCENE_DIMS, "building"))
+        buildings = buildings.merge(self._build_frame(["status"], SCENE_DIMS))
+        is_ended = (buildings["status"] == COLLAPSED) & buildings["sway"].isna()
+        return buildings[place].assign(records_collapsed=is_ended).groupby(place, sort=False).sum().reset_index()
 
     def records(self) -> pd.DataFrame:
         """Return per motion: real or stand-in, digest, scale [-], window [s], peak [m/s2], Arias [m/s] as used.

@@ -287,13 +287,13 @@ def _moving(weights: Weights) -> Weights:
     return {dof: weight for dof, weight in weights.items() if dof >= 0 and weight}
 
 
-def _scaled(weights: Weights, factor: float) -> Weights:
-    """Weights times a factor."""
+def _scale_weights(weights: Weights, factor: float) -> Weights:
+    """Return weights times a factor."""
     return {dof: factor * weight for dof, weight in weights.items()}
 
 
-def _columns_of(number: int, tie: Tie) -> Columns:
-    """The columns that a link ends on, of which one end stands between floors; number : of the link."""
+def _find_columns(number: int, tie: Tie) -> Columns:
+    """Return the columns that a link ends on, of which one end stands between floors; number : of the link."""
     left, right = tie.ends
     on_left = left[2] == 1.0  # the link comes from the left, to the columns on the left of the right building
     building, storey, at = right if on_left else left
@@ -384,13 +384,13 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     n, behaviours, all_weights, masses = dofs.size, [tie.law.behaviour for tie in ties], [], []
     for tie in ties:
         left, right = (
-            _scaled(made[b].end(floor, at, y), tie.cosine)
+            _scale_weights(made[b].end(floor, at, y), tie.cosine)
             for (b, floor, at), y in zip(tie.ends, tie.places, strict=True)
         )
         all_weights.append(left | {dof: -weight for dof, weight in right.items()})
         moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]
         masses.append((1.0 / moving[0] if moving[0] else math.inf, 1.0 / moving[1] if moving[1] else math.inf))
-    links = [_element(each, eased=each.force is not None) for each in behaviours]
+    links = [_element(each, eased=each.force is not None and not each.begins_by_series) for each in behaviours]
     elements, terms = (
         _filled(ELEMENT, [*storeys, *(drag for drag, _ in drags), *(line.element for line in lines), *links]),
         list[tuple[float, int]](),
@@ -404,7 +404,7 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
         elements[n:], [*(own for _, own in drags), *(line.weights for line in lines), *all_weights], strict=True
     ):
         _tie(element, weights, terms)
-    struck = tuple(_columns_of(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
+    struck = tuple(_find_columns(number, tie) for number, tie in enumerate(ties) if tie.columns > 0.0)
     cosines = np.array([tie.cosine for tie in ties])
     floors = tuple(each.floors for each in made)
     sums = tuple(number for number, building in enumerate(buildings) if building.plan is not None)

@@ -111,9 +111,7 @@ def difference(first: Response, second: Response) -> float:
     presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
     time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
     found.append((time, other_time, np.full_like(time, time.max(initial=0.0))))
-    if first.collapse_storey:
-        time, other = (np.array([each.collapse_time]) for each in (first, second))
-        found.append((time, other, time))
+    found.append((a["collapse_time"], b["collapse_time"], a["collapse_time"]))
     return _largest(first, second, found)
 
 
@@ -156,7 +154,8 @@ def _largest(first: Response, second: Response, triples: Iterable[Triple]) -> fl
     move as the ground does have no numbers."""
     if not (first.has_result and second.has_result):
         return float("nan")
-    if (first.collapse_building, first.collapse_storey) != (second.collapse_building, second.collapse_storey):
+    fallen, other_fallen = (np.nan_to_num(each.peaks["collapse_storey"]) for each in (first, second))
+    if not np.array_equal(fallen, other_fallen):
         return float("inf")
     x, y, scale = (np.concatenate([part.ravel() for part in each]) for each in zip(*triples, strict=True))
     size = np.maximum(np.maximum(np.abs(x), np.abs(y)), np.abs(scale))

@@ -253,6 +253,18 @@ def _moves_by_rounding(dofs, el, r):
     return size <= least_rate and abs(el.v0) + r.h * size <= least_v
 
 
+@njit(**PART)
+def _rests_by_rounding(dofs, el, r):
+    """Whether the drift of a storey, whose rate stands in r.p, changes in this step by no more than the last digits of
+    its floors: a building that has come to rest would turn back without end."""
+    left, right = dofs[el.left], dofs[el.right]
+    size = 0.0
+    for k in range(r.order + 1):
+        size += abs(r.p[k])
+    least_v = LAST_DIGITS * max(max(left.u_max, -left.u_min), max(right.u_max, -right.u_min))
+    return size <= LAST_DIGITS * max(left.fastest, right.fastest) and r.h * size <= least_v
+
+
 @njit(**CALLED)
 def first_event(dofs, elements, terms, r, series):
     """Whether an element leaves its branch in [0, 1]; where the first does goes to r.end."""
@@ -268,6 +280,8 @@ def first_event(dofs, elements, terms, r, series):
             if _may_meet(el, guard, el.drifts == 0):
                 rate_series(dofs, elements, terms, r, e)
                 if el.drifts == 0 and _moves_by_rounding(dofs, el, r):
+                    break
+                if el.drifts and not el.slides and _rests_by_rounding(dofs, el, r):
                     break
                 at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
                 if el.eased and r.still:
@@ -302,7 +316,7 @@ def commit(dofs, elements, terms, r, series):
                     r.onset = -1.0
             if el.least > -TOUCH and was_open and el.closed:
                 el.time = r.time - r.begun
-            elif el.least > -TOUCH and el.peak_v < TOUCH:
+            elif not el.closed and el.least > -TOUCH and el.peak_v < TOUCH:
                 el.time, el.hits = 0.0, 0
             el.stuck += 1
             r.events += 1

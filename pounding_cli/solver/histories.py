@@ -8,10 +8,12 @@ import numpy as np
 
 from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.links import link_label, link_places
+from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
 from pounding_cli.solver.assemble import run_time, segments
 from pounding_cli.solver.outcome import ENDS, closings_of, stored_in_storeys
+from pounding_cli.solver.parts import join_histories
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import SceneRun, prepare_run
 
@@ -65,6 +67,9 @@ def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) ->
     """
     if not (np.isfinite(every) and every > 0):
         raise InputError(Problem(f"the output step is {every:g} s; it must be above zero", "write e.g. `every: 2 ms`"))
+    parts = divide_scene(scene)
+    if parts:
+        return join_histories(scene, parts, [solve_history(each.scene, accuracy, every) for each in parts])
     run = prepare_run([scene], accuracy, times=output_times(scene, every))
     run.integrate()
     outcome, advice = ENDS[int(run.data.run["status"][0])]

@@ -67,6 +67,7 @@ def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest:
     for b in range(len(storeys)):
         _put_building(peaks, b, layout, data, drift_at_rest)
     _put_lines(peaks, layout, data)
+    peaks["collapse_storey"] = 0.0
     links = data.elements[:, layout.of_links]
     peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
     peaks["max_closing"] = closings_of(layout, links["peak_v"], links["offset"])
@@ -220,6 +221,21 @@ def collapse_of(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
     parts = [elements["peak_v"][span] / elements["collapse"][span] for span in layout.floors]
     building = int(np.argmax([part.max() for part in parts]))
     return building, int(np.argmax(parts[building])) + 1
+
+
+def put_collapse(peaks: np.void, layout: Layout, building: int, storey: int, time: float) -> None:
+    """Enter into the peaks of a scene that a storey of a building collapsed, which ended all of it.
+
+    building, storey, time : place from 0, storey from 1, and time [s]
+    """
+    peaks["collapse_storey"][building] = storey
+    ends = [not isinstance(each, Wall) or each.moves for each in layout.buildings]
+    peaks["collapse_time"][ends] = time
+
+
+def collapse_flag(building: str, storey: int, time: float) -> Flag:
+    """Return the flag of a storey of a building that collapsed, counted from 1, at a time [s]."""
+    return Flag(COLLAPSED, f"{building} storey {storey}, at {time:.4g} s", severity=-time)  # the earlier, the worse
 
 
 def flags_of(scene: Scene, peaks: np.void) -> tuple[Flag, ...]:

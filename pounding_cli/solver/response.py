@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,7 @@ OUTCOMES = (DONE, COLLAPSED)
 
 STOREYS = ("shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift")
 BASES = ("sway", "rocking", "isolator_displacement")
+COLLAPSES = ("collapse_storey", "collapse_time")
 LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
 LINES = ("line_shear", "line_drift", "line_ductility")
@@ -36,7 +37,7 @@ def peaks_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.d
     """
     shapes: dict[tuple[str, ...], tuple[int, ...]] = {
         STOREYS: (buildings, storeys),
-        BASES: (buildings,),
+        (*BASES, *COLLAPSES): (buildings,),
         LINKS: (links,),
         COLUMNS: (links,),
     }
@@ -81,6 +82,9 @@ class BuildingPeaks:
     sway : largest |translation| of the foundation, 0 on a fixed base [m]
     rocking : largest |rotation| of the foundation, 0 on a fixed base [rad]
     isolator_displacement : sway of a base on isolators; NaN of others [m]
+    collapse_storey : storey of the building that collapsed, from 1; 0 where none did [-]
+    collapse_time : when a storey of the building, or of one that links join to it, collapsed, up to which the other
+        numbers are; NaN where none did, and of a wall that moves as the ground does [s]
     """
 
     shear: np.ndarray
@@ -93,6 +97,8 @@ class BuildingPeaks:
     sway: float
     rocking: float
     isolator_displacement: float
+    collapse_storey: int
+    collapse_time: float
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -158,9 +164,7 @@ class Response:
     error_estimate, sensitivity : see `estimate.assess` [-]; nan where not assessed
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
     time_step : of a method that takes one [s]; nan for the others
-    collapse_time : when a storey collapsed [s], nan where none did
     closing_to_rest : largest closing of every link until the scene is at rest, that of the motion included [m]
-    collapse_building, collapse_storey : place of its building from 0, and storey from 1; -1 and 0 where none did
     """
 
     peaks: np.void
@@ -181,21 +185,18 @@ class Response:
     sensitivity: float = float("nan")
     time_step: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
-    collapse_time: float = float("nan")
-    collapse_building: int = -1
-    collapse_storey: int = 0
     closing_to_rest: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def buildings(self) -> tuple[BuildingPeaks, ...]:
         """The largest values over time of every building, left to right."""
-        return tuple(
-            BuildingPeaks(
-                *(self.peaks[name][place, :n] for name in STOREYS),
-                *(float(self.peaks[name][place]) for name in BASES),
-            )
-            for place, n in enumerate(self.storeys)
-        )
+        buildings = []
+        for place, n in enumerate(self.storeys):
+            values: dict[str, Any] = {name: self.peaks[name][place, :n] for name in STOREYS}
+            values |= {name: float(self.peaks[name][place]) for name in (*BASES, *COLLAPSES)}
+            values["collapse_storey"] = int(np.nan_to_num(values["collapse_storey"]))
+            buildings.append(BuildingPeaks(**values))
+        return tuple(buildings)
 
     @property
     def links(self) -> LinkPeaks:
@@ -210,6 +211,29 @@ class Response:
         """The largest values of columns that slabs strike, of each link that asks for them (`Link.columns`)."""
         struck = np.flatnonzero(~np.isnan(self.peaks["shear_below"]))
         return ColumnPeaks(struck, **{name: self.peaks[name][struck] for name in COLUMNS})
+
+    @property
+    def collapse_time(self) -> float:
+        """The time of the first collapse of a storey [s], NaN where none collapsed."""
+        return float(np.fmin.reduce(self.peaks["collapse_time"]))
+
+    @property
+    def collapse_building(self) -> int:
+        """The place of the building that collapsed first, from 0; -1 where none did."""
+        fallen = self.fallen_buildings
+        return min(fallen, key=lambda place: self.peaks["collapse_time"][place]) if fallen else -1
+
+    @property
+    def collapse_storey(self) -> int:
+        """The storey that collapsed first, from 1; 0 where none did."""
+        place = self.collapse_building
+        return int(self.peaks["collapse_storey"][place]) if place >= 0 else 0
+
+    @property
+    def fallen_buildings(self) -> list[int]:
+        """The places of the buildings of which a storey collapsed, from 0."""
+        fallen: list[int] = np.flatnonzero(self.peaks["collapse_storey"] > 0).tolist()
+        return fallen
 
     @property
     def flag_severity(self) -> tuple[str, ...]:

@@ -291,18 +291,22 @@ class _State:
             self.is_curved[row, place] = self.k[row, place] != 0.0
 
     def _line_at(self, row: int, place: int) -> tuple[float, float]:
-        """Return the tangent (stiffness [N/m], offset [N]) of a curved force at the present deformation, at rest."""
+        """Return the tangent (stiffness [N/m], offset [N]) of a curved force at the present deformation, at rest.
+
+        It is 0 where a building that falls has gone beyond the range of numbers.
+        """
         element = self.data.elements.view(np.recarray)[row, place]
         v = float(element.v1)
         step = NUDGE * max(abs(v), NUDGE)
         above = self._force(element, row, v + step, 0.0)
         below = self._force(element, row, v - step, 0.0)
         k = (above - below) / (2.0 * step)
-        return k, 0.5 * (above + below) - k * v
+        offset = 0.5 * (above + below) - k * v
+        return (k, offset) if math.isfinite(k) and math.isfinite(offset) else (0.0, 0.0)
 
     def _force(self, element: Any, row: int, v: float, rate: float) -> float:
         """Return the force [N] of an element at the deformation v [m] and the rate [m/s]."""
-        force = float(element.k * v + element.c * rate + element.cubic * v**3 + element.f0)
+        force = float(element.k * v + element.c * rate + element.cubic * (v * v * v) + element.f0)
         if element.smooth and BEHAVIOURS[element.kind] is WRITTEN_BEHAVIOUR:
             assert self.data.room is not None  # of every scene with a formula
             formula = self.data.room.formulas.view(np.recarray)[row, element.formula]

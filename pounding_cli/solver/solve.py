@@ -18,10 +18,12 @@ from pounding_cli.laws.slider import Slider
 from pounding_cli.methods import Method, get_method
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import Link
+from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import assemble, outcome, records
 from pounding_cli.solver.assemble import MOST_EVENTS, MOST_STEPS, Layout, layout_of, records_of, segments, term_matrix
 from pounding_cli.solver.kernels import FIXED_STEP_KERNEL, FOLDER, kernel_for, mark_compiled
+from pounding_cli.solver.parts import join_responses
 from pounding_cli.solver.records import Data, Room
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_peaks
 from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT, find_rest
@@ -40,7 +42,7 @@ def solve(
     time_step: float | None = None,
     least_steps: int = 1,
 ) -> Response:
-    """Return the response of a scene.
+    """Return the response of a scene; from rest its parts that nothing links are solved each by itself.
 
     Parameters
     ----------
@@ -58,6 +60,13 @@ def solve(
     InputError : unknown method, a setting that it does not take or that is not above zero, or a scene that it cannot
         run
     """
+    parts = divide_scene(scene) if initial is None else ()
+    if parts:
+        responses = [
+            solve(each.scene, accuracy, method, bounds=bounds, time_step=time_step, least_steps=least_steps)
+            for each in parts
+        ]
+        return join_responses(scene, parts, responses)
     run = prepare_run([scene], accuracy, method, initial, bounds, time_step=time_step, least_steps=least_steps)
     run.integrate()
     return run.build_responses()[0]
@@ -75,9 +84,14 @@ def solve_all(
     InputError : as `solve`
     """
     numbers_by_layout = dict[Layout, list[int]]()
-    for number, scene in enumerate(scenes):
-        numbers_by_layout.setdefault(layout_of(scene), []).append(number)
     responses = dict[int, Response]()
+    for number, scene in enumerate(scenes):
+        parts = divide_scene(scene)
+        if parts:
+            of_parts = solve_all([each.scene for each in parts], accuracy, method, time_step=time_step)
+            responses[number] = join_responses(scene, parts, of_parts)
+        else:
+            numbers_by_layout.setdefault(layout_of(scene), []).append(number)
     for numbers in numbers_by_layout.values():
         run = prepare_run([scenes[number] for number in numbers], accuracy, method, time_step=time_step)
         run.integrate()
@@ -206,19 +220,19 @@ class SceneRun:
             final = tuple((np.full(count, nan), np.full(count, nan)) for count in storeys)
             no_energy = dict.fromkeys(energy, nan)
             return Response(no_peaks(storeys, len(scene.links)), **facts, energy=no_energy, final=final)
+        peaks = peaks.copy()
         flags = outcome.flags_of(scene, peaks)
         if status == COLLAPSED:
             building, storey = outcome.collapse_of(layout, self.data.elements[number, : layout.number])
             time = float(run["time"])
-            facts |= {"collapse_time": time, "collapse_building": building, "collapse_storey": storey}
-            detail = f"{layout.buildings[building].name} storey {storey}, at {time:.4g} s"
-            flags = (Flag(COLLAPSED, detail, severity=-time), *flags)  # the earlier, the worse
+            outcome.put_collapse(peaks, layout, building, storey, time)
+            flags = (outcome.collapse_flag(layout.buildings[building].name, storey, time), *flags)
         if takes_step and run["trials"]:
             kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
             flags += (Flag(kind, detail, float(run["trials"] / run["steps"])),)
         final = tuple((dofs["u0"][span].copy(), dofs["w"][span, 0].copy()) for span in layout.floors)
-        return Response(peaks.copy(), **facts, energy=energy, flags=flags, final=final)
+        return Response(peaks, **facts, energy=energy, flags=flags, final=final)
 
 
 def prepare_run(

@@ -232,8 +232,8 @@ def can_vary(
         is_item = isinstance(above, list) and step.isdigit() and int(step) < len(above)
         is_key = step in known and (above is None or isinstance(above, dict))
         if not is_item and not is_key:
-            message, hint = _describe_wrong_step(what, path, place, above, known, root, model)
-            problems.add(mark, message, hint)
+            message, hint = describe_wrong_step(path, place, above, known, root, model)
+            problems.add(mark, f"{what} '{name}': {message}", hint)
             return False
     if _is_section(path, root, model):
         example = _value_in_section(path, root, model)
@@ -267,22 +267,23 @@ def _is_section(path: Sequence[str], root: Map, model: type[BaseModel]) -> bool:
     return bool(keys_at(model, path, root))
 
 
-def _describe_wrong_step(
-    what: str, path: list[str], place: int, above: Any, known: list[str], root: Map, model: type[BaseModel]
+def describe_wrong_step(
+    path: Sequence[str], place: int, above: Any, known: list[str], root: Map, model: type[BaseModel]
 ) -> tuple[str, str]:
     """Return what is wrong with a dotted key whose step at `place` leads nowhere, and what to write.
 
     above : what stands in the file above that step
     known : keys that may stand there
     """
-    name = ".".join(path)
     step = path[place]
     before = ".".join(path[:place])
 
     def find_allowed(*keys: str) -> list[str]:
         return [key for key in keys if can_vary(key, root.mark, root, Problems(""), model=model)]
 
-    message = f"{what} '{name}': no key '{step}'{f' under {before!r}' if before else ''}"
+    if isinstance(above, list):
+        return describe_missing_entry(path, place, above)
+    message = f"no key '{step}'{f' under {before!r}' if before else ''}"
     if place == 0:
         whole_key = find_whole_key(path, root) if model is schema.StudySpec else ""
         return message, f"write the whole key, `{whole_key}`" if whole_key else nearest(step, known)
@@ -292,16 +293,22 @@ def _describe_wrong_step(
         of_one_link = ".".join((*path[:2], *path[4:]))
         if find_allowed(of_one_link):
             return message, f"this case has one link: write `{of_one_link}`"
-    if above is None or isinstance(above, dict | list):
+    if above is None or isinstance(above, dict):
         return message, nearest(step, known)
     owner = ""
     if place > 2 and path[0] in ("buildings", "cases"):
         owner = f" of {path[0].removesuffix('s')} '{path[1]}'"
     kind = "a number" if isinstance(above, int | float) or written_unit(above) else "a word"
-    message = f"{what} '{name}': '{path[place - 1]}'{owner} is {kind}, {above}"
+    message = f"'{path[place - 1]}'{owner} is {kind}, {above}"
     without_step_above = ".".join((*path[: place - 1], *path[place:]))
     allowed = find_allowed(without_step_above, before)
     return message, f"write {' or '.join(f'`{key}`' for key in allowed)}" if allowed else nearest(step, known)
+
+
+def describe_missing_entry(path: Sequence[str], place: int, entries: Sequence[Any]) -> tuple[str, str]:
+    """Return what is wrong with a dotted key whose step at `place` is no entry of a list, and what to write."""
+    message = f"no entry '{path[place]}' in the list '{'.'.join(path[:place])}'"
+    return message, f"{nearest(path[place], map(str, range(len(entries))))} (entries count from 0)"
 
 
 def find_whole_key(path: Sequence[str], root: Map) -> str:

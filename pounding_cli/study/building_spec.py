@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import MISSING, replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, create_model
+from pydantic import BeforeValidator, Field, create_model
 
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
@@ -24,6 +24,8 @@ from pounding_cli.study.quantity import (
     ParsedText,
     Quantity,
     WholeNumber,
+    quote,
+    refuse,
 )
 
 Ratio = Annotated[float, RATIO]
@@ -73,6 +75,8 @@ Coefficient = Annotated[float, ParsedText(_read_base_shear, "part of the weight 
 Amplification = Annotated[float, Quantity("deflection amplification factor Cd", "", "5.5", 1.0, 10.0)]
 ImportanceIe = Annotated[float, Quantity("importance factor Ie", "", "1", 1.0, 2.0)]
 DisplacementBehaviourFactor = Annotated[float, Quantity("displacement behaviour factor q_d", "", "3.9", 1.0, 20.0)]
+DisplacementDuctility = Annotated[float, Quantity("displacement ductility factor mu_d", "", "3.9", 1.0, 50.0)]
+ReductionR = Annotated[float, Quantity("reduction factor R", "", "5", 1.0, 20.0)]
 
 
 class BaseShearSpec(Model):
@@ -84,13 +88,22 @@ class BaseShearSpec(Model):
     )
     overstrength: Overstrength = spec_field(1.0, "factor on the yield shears [-]")
     cd: Amplification | None = spec_field(None, "amplification factor Cd of ASCE 7 [-], for `pound gap`", alias="Cd")
-    ie: ImportanceIe | None = spec_field(None, "importance factor Ie of ASCE 7 [-], for `pound gap`", alias="Ie")
+    ie: ImportanceIe | None = spec_field(
+        None, "importance factor Ie of ASCE 7, I of TBDY 2018 [-], for `pound gap`", alias="Ie"
+    )
     qd: DisplacementBehaviourFactor | None = spec_field(
         None, "displacement behaviour factor q_d of EN 1998-1 [-], for `pound gap`"
     )
+    mu_d: DisplacementDuctility | None = spec_field(
+        None,
+        "displacement ductility factor of NTC 2018, 7.3.3.3 [-], for `pound gap`; without it the displacement is "
+        "estimated from the height",
+    )
+    r: ReductionR | None = spec_field(None, "reduction factor R of TBDY 2018 and E.030 [-], for `pound gap`", alias="R")
+    irregular: bool = spec_field(False, "whether the structure is irregular by E.030, for `pound gap`")
 
 
-BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd"})
+BASE_SHEAR = frozenset({"base_shear", "distribution", "Cd", "Ie", "qd", "mu_d", "R", "irregular"})
 """Keys of a yield that speak of a base shear."""
 
 
@@ -230,6 +243,15 @@ def _list_or(quantity: Quantity, one: Any) -> Any:
     return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
 
 
+def _check_never(value: Any) -> Any:
+    """Return the word for storeys that stay elastic.  Raises PydanticCustomError."""
+    if value != "never":
+        hint = "write the yield shears of all storeys from the ground up, e.g. `[900 kN, 700 kN]`, or `never`"
+        share = "; a share of the weight stands in `yield: {base_shear: 10 %}` instead"
+        raise refuse(f"{quote(value)} is not a list of yield shears", hint + share)
+    return value
+
+
 PERIOD_OF_BUILDING = Annotated[float, TIME.replace(name="period", high=60.0)]
 Masses = _one_or_each(MASS)
 
@@ -310,7 +332,7 @@ class _BuildingSpec(Model):
     yield_: tagged_union(_yield_kind, code=CodeSpec, shear=BaseShearSpec) = spec_field(  # type: ignore[valid-type]
         CodeSpec(), "code or base-shear coefficient that sets the yield shears", alias="yield"
     )
-    yield_shear: _list_or(FORCE, Literal["never"]) | None = spec_field(  # type: ignore[valid-type]
+    yield_shear: _list_or(FORCE, Annotated[Literal["never"], BeforeValidator(_check_never)]) | None = spec_field(  # type: ignore[valid-type]
         None, "storey yield shears [N], instead of yield; `never`: the storeys stay elastic"
     )
     storey_law: Literal[tuple(storey_laws())] = spec_field("bilinear", "how storeys yield and unload")  # type: ignore[valid-type]
@@ -333,11 +355,12 @@ class _BuildingSpec(Model):
     slab: Annotated[float, LENGTH.replace(name="slab thickness", example="25 cm", open_low=False)] = spec_field(
         "0 cm", "thickness of the floor slabs [m]; slabs whose heights overlap meet"
     )
-    columns: Annotated[float, Quantity("share of the columns", "", "20 %", 0.0, 1.0, open_low=True)] | None = (
+    columns: Annotated[float | str, Quantity("share of the columns", "", "20 %", 0.0, 1.0, words=("none",))] | None = (
         spec_field(
             None,
-            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes [-]; "
-            "without it such blows are left out",
+            "part of a storey's stiffness and yield shear in the columns that a neighbour's slab strikes, or that a "
+            "link ends on [-]; `none`: its storeys have walls, and no columns to strike; without it such blows are "
+            "left out, with a warning",
         )
     )
     wall: word_or(Literal["fixed"], WallSpec) | None = spec_field(  # type: ignore[valid-type]

@@ -10,7 +10,7 @@ import numpy as np
 from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, Foundation, UnstableError, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
-from pounding_cli.model.separation import ASCE7, EN1998, UBC, asce7_displacement, en1998_displacement
+from pounding_cli.model.separation import CODE_RULES, UBC
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.building_spec import BaseShearSpec, BuildingSpec, StiffnessAtSpec
@@ -60,7 +60,7 @@ def _build_frame(name: str, spec: Any) -> Building:
         _find_gravity_load(spec, mass),
         np.inf if isinstance(spec.collapse, str) else spec.collapse,
         spec.slab,
-        spec.columns,
+        0.0 if spec.columns == "none" else spec.columns,
     )
 
 
@@ -138,7 +138,7 @@ def find_code_displacements(spec: Any, building: Building) -> dict[str, np.ndarr
     """Return the displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up.
 
     Rules whose factors the study does not give are left out. All follow from the static displacements under the design
-    forces: those of the UBC times `UbcDesign.amplification`, delta_M and d_s from the forces of `base_shear` and
+    forces: those of the UBC times `UbcDesign.amplification`, those of the others from the forces of `base_shear` and
     `distribution`.
     """
     if spec.wall is not None or spec.yield_shear is not None:
@@ -149,10 +149,10 @@ def find_code_displacements(spec: Any, building: Building) -> dict[str, np.ndarr
     if isinstance(design, UbcDesign):
         return {UBC: design.amplification * elastic}
     displacements: dict[str, np.ndarray] = {}
-    if code.cd is not None and code.ie is not None:
-        displacements[ASCE7] = asce7_displacement(elastic, code.cd, code.ie)
-    if code.qd is not None:
-        displacements[EN1998] = en1998_displacement(elastic, code.qd)
+    for rule in CODE_RULES:
+        factors = [getattr(code, key.lower()) for key in (*rule.factors, *rule.options)]
+        if rule.displacement is not None and None not in factors:
+            displacements[rule.name] = rule.displacement(elastic, *factors)
     return displacements
 
 

@@ -15,9 +15,11 @@ from pounding_cli.errors import InputError, Problem
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.study.buildings import build_building
+from pounding_cli.study.changes import Change
 from pounding_cli.study.file import Items, Map, Mark, Problems, canonical, dump_yaml
 from pounding_cli.study.group import Group, check_meetings, unique_names
 from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.link_places import find_floors, find_linked_pairs
 from pounding_cli.study.links import (
     Names,
     build_laws,
@@ -27,8 +29,6 @@ from pounding_cli.study.links import (
     check_links,
     complete_links,
     evaluate_multiples,
-    find_floors,
-    find_linked_pairs,
     list_multiples,
 )
 from pounding_cli.study.quantity import Quantity
@@ -38,13 +38,16 @@ from pounding_cli.study.written import read_spec
 from pounding_cli.texts import to_file_name
 
 
-def study_of(data: Mapping[str, Any], model: type[StudySpec] = StudySpec) -> Study:
+def study_of(
+    data: Mapping[str, Any], model: type[StudySpec] = StudySpec, changes: Sequence[Change] = ()
+) -> Study:  # fmt: skip
     """A validated study from a dict with the keys of a study file; numbers are SI, texts carry units ("5 cm").
 
     Its path is the title, or `study`, as a file in the current folder: record files are sought there, and results are
     named after it. Its text is the same study as YAML.
 
     model : of the study, with the sections of questions (`add_sections`)
+    changes : values in place of those of the dict
 
     Raises
     ------
@@ -53,7 +56,21 @@ def study_of(data: Mapping[str, Any], model: type[StudySpec] = StudySpec) -> Stu
     root = tree_of(data)
     title = str(root.get("title") or "study")
     path = Path(to_file_name(title).replace(" ", "-").lower() + ".yaml")
-    return build_study(path, dump_yaml(root, flow=False) + "\n", root, model)
+    return build_study(path, dump_yaml(root, flow=False) + "\n", root, model, changes)
+
+
+def list_changes(values: Mapping[str, Any]) -> tuple[Change, ...]:
+    """Return the changes that new values of dotted keys make; numbers are SI, texts carry units.
+
+    Raises
+    ------
+    InputError : what is no value of a study
+    """
+    changes = []
+    for key, value in values.items():
+        node = _node(value, key)
+        changes.append(Change(key, node, dump_yaml(node), (key, 0)))
+    return tuple(changes)
 
 
 def tree_of(data: Mapping[str, Any]) -> Map:

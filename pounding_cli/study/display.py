@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 DISPLAY_UNITS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...], Unit]] = {
     "gap": ((("cases",),), ("gap",), Unit("cm", 0.01, "m")),
     "link stiffness": ((("cases",), ("impact",)), ("stiffness",), Unit("MN/m", 1e6, "N/m")),
-    "acceleration": ((("records", "scale"),), ("pga", "sa", "target"), Unit("g", GRAVITY, "m/s2")),
+    "acceleration": ((("records", "scale"),), ("pga", "sa", "target", "ag", "sds", "sd1"), Unit("g", GRAVITY, "m/s2")),
     "time step": ((("time_step",),), (), Unit("s", 1.0, "s")),
 }
 """The quantities that screens and tables show in the unit of the study: the sections at or below which it writes them,
@@ -42,10 +42,14 @@ def find_unit(tree: Any, quantity: str) -> Unit:
 
 
 def _iter_scalars(node: Any, keys: Sequence[str], inside: bool) -> Iterator[Any]:
-    """Yield the scalars at or below `node` that stand under one of `keys`; all of them where `inside`."""
+    """Yield the scalars at or below `node` that stand under one of `keys`; all of them where `inside`.
+
+    The spectrum of a code, a mapping with `code`, has quantities of several kinds: those under one of `keys` count.
+    """
     if isinstance(node, dict):
+        are_alike = inside and "code" not in node
         for key, below in node.items():
-            yield from _iter_scalars(below, keys, inside or key in keys)
+            yield from _iter_scalars(below, keys, are_alike or key in keys)
     elif isinstance(node, list):
         for below in node:
             yield from _iter_scalars(below, keys, inside)

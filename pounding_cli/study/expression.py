@@ -18,13 +18,16 @@ from pounding_cli import variables
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, written_unit
 
+SHEAR_DEMAND = "shear_demand"
+
 
 def _find_units(dims: tuple[str, ...]) -> dict[str, str]:
-    """Return the SI unit of every response over some dimensions, by name; those of struck columns are left out."""
+    """Return the SI unit of every response over some dimensions, by name; of loaded columns their shear demand only."""
+    left_out = {*variables.COLUMN_VARIABLES} - {SHEAR_DEMAND}
     return {
         variable.name: variable.unit.removeprefix("1")
         for variable in variables.RESPONSE_VARIABLES
-        if variable.dims == dims and variable.name not in variables.COLUMN_VARIABLES
+        if variable.dims == dims and variable.name not in left_out
     }
 
 
@@ -297,7 +300,6 @@ def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> floa
 
 CONTACT = "contact"
 COLLAPSE = "collapse"
-SHEAR_DEMAND = "shear_demand"
 DRIFT_RATIO = "drift_ratio"
 LIMITS = ("mu", "drift", DRIFT_RATIO, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE)
 """Quantities that may be limited."""

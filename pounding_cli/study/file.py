@@ -7,6 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, cast
@@ -130,6 +131,20 @@ def with_value(node: Any, path: Sequence[str], value: Any, mark: Mark) -> Any:
     raise KeyError(step)
 
 
+def without_value(node: Any, path: Sequence[str]) -> Any:
+    """Return the same tree without the key at a path, which stands in mappings.  Raises KeyError: it is not there."""
+    step, *rest = path
+    if isinstance(node, Map) and step in node:
+        below = {step: without_value(node[step], rest)} if rest else {}
+        kept = {key: value for key, value in node.items() if key != step or rest}
+        return Map({**kept, **below}, node.mark, node.marks)
+    if isinstance(node, Items) and rest and step.isdigit() and int(step) < len(node):
+        items = Items(node, node.mark, node.marks)
+        items[int(step)] = without_value(node[int(step)], rest)
+        return items
+    raise KeyError(step)
+
+
 def locate(root: Any, path: Iterable[str | int], key: bool = False) -> Mark:
     """Return the place where the value (or its key) at `path` begins.
 
@@ -179,6 +194,28 @@ def parse(text: str, file: str) -> Map:
         reader.refuse(mark, "a study is a mapping of keys to values", "begin with `title: ...`")
     reader.problems.check()
     return cast(Map, root)
+
+
+def parse_value(text: str, source: str) -> Any:
+    """Return the tree of a value that stands outside a file.
+
+    source : where it stands, in errors
+
+    Raises
+    ------
+    InputError : it is not YAML
+    """
+    reader = _Reader(text, source)
+    try:
+        value, _ = reader.document()
+        reader.problems.check()
+    except yaml.YAMLError as error:
+        what = error.problem if isinstance(error, yaml.MarkedYAMLError) and error.problem else "unreadable"
+        hint = "check its brackets, quotes and commas; put quotes of YAML around a text with signs"
+        raise InputError(Problem(f"the value is not YAML: {what}", hint, source)) from None
+    except InputError as refused:
+        raise InputError([replace(each, line=0, column=0) for each in refused.problems]) from None
+    return value
 
 
 class _Reader:

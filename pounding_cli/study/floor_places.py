@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from pounding_cli.study.quantity import LENGTH, LONGEST, Quantity, ValueParser, quote, refuse
+from pounding_cli.study.quantity import LENGTH, LONGEST, NUMBER, Quantity, ValueParser, quote, refuse
 
 MAX_FLOOR = 100
 """Highest floor that a link may name."""
@@ -17,7 +17,7 @@ GROUND_WORDS = ("base", "ground")
 """Words for floor 0: a base that moves, and the ground below the first storey."""
 
 _ABOVE = LENGTH.replace(name="height above the floor", example="1.2 m", high=100.0)
-_SHARE = Quantity("part of the storey height", "", "40 %", 0.0, 1.0, open_low=True, open_high=True)
+_SHARE = Quantity("part of the storey height", "", "40 %", 0.0, 1.0, open_low=True, open_high=True, percent=True)
 _PLACE = re.compile(rf"\s*([0-9]{{1,9}}|{'|'.join(GROUND_WORDS)})\s*(?:\+\s*(\S.*?))?\s*\Z")
 _USAGE = "write a floor, e.g. 5, or a floor and the height above it: `2 + 1.2 m`, `2 + 40 %`"
 
@@ -73,6 +73,8 @@ def parse_floor_place(value: Any) -> FloorPlace:
     height = match[2]
     if height is None:
         return FloorPlace(floor)
+    if re.fullmatch(NUMBER, height):
+        raise refuse(f"{quote(value)}: the height above the floor has no unit", f"write e.g. `{value} m`, `{value} %`")
     quantity = _SHARE if height.endswith("%") else _ABOVE
     try:
         number = quantity.read(height)

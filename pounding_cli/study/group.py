@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE
-from pounding_cli.model.meetings import Strike, deflection_of_columns, find_meetings, reach_of_slabs
-from pounding_cli.model.wall import Wall
+from pounding_cli.model.meetings import find_meetings
+from pounding_cli.model.wall import MIN_HEIGHT, Wall
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.file import nearest
 from pounding_cli.study.issues import Issue, IssuesFound
+from pounding_cli.study.link_places import Meeting
 from pounding_cli.study.quantity import StoreyMultiple
 
 MAX_IN_GROUP = 20
@@ -24,98 +24,6 @@ COLUMNS = (
     "strikes, e.g. `columns: 20 %`"
 )
 """What to write where slabs strike columns."""
-
-
-class LinkEnds(NamedTuple):
-    """Where both ends of a link stand; fields as of `Link`.
-
-    flexibility : deflection per force of the columns that it ends on [m/N]
-    """
-
-    left_floor: int
-    right_floor: int
-    left_at: float = 1.0
-    right_at: float = 1.0
-    cosine: float = 1.0
-    columns: float = 0.0
-    flexibility: float = 0.0
-
-
-class Side(NamedTuple):
-    """What a link must know of the building on one of its sides.
-
-    levels : elevations of its base and its floors [m]
-    base_moves : whether a link may end at its base
-    is_wall : whether it is a wall, which has no floors of its own
-    columns : part of a storey's stiffness and yield shear in the columns that links may end on [-]; None: not known
-    column_stiffnesses : of these columns in every storey, 12 E I / L^3 [N/m]; empty where `columns` is None
-    """
-
-    name: str
-    levels: tuple[float, ...]
-    base_moves: bool
-    is_wall: bool
-    columns: float | None
-    column_stiffnesses: tuple[float, ...]
-
-    @classmethod
-    def of(cls, building: Building) -> Side:
-        """Return the side of a building."""
-        levels = (0.0, *building.elevation.tolist())
-        stiffnesses: tuple[float, ...] = ()
-        if building.columns is not None:
-            stiffnesses = tuple((building.columns * building.stiffness).tolist())
-        is_wall = isinstance(building, Wall)
-        return cls(building.name, levels, building.has_floor(0), is_wall, building.columns, stiffnesses)
-
-    @property
-    def storeys(self) -> int:
-        """Number of storeys."""
-        return len(self.levels) - 1
-
-    def level(self, floor: int, at: float) -> float:
-        """Return the elevation of a link's end [m]; arguments as of `Link`."""
-        if floor == 0:
-            return self.levels[0]
-        return at * self.levels[floor] + (1.0 - at) * self.levels[floor - 1]
-
-    def deflection(self, floor: int, at: float) -> float:
-        """Return the deflection per force of the columns that a link ends on [m/N]; arguments as of `Link`."""
-        return deflection_of_columns(at) / self.column_stiffnesses[floor - 1]
-
-
-@dataclass(frozen=True)
-class Meeting:
-    """The floors at which two neighbours meet, and blows on columns.
-
-    left, right : the two sides
-    floors : of both, from 1, that meet; 0 is a base
-    strikes : where slabs strike columns of which the share of the storey is known
-    reach : slabs no further apart than this in height meet [m]
-    """
-
-    left: Side
-    right: Side
-    floors: tuple[tuple[int, int], ...]
-    strikes: tuple[LinkEnds, ...]
-    reach: float
-
-    @classmethod
-    def of(cls, left: Building, right: Building) -> Meeting:
-        """Return where two neighbours meet."""
-        floors, strikes = find_meetings(left, right)
-        sides = (Side.of(left), Side.of(right))
-        known = [strike for strike in strikes if sides[strike.side].columns is not None]
-        ends = tuple(_find_ends_of_strike(sides[strike.side], strike) for strike in known)
-        return cls(*sides, floors, ends, reach_of_slabs(left.slab, right.slab))
-
-
-def _find_ends_of_strike(struck: Side, strike: Strike) -> LinkEnds:
-    """Return the ends of the link between a slab and the columns that it strikes."""
-    assert struck.columns is not None  # of these the share is known
-    places = (strike.left_floor, strike.right_floor, strike.left_at, strike.right_at)
-    flexibility = struck.deflection(strike.storey, strike.height)
-    return LinkEnds(*places, columns=struck.columns, flexibility=flexibility)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +55,7 @@ class Group:
 
 
 def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
-    """Return the buildings in their places; a wall without a height of its own is as high as they are.
+    """Return the buildings in their places; a wall without a height of its own is as high as its neighbours.
 
     names : of the types, left to right
     """
@@ -155,9 +63,18 @@ def build_group(names: Sequence[str], types: Mapping[str, Building]) -> Group:
         types[name] if types[name].name == label else replace(types[name], name=label)
         for name, label in zip(names, unique_names(names), strict=True)
     ]
-    roof = max((float(each.elevation[-1]) for each in placed if not isinstance(each, Wall)), default=0.0)
-    placed = [each.raise_to(roof) if isinstance(each, Wall) else each for each in placed]
-    return Group(tuple(placed), types)
+    return Group(tuple(_raise_walls(placed)), types)
+
+
+def _raise_walls(row: Sequence[Building]) -> Iterator[Building]:
+    """Yield the buildings of a row; a wall without a height of its own is as high as the higher of its neighbours."""
+    for place, building in enumerate(row):
+        if isinstance(building, Wall):
+            beside = row[max(place - 1, 0) : place + 2]
+            roofs = (float(each.elevation[-1]) for each in beside if not isinstance(each, Wall))
+            yield building.raise_to(max(roofs, default=MIN_HEIGHT))
+        else:
+            yield building
 
 
 def unique_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -191,24 +108,49 @@ def check_group_names(names: Sequence[str], defined: Sequence[str]) -> Sequence[
 def check_meetings(group: Group, linked_pairs: Collection[int] = ()) -> Group:
     """Return the group unchanged.
 
+    A wall may stand beside a building that does not reach it, if it meets its other neighbour.
+
     linked_pairs : pairs from 0 whose floors a link of a case names, wherever they are
 
     Raises
     ------
-    IssuesFound : two neighbours cannot strike each other, and no link joins them
+    IssuesFound : two neighbours cannot strike each other, and no link joins them, or two walls stand side by side
     """
     issues = []
     for place, meeting in enumerate(group.meetings):
-        if not meeting.floors and not meeting.strikes and place not in linked_pairs:
-            pair = group.buildings[place : place + 2]
+        pair = group.buildings[place : place + 2]
+        names = f"{meeting.left.name} and {meeting.right.name}"
+        walls = [building for building in pair if isinstance(building, Wall)]
+        if len(walls) == 2:
+            message = f"{names} are two walls side by side: no building stands between them"
+            hint = "leave one out: a wall can be struck from both sides"
+            issues.append(Issue(("group", place + 1), message, hint))
+        elif not (walls or meeting.floors or meeting.strikes or place in linked_pairs):
             levels = (join_limited(f"{elevation:g}" for elevation in each.elevation) for each in pair)
-            names = f"{meeting.left.name} and {meeting.right.name}"
             message = f"{names} have no floor at one elevation: {' against '.join(levels)} m"
             hint = f"let the storey heights agree somewhere; {COLUMNS}; or name both ends of links, `floors: [[2, 3]]`"
             issues.append(Issue(("group", place + 1), message, hint))
+    for place, building in enumerate(group.buildings):
+        if isinstance(building, Wall) and not any(
+            each.floors for each in group.meetings[max(place - 1, 0) : place + 1]
+        ):
+            issues += _find_wall_issues(group, place, building)
     if issues:
         raise IssuesFound(issues)
     return group
+
+
+def _find_wall_issues(group: Group, place: int, wall: Wall) -> list[Issue]:
+    """Return the issue of a wall that no floor meets; none where another wall stands beside it."""
+    beside = [*group.buildings[max(place - 1, 0) : place], *group.buildings[place + 1 : place + 2]]
+    if any(isinstance(building, Wall) for building in beside):
+        return []
+    height = float(wall.height[0])
+    reach = f"reaches {height:g} m above the ground" if height > MIN_HEIGHT else "ends at the ground"
+    lowest = " and ".join(f"the lowest floor of {each.name} is at {each.elevation[0]:g} m" for each in beside)
+    message = f"no floor meets the wall {wall.name}, which {reach}: {lowest}"
+    hint = "write a higher wall, or one without `height:`; a base that moves meets every wall"
+    return [Issue(("group", place), message, hint)]
 
 
 def find_ignored_blows(group: Group) -> list[Issue]:
@@ -223,6 +165,7 @@ def find_ignored_blows(group: Group) -> list[Issue]:
             where = f"meet at {pluralize(len(floors), 'floor')} only" if floors else "meet at no floor"
             message = f"{pair[0].name} and {pair[1].name} {where}: blows on columns are left out of {slabs}"
             hint = f"give both the same `height:`, a `slab:` thick enough to meet, {COLUMNS} in {struck}"
+            hint += "; `columns: none` where walls stand there"
             issues.append(Issue(("group", place + 1), message, hint))
     return issues
 
@@ -237,7 +180,7 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
     for left, right in pairwise(group):
         pair, (floors, strikes) = f"{left.name}|{right.name}  ", find_meetings(left, right)
         if isinstance(left, Wall) or isinstance(right, Wall):
-            named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors)
+            named = ", ".join(f"floor {floor}" if floor else BASE for floor, _ in floors) or "no floor"
             lines.append(f"{pair}the wall meets {named}")
             continue
         if not strikes and len(floors) > 1 and all(i == j for i, j in floors):
@@ -250,8 +193,13 @@ def format_meetings(group: Sequence[Building]) -> list[str]:
             columns, slab = (left, right)[strike.side], (right, left)[strike.side]
             said = f"floor {strike.slab} of {slab.name} strikes columns of {columns.name} in storey {strike.storey}"
             said += f", at {100 * strike.height:.3g} % of its height"
-            left_out = f"left out: {said}; write `columns:` in {columns.name}"
-            share = f"{said}, {100 * (columns.columns or 0.0):.3g} % of the storey"
-            found.append((slab.level(strike.slab), left_out if columns.columns is None else share))
+            if columns.columns is None:
+                said = f"left out: {said}; write `columns:` in {columns.name}"
+            elif columns.columns == 0.0:
+                said = f"floor {strike.slab} of {slab.name} meets storey {strike.storey} of {columns.name}, "
+                said += "which has no columns to strike"
+            else:
+                said += f", {100 * columns.columns:.3g} % of the storey"
+            found.append((slab.level(strike.slab), said))
         lines += [f"{pair}{height:g} m: {said}" for height, said in sorted(found)]
     return lines

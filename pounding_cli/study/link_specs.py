@@ -8,12 +8,22 @@ from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    create_model,
+)
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
 from pounding_cli.study.base import Model, Name, SpecIssue, one_or_many, spec_field, tagged_union
 from pounding_cli.study.floor_places import FloorPair, FloorPairParser
+from pounding_cli.study.issues import KeyPath
 from pounding_cli.study.quantity import (
     GAP,
     LENGTH,
@@ -173,13 +183,38 @@ def _floors_kind(value: Any) -> str:
     return "word" if isinstance(value, str) and value != "base" else "floors"
 
 
+_FLOORS_USAGE = "write floors, e.g. `[3, 5]`, or both ends of every link, e.g. `[[4, 5], [4, 2 + 1.2 m]]`"
+
+
+def _check_word(value: Any) -> Any:
+    """Return a word for several floors.  Raises PydanticCustomError."""
+    if value not in ("all", "rest"):
+        raise refuse(f"{quote(value)} is no place of a link", f"{_FLOORS_USAGE}; `all`, `rest` or `base`")
+    return value
+
+
+def _read_floor(value: Any, read: ValidatorFunctionWrapHandler) -> Any:
+    """Return a floor that a link lists.  Raises PydanticCustomError."""
+    try:
+        return read(value)
+    except ValidationError as error:
+        context = error.errors()[0].get("ctx", {})
+        message = context.get("message", f"{quote(value)} is not a floor")
+        raise refuse(str(message), _FLOORS_USAGE) from None
+
+
 def _floor_kind(value: Any) -> str:
     return "ends" if isinstance(value, list | tuple | FloorPair) else "floor"
 
 
-_FloorOrEnds = tagged_union(_floor_kind, floor=_Floor, ends=Annotated[Any, FloorPairParser()])
-Floors: Any = tagged_union(
-    _floors_kind, word=Literal["all", "rest"], mapping=ExceptSpec, floors=one_or_many(_FloorOrEnds, as_list=True)
+_FloorOrEnds = tagged_union(
+    _floor_kind, floor=Annotated[_Floor, WrapValidator(_read_floor)], ends=Annotated[Any, FloorPairParser()]
+)
+FloorChoice: Any = tagged_union(
+    _floors_kind,
+    word=Annotated[Literal["all", "rest"], BeforeValidator(_check_word)],
+    mapping=ExceptSpec,
+    floors=one_or_many(_FloorOrEnds, as_list=True),
 )
 DISTANCE = LENGTH.replace(name="distance", example="2 m", high=100.0)
 
@@ -190,7 +225,7 @@ class LinkSpec(Model):
     link: str = spec_field(
         ..., f"its law: {', '.join(link_laws())}, or a name of `laws`; `none` keeps floors free", "pounding"
     )
-    floors: Floors = spec_field(
+    floors: FloorChoice = spec_field(
         "all",
         "floors with this link, numbered in the left building: 5, [3, 5], {except: [1]}; `rest`: those that no other "
         "link of the pair lists; `base`: the moving base of a building beside a wall; [[4, 5], [6, 7 + 1.2 m]]: from "
@@ -219,6 +254,9 @@ class LinkSpec(Model):
                 "remove it: slabs strike where they are",
                 True,
             )
+        if self.at is not None and self.distance is not None:
+            hint = "remove it: a slab is as high as the columns that it faces, so the link is level"
+            yield ("distance",), "'distance' has no effect beside 'at: columns'", hint, True
         yield from _refuse_both_losses(self)
 
 
@@ -329,6 +367,13 @@ CaseSpec: Any = tagged_union(
     links=SeveralLinks,
 )
 """What stands between the buildings of the group: one link, or a list of links under `links`."""
+
+
+def list_links(name: str, case: Any) -> list[tuple[LinkSpec, KeyPath]]:
+    """Return the links of a case as written, each with its path."""
+    if isinstance(case, SeveralLinksSpec):
+        return [(link, ("cases", name, "links", number)) for number, link in enumerate(case.links)]
+    return [(case, ("cases", name))]
 
 
 class OwnLawSpec(Model):

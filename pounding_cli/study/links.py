@@ -1,8 +1,7 @@
-"""Build the links of a case: what it and `impact` say of each, the floors it joins, its law."""
+"""Build the links of a case: what it and `impact` say of each, and its law."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,12 +10,12 @@ from pounding_cli.errors import Problem
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.laws.pounding import DashpotLaw, damping_ratio, restitution_from_damping
-from pounding_cli.model.links import BASE, Link
+from pounding_cli.model.links import Link
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.file import nearest
-from pounding_cli.study.floor_places import FloorPair, FloorPlace
-from pounding_cli.study.group import Group, LinkEnds, Meeting, Side
+from pounding_cli.study.group import Group
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
+from pounding_cli.study.link_places import Floors, LinkEnds, Meeting
 from pounding_cli.study.link_specs import (
     LOSSES,
     NO_LINK,
@@ -26,6 +25,7 @@ from pounding_cli.study.link_specs import (
     LinkSpec,
     SeveralLinksSpec,
     link_keys,
+    list_links,
     list_words,
     needs_key,
     own_parameters,
@@ -66,13 +66,6 @@ class CompleteLink:
 
 
 # What a case says of its links
-
-
-def list_links(name: str, case: Any) -> list[tuple[LinkSpec, KeyPath]]:
-    """Return the links of a case as written, each with its path."""
-    if isinstance(case, SeveralLinksSpec):
-        return [(link, ("cases", name, "links", number)) for number, link in enumerate(case.links)]
-    return [(case, ("cases", name))]
 
 
 def complete_links(name: str, case: Any, impact: Any) -> tuple[CompleteLink, ...]:
@@ -333,162 +326,6 @@ def refuse_pair(pair: int, pairs: int) -> tuple[str, str]:
     return message, f"write a number from 1 to {pairs}, or leave it out"
 
 
-# Floors
-
-Floors = tuple[tuple[tuple[LinkEnds, ...], ...], ...]
-"""Where links stand: of every pair of neighbours, of every link of the case."""
-
-
-def find_floors(name: str, case: Any, meetings: Sequence[Meeting]) -> Floors:
-    """Return where the links of a case stand between floors; those between slabs and columns that meet are not among
-    them.
-
-    Raises
-    ------
-    IssuesFound : a link names a floor that does not meet one of the neighbour, or ends where it cannot
-    """
-    issues = Issues()
-    links = list_links(name, case)
-    floors = []
-    for number, meeting in enumerate(meetings, 1):
-        members = [(link, path) for link, path in links if link.pair in (None, number)]
-        listed = {path: _find_listed_ends(link, path, meeting, issues) for link, path in members}
-        taken = {ends[:4] for of_link in listed.values() for ends in of_link}
-        floors.append(
-            tuple(
-                _choose_ends(link, meeting, listed[path], taken) if link.pair in (None, number) else ()
-                for link, path in links
-            )
-        )
-    issues.check()
-    return tuple(floors)
-
-
-def find_linked_pairs(name: str, case: Any, pairs: int) -> set[int]:
-    """Return the pairs of neighbours, from 0, of which a link of a case names both of its ends.
-
-    pairs : number of all pairs
-    """
-    linked: set[int] = set()
-    for link, _ in list_links(name, case):
-        floors = link.floors if isinstance(link.floors, tuple) else ()
-        if any(isinstance(floor, FloorPair) for floor in floors):
-            linked |= {link.pair - 1} if link.pair is not None else {*range(pairs)}
-    return linked
-
-
-def _find_listed_ends(link: LinkSpec, path: KeyPath, meeting: Meeting, issues: Issues) -> tuple[LinkEnds, ...]:
-    """Return where a link stands that lists its floors; of `except` nothing, but unknown floors are noted."""
-    is_list = isinstance(link.floors, tuple)
-    right_floors = dict(meeting.floors)
-    found: dict[LinkEnds, None] = {}
-    for place, floor in enumerate(_listed_floors(link)):
-        at = (*path, "floors", *(() if is_list else ("except",)), place)
-        try:
-            if isinstance(floor, FloorPair):
-                found[_build_ends(link, floor, meeting, at)] = None
-                continue
-            if floor not in right_floors:
-                message = f"{meeting.left.name} and {meeting.right.name} have no common floor {floor or BASE}"
-                raise IssuesFound([Issue(at, message, _hint_to_floors(floor, meeting))])
-        except IssuesFound as refused:
-            issues.add_written(refused.issues)
-            continue
-        if is_list:
-            found[_join_floors(link, floor, right_floors[floor], meeting)] = None
-    return tuple(found)
-
-
-def _hint_to_floors(floor: int, meeting: Meeting) -> str:
-    """Return what to write for a floor that meets none of the neighbour."""
-    common = ", ".join(str(each or BASE) for each, _ in meeting.floors)
-    both_ends = f"both ends, e.g. `[[{floor}, {min(max(floor, 1), meeting.right.storeys)}]]`"
-    return f"write floors among {common}, or {both_ends}" if common else f"write {both_ends}"
-
-
-def _listed_floors(link: LinkSpec) -> tuple[Any, ...]:
-    """Return the floors that a link names, or leaves out by `except`."""
-    if isinstance(link.floors, tuple):
-        return link.floors
-    return getattr(link.floors, "floors", ())
-
-
-def _choose_ends(
-    link: LinkSpec, meeting: Meeting, listed: tuple[LinkEnds, ...], taken: Collection[tuple[Any, ...]]
-) -> tuple[LinkEnds, ...]:
-    """Return where a link of a pair stands.
-
-    listed : the ends that it lists itself
-    taken : floors and heights of all ends that links of the pair list
-    """
-    if link.at is not None:
-        return ()
-    if isinstance(link.floors, tuple):
-        return listed
-    ends = tuple(_join_floors(link, *both, meeting) for both in meeting.floors)
-    if link.floors == "rest":
-        return tuple(each for each in ends if each[:4] not in taken)
-    return tuple(each for each in ends if each.left_floor not in _listed_floors(link))
-
-
-def _join_floors(link: LinkSpec, left_floor: int, right_floor: int, meeting: Meeting) -> LinkEnds:
-    """Return the ends of a link between two floors."""
-    cosine = _find_cosine(link, meeting.left.level(left_floor, 1.0), meeting.right.level(right_floor, 1.0))
-    return LinkEnds(left_floor, right_floor, cosine=cosine)
-
-
-def _find_cosine(link: LinkSpec, left_level: float, right_level: float) -> float:
-    """Return the cosine of the angle between a link and the horizontal [-], from the elevations of its ends [m]."""
-    if link.distance is None:
-        return 1.0
-    return link.distance / math.hypot(link.distance, left_level - right_level)
-
-
-def _build_ends(link: LinkSpec, pair: FloorPair, meeting: Meeting, path: KeyPath) -> LinkEnds:
-    """Return where both ends of a link stand.  Raises IssuesFound."""
-    if meeting.left.is_wall or meeting.right.is_wall:
-        hint = f"write the floor alone: `floors: [{(pair.right if meeting.left.is_wall else pair.left).floor}]`"
-        raise IssuesFound([Issue(path, "a wall has no floors of its own", hint)])
-    if not pair.left.is_at_floor and not pair.right.is_at_floor:
-        hint = "let one of them be at a floor, e.g. `[4, 2 + 1.2 m]`"
-        raise IssuesFound([Issue(path, "both ends of the link stand between floors", hint)])
-    left_floor, left_at = _find_end(pair.left, meeting.left, path)
-    right_floor, right_at = _find_end(pair.right, meeting.right, path)
-    cosine = _find_cosine(link, meeting.left.level(left_floor, left_at), meeting.right.level(right_floor, right_at))
-    ends = LinkEnds(left_floor, right_floor, left_at, right_at, cosine)
-    if pair.left.is_at_floor and pair.right.is_at_floor:
-        return ends
-    side, floor, at = (
-        (meeting.right, right_floor, right_at) if pair.left.is_at_floor else (meeting.left, left_floor, left_at)
-    )
-    if side.columns is None:
-        message = f"the link ends on columns of {side.name} in storey {floor}, of which nothing is known"
-        hint = f"write `columns:` in {side.name}, their part of the storey's stiffness, e.g. `columns: 20 %`"
-        raise IssuesFound([Issue(path, message, hint)])
-    return ends._replace(columns=side.columns, flexibility=side.deflection(floor, at))
-
-
-def _find_end(place: FloorPlace, side: Side, path: KeyPath) -> tuple[int, float]:
-    """Return the floor at or above an end of a link, and where in the storey below it the end stands, as of `Link`.
-
-    Raises IssuesFound: the building has no such place.
-    """
-    has = f"{side.name} has {pluralize(side.storeys, 'floor')}"
-    if place.is_at_floor:
-        if place.floor > side.storeys or (place.floor == 0 and not side.base_moves):
-            message = f"{has}, not {place.floor}" if place.floor else f"the base of {side.name} does not move"
-            raise IssuesFound([Issue(path, message, f"write a floor from 1 to {side.storeys}")])
-        return place.floor, 1.0
-    if place.floor >= side.storeys:
-        raise IssuesFound([Issue(path, f"{has}: '{place}' is above its roof", "write a place below the roof")])
-    height = side.levels[place.floor + 1] - side.levels[place.floor]
-    at = place.share or place.above / height
-    if not at < 1.0:
-        message = f"'{place}' is not below floor {place.floor + 1} of {side.name}: that storey is {height:g} m high"
-        raise IssuesFound([Issue(path, message, f"write {place.floor + 1} for the floor, or a place below it")])
-    return place.floor + 1, at
-
-
 # Laws
 
 
@@ -598,14 +435,16 @@ def build_links(
     built: list[Link] = []
     for pair, meeting in enumerate(meetings):
         at_meeting_floors = [LinkEnds(*both) for both in meeting.floors]
-        elsewhere = {ends for of_link in floors[pair] for ends in of_link}.difference(at_meeting_floors)
+        listed = {ends for of_link in floors[pair] for ends in of_link}
+        elsewhere = listed.difference(at_meeting_floors, meeting.strikes)
         for ends in (*at_meeting_floors, *sorted(elsewhere)):
             here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
             built += _build_links_at(pair, ends, here, links, laws, issues)
         members = [number for number, link in enumerate(links) if link.spec.pair in (None, pair + 1)]
         at_columns = _choose_links_at_columns(meeting, members, links, laws, issues)
         for ends in meeting.strikes:
-            built += _build_links_at(pair, ends, at_columns, links, laws, issues)
+            here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
+            built += _build_links_at(pair, ends, sorted({*at_columns, *here}), links, laws, issues)
     if issues:
         raise IssuesFound(issues)
     return tuple(built)
@@ -640,7 +479,7 @@ def _build_links_at(
             message = f"the ends of the link are {distance:g} m apart, closer than the gap of {law.gap:g} m"
             issues[Issue((*path, "distance"), message, "write the distance of its ends along the row")] = None
         if ends.flexibility:
-            softened = law.soften(ends.flexibility)
+            softened = law.soften(ends.flexibility * ends.cosine**2)
             if softened is None:
                 issues[_refuse_at_columns(links[number], links[number].title)] = None
                 continue
@@ -672,12 +511,23 @@ def _choose_links_at_columns(
         speaking = [number for number in unlisted if not _is_joint(laws[number])]
         if unlisted and not speaking:
             number = unlisted[0]
-            issues[_refuse_at_columns(links[number], f"a {links[number].law} that does not say so")] = None
+            issues[_refuse_silent_joint(links[number], meeting)] = None
     return [number for number in speaking if laws[number] is not None]
 
 
 def _is_joint(law: LinkLaw | None) -> bool:
     return law is not None and law.joins
+
+
+def _refuse_silent_joint(link: CompleteLink, meeting: Meeting) -> Issue:
+    """Return what is wrong with a joint that does not say where it stands, though slabs strike columns."""
+    message = f"slabs strike columns here, and a {link.law} that does not say so does not stand between a slab and "
+    message += "columns"
+    left = meeting.strikes[0].left_floor
+    right = meeting.strikes[0].right_floor
+    hint = f"write where it stands, both ends `floors: [[{left}, {right}]]` or `at: columns`; or an entry beside it, "
+    hint += "`{link: pounding, at: columns}` or `{link: none, at: columns}`"
+    return Issue((*link.path, "link"), message, hint)
 
 
 def _refuse_at_columns(link: CompleteLink, words: str) -> Issue:

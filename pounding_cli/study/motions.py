@@ -22,6 +22,7 @@ from pounding_cli.study.file import nearest
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath, to_issues
 from pounding_cli.study.records_spec import (
     AriasSpec,
+    CodeTargetSpec,
     PgaSpec,
     PgvSpec,
     RecordFileSpec,
@@ -42,6 +43,9 @@ MAX_FILES = 50_000
 """Files and folders that are looked at for one pattern."""
 
 
+MIN_USUAL_ENERGY = 0.5
+"""Part of the Arias intensity of a motion that a duration should leave [-]: with less, strong shaking is cut off."""
+
 MAX_USED = 1000
 """Motions as they are used that are kept at a time: scenes that are solved together share them."""
 
@@ -51,19 +55,26 @@ class MotionItem:
     """One motion of a study.
 
     name : what tables call it
-    file, spec : its file and how that is read; None of a motion of the catalogue, with durations and scales of Table 1
+    file, spec : its file and how that is read; None of a motion of the catalogue or of a set
+    set_motion : the motion of a set; None of any other
     """
 
     name: str
     file: Path | None = None
     spec: RecordFileSpec | None = None
+    set_motion: records.SetMotion | None = None
+
+    @property
+    def is_of_catalogue(self) -> bool:
+        """Return whether it is a motion of the catalogue, with a duration and a scale in Table 1."""
+        return self.file is None and self.set_motion is None
 
 
 @dataclass(frozen=True)
 class MotionUse:
     """A motion as it is used, without its samples (`MotionReader.used_motion` makes them again).
 
-    source : one of "real", "stand-in", "user"
+    source : label of where it comes from (`Motion.source`)
     digest : SHA-256 of the motion as used
     scale : factor on the motion as read [-]
     window : duration used [s]
@@ -121,6 +132,8 @@ class MotionReader:
 
     def _read(self, item: MotionItem) -> records.Reading | Motion:
         """Return the whole motion, with how it was read where it is a file.  Raises InputError: it cannot be read."""
+        if item.set_motion is not None:
+            return records.read_set_motion(item.set_motion)
         if item.file is None or item.spec is None:
             return records.load_motion(item.name)
         options: dict[str, Any] = item.spec.model_dump(exclude={"file", "name"})
@@ -136,9 +149,11 @@ class MotionReader:
         if isinstance(record, str):
             if record in records.list_names():
                 return (MotionItem(record),)
+            if records.find_set_name(record) is not None:
+                return self._find_set_items(record)
             is_path = re.search(r"[/\\*?]", record) or Path(record).suffix or os.path.exists(self.folder / record)
             if not is_path:
-                records.get_entry(record)  # refuses the name, with the nearest one
+                records.get_entry(record, records.MOTION_SETS)  # refuses the name, with the nearest one
             record = RecordFileSpec(file=record)
         if len(record.file) > MAX_PATH_LENGTH:
             raise InputError(Problem(f"a path of {len(record.file)} characters", "no path is that long"))
@@ -146,7 +161,10 @@ class MotionReader:
         files = self._find_files(written)
         if not files:
             message = f"there exists no motion {shorten_path(self.folder / written)}"
-            raise InputError(Problem(message, "paths are relative to the study file"))
+            hint = "paths are relative to the study file"
+            if records.find_set_name(written) is not None:
+                hint = f"write `{written}` without `file:` for the set of recorded motions; {hint}"
+            raise InputError(Problem(message, hint))
         if record.name is not None and len(files) > 1:
             hint = "leave it out: each is called by its file's stem"
             raise InputError(Problem(f"'name:' is one for {len(files)} files", hint))
@@ -154,6 +172,20 @@ class MotionReader:
         # K-NET's files of one record differ by their endings only.
         names = [each.stem if stems[each.stem] == 1 else each.name.replace(".", "-") for each in files]
         return tuple(MotionItem(record.name or name, each, record) for each, name in zip(files, names, strict=True))
+
+    def _find_set_items(self, record: str) -> tuple[MotionItem, ...]:
+        """Return the motions of a set that an entry of `use` names.
+
+        Raises
+        ------
+        InputError : a file or folder has the name of the set; the set has no such motion, or is not installed
+        """
+        name = records.find_set_name(record)
+        if os.path.exists(self.folder / str(name)):
+            message = f"'{name}' is a set of recorded motions, and {shorten_path(self.folder / str(name))} exists too"
+            hint = f"write `./{record}` for the files; give the folder another name to use the set"
+            raise InputError(Problem(message, hint))
+        return tuple(MotionItem(motion.name, set_motion=motion) for motion in records.select_set_motions(record))
 
     def _find_files(self, written: str) -> list[Path]:
         """A file, the motions in a folder, or the files that a pattern matches."""
@@ -214,7 +246,7 @@ class _Sources:
         readings: list[records.Reading] = []
         for item in items:
             if item.name in self.items:
-                hint = "remove one, or give it another `name:`"
+                hint = "remove one" if item.set_motion is not None else "remove one, or give it another `name:`"
                 issues.add_written([Issue(path, f"the record '{item.name}' occurs twice", hint)])
                 continue
             try:
@@ -233,7 +265,7 @@ class _Sources:
     def has_table1(self, name: str) -> bool:
         """Return whether Table 1 has duration and scale of a motion; a file of that name is not the motion of it."""
         item = self.items.get(name)
-        return name in records.list_names() if item is None else item.file is None
+        return name in records.list_names() if item is None else item.is_of_catalogue
 
     def find_other(self, name: str, key: str) -> Motion:
         """Return a motion that others are scaled to, whole: of the study or of the catalogue."""
@@ -261,17 +293,24 @@ class _Scaler:
         """Return the motions as they are used.  Raises IssuesFound, and InputError where they cannot be scaled."""
         cut: dict[str, Motion] = {}
         short: list[str] = []
+        begun: list[str] = []
         duration = self.spec.duration
         for name, motion in self.sources.motions.items():
             seconds = self.find_seconds(duration, name, motion, "duration")
             if isinstance(duration, float) and seconds > motion.duration + motion.dt:
                 short.append(f"{name} ({motion.duration:g} s)")
             cut[name] = motion.cut_to(seconds)
+            is_chosen = isinstance(duration, float) and not self.sources.items[name].is_of_catalogue
+            if is_chosen and records.arias(cut[name]) < MIN_USUAL_ENERGY * records.arias(motion):
+                begun.append(name)
         doubts = [*self.sources.doubts]
         if short:
             message = f"shorter than the {duration:g} s asked for: {join_limited(short)}"
             hint = "the whole length is used; `tail:` adds free vibration"
             doubts.append(Issue(("records", "duration"), message, hint))
+        if begun:
+            message = f"the first {duration:g} s have less than half of the Arias intensity of: {join_limited(begun)}"
+            doubts.append(Issue(("records", "duration"), message, "write `duration: whole` to use all of it"))
         target = self._find_target(cut) if isinstance(self.spec.scale, SpectrumSpec) else None
         factors = self._find_factors(cut, target)
         uses = {name: self._build_use(name, cut[name], factor) for name, factor in factors.items()}
@@ -303,6 +342,9 @@ class _Scaler:
         """Return the target as a spectrum over its range."""
         scale: Any = self.spec.scale
         ends = (scale.low, scale.high, scale.damping)
+        if isinstance(scale.target, CodeTargetSpec):
+            code = scale.target.build(scale.damping)
+            return records.TargetSpectrum(code.periods, code.values, *ends, code.straight_in_period, code.name)
         if isinstance(scale.target, dict):
             periods, ordinates = zip(*sorted(scale.target.items()), strict=True)
             return records.TargetSpectrum(periods, ordinates, *ends)

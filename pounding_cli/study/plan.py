@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pounding_cli.model.links import Link, LinkPlace, link_places
+from pounding_cli.model.parts import is_divided
 from pounding_cli.model.scene import Analysis, Digests, Scene
 from pounding_cli.study import keep
 from pounding_cli.study.file import Problems
-from pounding_cli.study.group import unique_names
+from pounding_cli.study.group import Group, unique_names
+from pounding_cli.study.link_places import Meeting
 from pounding_cli.study.motions import Suite
 from pounding_cli.study.resolve import Resolved
 from pounding_cli.study.swept import Point, Swept, sweep_map
@@ -40,6 +42,8 @@ class Links:
     kind : law; "" where there is none
     gap : [m]; NaN where there is none
     left_at, right_at : heights of its ends in the storeys below its floors [-], 1 at a floor
+    inclination : angle between the link and the horizontal [rad]; NaN where there is none
+    facing : 1 where its ends are as high as each other, within the slabs, else 0; NaN where there is none
     """
 
     places: tuple[LinkPlace, ...]
@@ -48,6 +52,8 @@ class Links:
     gap: np.ndarray
     left_at: np.ndarray
     right_at: np.ndarray
+    inclination: np.ndarray
+    facing: np.ndarray
 
 
 class Row(NamedTuple):
@@ -67,6 +73,7 @@ class Plan:
     digests : SHA-256 of every different scene, in the order of the rows that need them first, shape (scenes, 32)
     numbers : number of the scene of a row, then of every building alone, -1 for one that nobody asks for, shape
         (points of every axis..., cases, analyses, records, 1 + buildings)
+    divided : which scenes have parts that nothing links, shape (scenes,)
     links : what the tables say of links
     build : scene of a row by its flat number among all rows
     buildings : names by place, left to right (soft-1, soft-2 where a type occurs twice)
@@ -85,6 +92,7 @@ class Plan:
     buildings: tuple[str, ...]
     digests: np.ndarray
     numbers: np.ndarray
+    divided: np.ndarray
     links: Links
     build: Callable[[int], Scene]
     accuracy: float
@@ -174,11 +182,13 @@ class _Planner:
         spec = study.spec
         rows = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
         numbers = np.empty((*rows, 1 + len(spec.group)), np.int32)
+        divided_rows = np.zeros(rows, bool)
         for place, case in enumerate(self.cases):
             begun = sweep_map(
                 lambda group, links: Digests(group.buildings, links), self.resolved.group, self.resolved.links[case]
             )
             numbers[..., place, :, :, 0] = self.number_scenes(begun)
+            divided_rows[..., place, :, :] = self.find_divided(self.resolved.links[case])
         for place, name in enumerate(spec.group):
             alone = self.number_scenes(sweep_map(lambda each: Digests((each,), ()), self.resolved.types[name]))
             numbers[..., 1 + place] = alone[..., None, :, :]
@@ -189,6 +199,8 @@ class _Planner:
         digests = np.frombuffer(self.content, np.uint8).reshape(-1, DIGEST_SIZE)
         digests, numbers = _drop_equal(digests, numbers)
         self.content = bytearray()
+        divided = np.zeros(len(digests) + 1, bool)  # the last one stands for -1
+        divided[numbers[..., 0][divided_rows]] = True
         plan = Plan(
             study=study,
             axes=study.axes,
@@ -198,7 +210,8 @@ class _Planner:
             buildings=unique_names(spec.group),
             digests=digests,
             numbers=numbers,
-            links=_build_table([self.resolved.links[case] for case in self.cases], self.sizes),
+            links=_build_table(self.resolved.group, [self.resolved.links[case] for case in self.cases], self.sizes),
+            divided=divided[:-1],
             build=self.build_scene,
             accuracy=spec.accuracy,
             method=spec.method,
@@ -227,6 +240,15 @@ class _Planner:
         numbers = np.arange(first, len(self.content) // DIGEST_SIZE, dtype=np.int32)
         return numbers.reshape(*sizes, len(self.analyses), len(self.records))
 
+    def find_divided(self, links: Swept[tuple[Link, ...]]) -> np.ndarray:
+        """Return where the links of a case leave parts of the row that nothing links.
+
+        Shape: points of every axis (1 where this does not depend on it), 1, 1.
+        """
+        found = sweep_map(lambda group, of_case: is_divided(group.buildings, of_case), self.resolved.group, links)
+        sizes = [size if axis in found.axes else 1 for axis, size in enumerate(self.sizes)]
+        return found.values.astype(bool).reshape(*sizes, 1, 1)
+
     def build_scene(self, row: int) -> Scene:
         """Return the scene of a row by its flat number; scenes of one point and case share buildings and links."""
         shape = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
@@ -242,33 +264,44 @@ class _Planner:
         )
 
 
-def _build_table(cases: list[Swept[tuple[Link, ...]]], sizes: tuple[int, ...]) -> Links:
+ABSENT: dict[str, Any] = {
+    "order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan,
+    "inclination": np.nan, "facing": np.nan,
+}  # fmt: skip
+"""What the tables say of a link where a case has none, by the fields of `Links`."""
+
+
+def _build_table(group: Swept[Group], cases: list[Swept[tuple[Link, ...]]], sizes: tuple[int, ...]) -> Links:
     """Return what the tables say of the links of all cases.
 
     sizes : lengths of all axes
     """
-    places = {id(links): link_places(links) for swept in cases for _, links in swept.iter_values()}
-    columns = tuple(sorted({place for of_links in places.values() for place in of_links}))
+    meetings = sweep_map(lambda group: group.meetings, group).merge_equal()
+    rows_by_case = [sweep_map(_list_rows, links, meetings) for links in cases]
+    different = [rows for by_case in rows_by_case for _, rows in by_case.iter_values()]
+    columns = tuple(sorted({place for rows in different for place, _ in rows}))
     number = {place: column for column, place in enumerate(columns)}
-    absent = {"order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan}
-    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in absent.items()}
-    for case, swept in enumerate(cases):
+    table = {name: np.full((*sizes, len(cases), len(columns)), value) for name, value in ABSENT.items()}
+    for case, swept in enumerate(rows_by_case):
         flat = list(swept.values.flat)
-        rows = [row for row, links in enumerate(flat) for _ in links]
-        where = rows, [number[place] for links in flat for place in places[id(links)]]
+        points = [point for point, rows in enumerate(flat) for _ in rows]
+        where = points, [number[place] for rows in flat for place, _ in rows]
         shape = [size if axis in swept.axes else 1 for axis, size in enumerate(sizes)]
         for name, array in table.items():
-            values = np.full((len(flat), len(columns)), absent[name])
-            values[where] = [_find_fact(name, place, link) for links in flat for place, link in enumerate(links)]
+            values = np.full((len(flat), len(columns)), ABSENT[name])
+            values[where] = [facts[name] for rows in flat for _, facts in rows]
             array[..., case, :] = values.reshape(*shape, -1)
     return Links(columns, **table)
 
 
-def _find_fact(name: str, place: int, link: Link) -> Any:
-    """Return what the tables say of a link in a scene; place : its number there."""
-    if name == "order":
-        return place
-    return getattr(link, name)
+def _list_rows(links: tuple[Link, ...], meetings: Sequence[Meeting]) -> list[tuple[LinkPlace, dict[str, Any]]]:
+    """Return the place of every link of a scene, with what the tables say of it by the fields of `Links`."""
+    rows = []
+    for order, (place, link) in enumerate(zip(link_places(links), links, strict=True)):
+        facts = {name: getattr(link, name) for name in ("kind", "gap", "left_at", "right_at", "inclination")}
+        facts |= {"order": order, "facing": float(meetings[link.left].has_facing_ends(link))}
+        rows.append((place, facts))
+    return rows
 
 
 def _drop_equal(digests: np.ndarray, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -77,6 +77,10 @@ _RANGES = (
         "damage begins near 0.05 g, recorded peaks reach 3 g",
     ),
     (
+        0.01 * GRAVITY, 3 * GRAVITY, ACCELERATIONS, "acceleration of a code's spectrum",
+        "maps of codes have 0.02 to 0.6 g on rock, and ordinates up to 3 g",
+    ),
+    (
         0.001 * GRAVITY, 5 * GRAVITY, ACCELERATIONS, "peak of a motion",
         "few motions were ever recorded with more than 2 g; below 0.001 g they are not felt",
     ),

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Field, WrapValidator
+from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
 
+from pounding_cli.records.code_spectra import (
+    ASCE7,
+    CODES,
+    EN1998,
+    EN1998_GROUND,
+    GB50011,
+    NTC2018,
+    NTC_PERIOD,
+    NTC_TOPOGRAPHY,
+    CodeSpectrum,
+)
 from pounding_cli.records.units import ACCELERATION_UNITS, find_acceleration_unit
-from pounding_cli.study.base import Model, Name, SpecIssue, spec_field, tagged_union, word_or
+from pounding_cli.study.base import Model, Name, SpecIssue, errors, spec_field, tagged_union, word_or
+from pounding_cli.study.file import nearest
 from pounding_cli.study.link_specs import RATIO
-from pounding_cli.study.quantity import ACCELERATION, PLAUSIBLE_RANGES, TIME, Quantity, WholeNumber, refuse
+from pounding_cli.study.quantity import ACCELERATION, PLAUSIBLE_RANGES, TIME, Quantity, WholeNumber, quote, refuse
 
 
 def _check_unit(text: str) -> str:
@@ -30,7 +42,7 @@ TimeStep = Annotated[float, TIME.replace(name="time step", example="0.01 s")]
 Window = Annotated[float | str, TIME.replace(name="window", example="10 s", words=("duration", "table1", "whole"))]
 Duration = Annotated[float | str, TIME.replace(name="duration", example="10 s", words=("auto", "table1", "whole"))]
 Ratio = Annotated[float, RATIO]
-Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 10.0, open_low=True)]
+Part = Annotated[float, Quantity("part of the target", "", "90 %", 0.0, 2.0, open_low=True)]
 
 
 _Format = Literal["at2", "cosmos", "csmip", "smc", "knet", "esm", "geonet", "asa", "two-column", "column", "table"]
@@ -86,20 +98,152 @@ def _read_once_each(points: Any, read: Any) -> Any:
     return found
 
 
+_ORDINATE = PLAUSIBLE_RANGES["acceleration of a code's spectrum"]
+CodeAcceleration = Annotated[float, ACCELERATION.replace(name="acceleration of a code's spectrum", usual=_ORDINATE)]
+Importance = Annotated[float, Quantity("importance factor", "", "1.2", 0.5, 2.0)]
+Amplification = Annotated[float, Quantity("amplification F0", "", "2.5", 2.2, 5.0)]
+"""NTC 2018, 3.2: F0 is at least 2.2."""
+CornerPeriod = Annotated[float, TIME.replace(name="corner period", example="0.35 s", low=0.05, open_low=False, high=1)]
+LongPeriod = Annotated[float, TIME.replace(name="transition period", example="8 s", low=1, open_low=False, high=20)]
+InfluenceCoefficient = Annotated[float, Quantity("seismic influence coefficient", "", "0.16", 0.04, 1.4)]
+"""GB 50011-2010, table 5.1.4-1, has 0.04 to 1.40."""
+CharacteristicPeriod = Annotated[
+    float, TIME.replace(name="characteristic period", example="0.40 s", low=0.2, open_low=False, high=0.95)
+]
+"""GB 50011-2010, table 5.1.4-2, has 0.20 s to 0.90 s, and 0.05 s more for rare earthquakes."""
+
+
+class CodeTargetSpec(Model):
+    """A target spectrum by the equations of a code."""
+
+    name: ClassVar[str]
+    damping: Ratio | None = spec_field(None, "damping ratio [-]; default: `damping` of the scale")
+
+    def issues(self) -> Iterator[SpecIssue]:
+        only = CODES[self.name].damping
+        if only is not None and self.damping not in (None, only):
+            yield ("damping",), *_refuse_damping(self.name)
+
+    def build(self, damping: float) -> CodeSpectrum:
+        """Return the spectrum of a damping ratio [-]."""
+        return CODES[self.name].build(**self.model_dump(exclude={"code", "damping"}), damping=damping)
+
+
+def _refuse_damping(code: str) -> tuple[str, str]:
+    """Return message and hint for a damping ratio that the spectrum of a code does not have."""
+    only = CODES[code].damping or 0.0
+    message = f"the spectrum of {code}, {CODES[code].clause}, is one of {100 * only:g} % damping"
+    return message, f"leave `damping` out, or write `damping: {100 * only:g} %`"
+
+
+class En1998Spec(CodeTargetSpec):
+    """The elastic response spectrum of EN 1998-1, 3.2.2.2."""
+
+    name = EN1998
+    code: Literal["EN 1998-1"] = spec_field(..., "EN 1998-1:2004, 3.2.2.2", EN1998)
+    type: Annotated[int, WholeNumber(1, 2)] = spec_field(
+        ..., "1; 2 where magnitudes up to 5.5 contribute most (3.2.2.2(2))", 1
+    )
+    soil: Literal[tuple(dict.fromkeys(soil for _, soil in EN1998_GROUND))] = spec_field(..., "ground type", "C")  # type: ignore[valid-type]
+    ag: CodeAcceleration = spec_field(..., "reference peak ground acceleration on ground type A [m/s2]", "0.25 g")
+    importance: Importance = spec_field(1.0, "importance factor gamma_I, by which `ag` is multiplied [-]")
+
+
+class Asce7Spec(CodeTargetSpec):
+    """The design response spectrum of ASCE 7-16, 11.4.6, or the MCE_R spectrum of 11.4.7."""
+
+    name = ASCE7
+    code: Literal["ASCE 7-16"] = spec_field(..., "ASCE/SEI 7-16, 11.4.6", ASCE7)
+    sds: CodeAcceleration = spec_field(..., "design spectral acceleration at short periods SDS [m/s2]", "1.0 g")
+    sd1: CodeAcceleration = spec_field(..., "design spectral acceleration at 1 s SD1 [m/s2]", "0.6 g")
+    tl: LongPeriod = spec_field(..., "long-period transition period TL [s]", "8 s")
+    level: Literal["design", "mcer"] = spec_field("design", "`mcer`: 1.5 times the design spectrum (11.4.7)")
+
+    def issues(self) -> Iterator[SpecIssue]:
+        yield from super().issues()
+        if self.sd1 > self.sds * self.tl:
+            corner = f"SD1 / SDS, where the plateau ends, is {self.sd1 / self.sds:.4g} s and above TL, {self.tl:g} s"
+            yield ("sd1",), corner, "check `sds` and `sd1`: the first is that of short periods"
+
+
+class Ntc2018Spec(CodeTargetSpec):
+    """The elastic response spectrum of NTC 2018, 3.2.3.2.1."""
+
+    name = NTC2018
+    code: Literal["NTC 2018"] = spec_field(..., "NTC 2018, 3.2.3.2.1", NTC2018)
+    ag: CodeAcceleration = spec_field(..., "peak ground acceleration on rigid ground at the site [m/s2]", "0.25 g")
+    f0: Amplification = spec_field(..., "largest amplification of the spectrum F0 [-]", 2.5)
+    tc_star: CornerPeriod = spec_field(..., "period TC* at which the branch of constant velocity begins [s]", "0.35 s")
+    soil: Literal[tuple(NTC_PERIOD)] = spec_field(..., "soil category", "C")  # type: ignore[valid-type]
+    topography: Literal[tuple(NTC_TOPOGRAPHY)] = spec_field("T1", "topographic category")  # type: ignore[valid-type]
+
+
+class Gb50011TargetSpec(CodeTargetSpec):
+    """The spectrum of GB 50011-2010, 5.1.5."""
+
+    name = GB50011
+    code: Literal["GB 50011-2010"] = spec_field(..., "GB 50011-2010, 5.1.5", GB50011)
+    alpha_max: InfluenceCoefficient = spec_field(..., "largest seismic influence coefficient at 5 % damping [-]", 0.16)
+    tg: CharacteristicPeriod = spec_field(..., "characteristic period of the site Tg [s]", "0.40 s")
+
+
+CODE_TARGETS: dict[str, type[CodeTargetSpec]] = {
+    each.name: each for each in (En1998Spec, Asce7Spec, Ntc2018Spec, Gb50011TargetSpec)
+}
+"""The mapping of a target by the name of its code."""
+
+_CODE_KEYS = frozenset(key for each in CODE_TARGETS.values() for key in each.model_fields)
+
+
+def _find_target_kind(value: Any) -> str:
+    """Return the kind of a target: a word, points, or the name of a code."""
+    if isinstance(value, CodeTargetSpec):
+        return value.name
+    if isinstance(value, dict) and str(value.get("code")) in CODE_TARGETS:
+        return str(value["code"])
+    return "word" if isinstance(value, str | int | float | None) else "points"
+
+
+def _check_code(value: Any) -> Any:
+    """Return a target as it is written.  Raises ValidationError: it names no code that is known, or nothing else."""
+    if isinstance(value, str) and value in CODE_TARGETS:
+        required = (key for key, field in CODE_TARGETS[value].model_fields.items() if field.is_required())
+        keys = ", ".join(f"{key}: {value if key == 'code' else '...'}" for key in required)
+        raise refuse(f"'{value}' is a code, not a record", f"write its parameters: `target: {{{keys}}}`")
+    if not isinstance(value, dict) or _CODE_KEYS.isdisjoint(value) or str(value.get("code")) in CODE_TARGETS:
+        return value
+    points = "of another code write the points of its spectrum, {0.1 s: 0.8 g, 2 s: 0.2 g}"
+    if "code" not in value:
+        raise refuse("the target names no code", f"write `code: {EN1998}`, {', '.join([*CODE_TARGETS][1:])}; {points}")
+    message = f"the program does not know the spectrum of {quote(value['code'])}"
+    raise errors(value, [(("code",), message, f"{nearest(value['code'], CODE_TARGETS)}; {points}")])
+
+
+_POINTS = Annotated[
+    dict[Period, Acceleration],
+    WrapValidator(_read_once_each),
+    Field(json_schema_extra={"propertyNames": {"pattern": r"^[-+.0-9]"}}),  # else that of a code would be one too
+]
+TargetSpectrumType: Any = Annotated[
+    tagged_union(_find_target_kind, word=str, points=_POINTS, **CODE_TARGETS), BeforeValidator(_check_code)
+]
+
+
 class SpectrumSpec(Model):
     """The suite is scaled to a target spectrum over a range of periods."""
 
     spectrum: Literal["mean", "each"] = spec_field(
         ..., "`mean`: one factor for all, their mean spectrum meets the target; `each`: one for every record", "mean"
     )
-    target: word_or(str, Annotated[dict[Period, Acceleration], WrapValidator(_read_once_each)]) = spec_field(  # type: ignore[valid-type]
+    target: TargetSpectrumType = spec_field(
         ...,
-        "{period: pseudo-acceleration, ...}, or the record whose spectrum is taken",
+        "{period: pseudo-acceleration, ...}, the spectrum of a code, {code: EN 1998-1, type: 1, soil: C, ag: 0.25 g}, "
+        "or the record whose spectrum is taken",
         {"0.1 s": "0.8 g", "2 s": "0.2 g"},
     )
     low: Period = spec_field(..., "shortest period of the range [s]", "0.2 s", alias="from")
     high: Period = spec_field(..., "longest period of the range [s]", "1.2 s", alias="to")
-    damping: Ratio = spec_field(0.05, "damping ratio of the spectra [-]")
+    damping: Ratio = spec_field(0.05, "damping ratio of the spectra [-]; default: that of the target, or 5 %")
     at_least: Part | None = spec_field(
         None, "another factor for all, so that the mean spectrum is nowhere below this part of the target"
     )
@@ -109,11 +253,38 @@ class SpectrumSpec(Model):
         if not self.low < self.high:
             hint = "write `to:` above `from:`, e.g. `from: 0.2 s, to: 1.2 s`"
             yield ("to",), f"the range of periods runs {ends}", hint
+        elif isinstance(self.target, CodeTargetSpec):
+            yield from self._find_code_issues(self.target)
         elif isinstance(self.target, dict):
             first, last = min(self.target, default=0.0), max(self.target, default=0.0)
             if not first < last or not first <= self.low or not self.high <= last:
                 what = f"the target is given from {first:g} to {last:g} s, not over the whole range"
                 yield ("target",), what, f"give two points at least, {ends} and beyond"
+
+    def _find_code_issues(self, target: CodeTargetSpec) -> Iterator[SpecIssue]:
+        """Yield what is wrong with the range and the damping ratio of the spectrum of a code."""
+        rules = CODES[target.name]
+        if self.high > rules.max_period:
+            end = f"{rules.max_period:g} s"
+            message = f"{target.name}, {rules.clause}, gives its spectrum up to {end}, not to {self.high:g} s"
+            yield ("to",), message, f"write `to: {end}` at most"
+        if "damping" not in self.model_fields_set:
+            return
+        if target.damping is not None and target.damping != self.damping:
+            ratios = f"{100 * target.damping:g} % in the target and {100 * self.damping:g} % beside it"
+            yield ("damping",), f"the damping ratio of the spectra is {ratios}", "write one of the two"
+        elif rules.damping not in (None, self.damping):
+            yield ("damping",), *_refuse_damping(target.name)
+
+    @model_validator(mode="after")
+    def _share_damping(self) -> Any:
+        """Return the scale with one damping ratio of the target and of the spectra of the motions."""
+        if not isinstance(self.target, CodeTargetSpec):
+            return self
+        is_of_scale = "damping" in self.model_fields_set or self.target.damping is None
+        damping = self.damping if is_of_scale else self.target.damping
+        target = self.target.model_copy(update={"damping": damping})
+        return self.model_copy(update={"damping": damping, "target": target})
 
 
 _SCALES: dict[str, Any] = {
@@ -139,7 +310,9 @@ class RecordsSpec(Model):
     """The ground motions, the part of each that is used, and its scale."""
 
     use: Annotated[tuple[word_or(str, RecordFileSpec), ...], Field(min_length=1, max_length=5000)] = spec_field(  # type: ignore[valid-type]
-        ..., "catalogue names, files, folders, patterns, {file: PATH, ...}", ["elcentro", {"file": "motions/x.AT2"}]
+        ...,
+        "catalogue names, sets of recorded motions (far-field), files, folders, patterns, {file: PATH, ...}",
+        ["elcentro", {"file": "motions/x.AT2"}],
     )
     duration: Duration = spec_field(
         "auto",
@@ -153,5 +326,16 @@ class RecordsSpec(Model):
 
 INTENSITY_KEYS = {
     "records.scale": "factor", "records.scale.pga": "pga", "records.scale.pgv": "pgv", "records.scale.sa": "sa",
+    "records.scale.target.ag": "ag",
 }  # fmt: skip
 """Keys whose sweep varies the intensity, and the measure that each is."""
+
+
+def scales_in_proportion(key: str, code: str | None) -> bool:
+    """Return whether motions are scaled in proportion to the value of one of INTENSITY_KEYS.
+
+    Those that are scaled to the spectrum of NTC 2018 are not: its factor of the soil and a corner depend on ag.
+
+    code : of the target spectrum, None without one
+    """
+    return key != "records.scale.target.ag" or code == EN1998

@@ -20,6 +20,7 @@ from pounding_cli.study.file import Map, get, with_value
 from pounding_cli.study.group import Group, build_group, check_group_names, check_meetings
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.like import inherits_key
+from pounding_cli.study.link_places import find_floors, find_linked_pairs
 from pounding_cli.study.links import (
     CompleteLink,
     Names,
@@ -31,8 +32,6 @@ from pounding_cli.study.links import (
     check_links,
     complete_links,
     evaluate_multiples,
-    find_floors,
-    find_linked_pairs,
     list_multiples,
 )
 from pounding_cli.study.motions import MotionReader, Suite, read_suite

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from pydantic import ConfigDict, Field, WithJsonSchema, create_model
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic_core import core_schema
 
 from pounding_cli.laws import link_laws
 from pounding_cli.methods import ACCURACY, METHODS, TIME_STEP
@@ -180,9 +182,23 @@ ONCE = {*StudySpec.model_fields} - {"records", "buildings", "impact", "laws", "c
 """Sections that are the same for the whole study, besides those of questions."""
 
 
+class _SchemaGenerator(GenerateJsonSchema):
+    """Generates a JSON Schema in which a value may fit several kinds of a tagged union.
+
+    A function tells these kinds apart, which JSON Schema cannot: the list [3, 5] fits that of two floors and that of
+    both ends of a link.
+    """
+
+    def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> JsonSchemaValue:
+        found = super().tagged_union_schema(schema)
+        if "oneOf" in found:
+            found["anyOf"] = found.pop("oneOf")
+        return found
+
+
 def json_schema(model: type[StudySpec]) -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of a study file, for editors."""
-    schema = model.model_json_schema(by_alias=True)
+    schema = model.model_json_schema(by_alias=True, schema_generator=_SchemaGenerator)
     for name, link_model in link_models().items():
         own_name = {"type": "string", "not": {"enum": [*link_laws(), NO_LINK]}}
         word = own_name if name == OWN_LAW else {"const": name}

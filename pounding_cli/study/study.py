@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,12 +21,14 @@ from pounding_cli.records.motion import Motion
 from pounding_cli.study import keep, warnings
 from pounding_cli.study.axes import Axis, read_axes, with_middles
 from pounding_cli.study.buildings import find_separation
+from pounding_cli.study.changes import Change, apply_changes
 from pounding_cli.study.display import describe_study, find_unit
 from pounding_cli.study.file import Map, Problems, nearest, read_study, refuse_other_kinds
 from pounding_cli.study.group import Group, unique_names
-from pounding_cli.study.issues import Issue, Issues, drop_idle_axes
+from pounding_cli.study.issues import Issue, Issues, IssuesFound, drop_idle_axes
 from pounding_cli.study.like import resolve_all_likes
-from pounding_cli.study.motions import MotionReader, MotionUse
+from pounding_cli.study.motions import MotionReader, MotionUse, Suite, read_suite
+from pounding_cli.study.records_spec import SpectrumSpec
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec, find_section_names
 from pounding_cli.study.swept import AS_WRITTEN, Point, Swept, sweep_map
@@ -53,6 +56,7 @@ class Study:
     warnings : what is allowed but should be known
     from_data : whether it is Python data; no file holds it
     reader : of its motions
+    changes : values that it has in place of those of the file
     """
 
     path: Path
@@ -66,6 +70,7 @@ class Study:
     warnings: tuple[Problem, ...]
     from_data: bool
     reader: MotionReader
+    changes: tuple[Change, ...] = ()
 
     @property
     def file(self) -> str:
@@ -101,6 +106,21 @@ class Study:
         spec, resolved = _resolve_tree(tree, tuple(axes), self.reader, self.file, type(self.spec))
         return replace(self, tree=tree, axes=tuple(axes), spec=spec, resolved=resolved)
 
+    def with_tree(self, tree: Map) -> Study:
+        """Return the study that another file in its place would hold; title, text, units and warnings stay.
+
+        tree : what that file holds
+
+        Raises
+        ------
+        InputError : it is not sound
+        """
+        problems = Problems(self.file)
+        tree = with_middles(tree, problems)
+        axes = read_axes(tree, problems)
+        problems.check()
+        return self.with_axes(axes, tree)
+
     def tree_at(self, point: Point) -> Map:
         """Return the file at a point of the sweep."""
         return tree_at(self.tree, self.axes, point)
@@ -120,6 +140,17 @@ class Study:
     def motion_uses(self, point: Point) -> Mapping[str, MotionUse]:
         """Return the motions by name as they are used at a point of the sweep, without their samples."""
         return self.resolved.suite.at(point).uses
+
+    @cached_property
+    def written_suite(self) -> Suite:
+        """The motions with the values that the study writes for swept keys; where these are no sound choice, those of
+        the first point."""
+        if self.axes_changing("records"):
+            try:
+                return read_suite(self.spec.records, self.reader)
+            except IssuesFound:
+                pass
+        return self.resolved.suite.at(self.first_point)
 
     def motion(self, point: Point, name: str) -> Motion:
         """Return a motion as it is used at a point of the sweep, cut and scaled."""
@@ -155,12 +186,12 @@ class Study:
         return describe_study(self)
 
     def spectrum_match(self) -> records.SpectrumMatch | None:
-        """Return the motions against the target spectrum they are scaled to, at the first point; None without one."""
-        suite = self.resolved.suite.at(self.first_point)
-        if suite.target is None:
+        """Return the motions against the target spectrum that the study writes; None without one."""
+        suite = self.written_suite
+        scale = self.spec.records.scale
+        if suite.target is None or not isinstance(scale, SpectrumSpec):
             return None
-        scale = self.resolved.records.at(self.first_point).scale
-        motions = self.motions(self.first_point)
+        motions = {name: self.reader.used_motion(use) for name, use in suite.uses.items()}
         return records.SpectrumMatch.of(motions, suite.target, scale.spectrum == "each", scale.at_least)
 
     def separations(self) -> Swept[np.ndarray]:
@@ -176,23 +207,37 @@ class Study:
         return sweep_map(separate, *displacements)
 
 
-def load_study_file(path: str | Path, model: type[StudySpec] = StudySpec) -> Study:
+def load_study_file(
+    path: str | Path, model: type[StudySpec] = StudySpec, changes: Sequence[Change] = ()
+) -> Study:  # fmt: skip
     """Read and validate a study file.
 
     model : of the study, with the sections of questions (`add_sections`)
+    changes : values in place of those of the file
 
     Raises
     ------
     InputError : with every problem found in it, each with file, line, column, message and hint
     """
     path = Path(path)
-    return build_study(path, *read_study(path), model)
+    return build_study(path, *read_study(path), model, changes)
 
 
-def build_study(path: Path, text: str, tree: Map, model: type[StudySpec]) -> Study:
-    """Return a validated study.  Raises InputError as `load_study`; text : as written; tree : what it holds."""
+def build_study(path: Path, text: str, tree: Map, model: type[StudySpec], changes: Sequence[Change] = ()) -> Study:
+    """Return a validated study.
+
+    text : as written
+    tree : what it holds
+    changes : values in place of those there
+
+    Raises
+    ------
+    InputError : as `load_study_file`
+    """
     file = shorten_path(path)
     refuse_other_kinds(tree, file)
+    if changes:
+        text, tree = apply_changes(text, tree, changes, file, model)
     reader = MotionReader(path.resolve().parent)
     problems = Problems(file)
     tree = with_middles(tree, problems)
@@ -201,7 +246,9 @@ def build_study(path: Path, text: str, tree: Map, model: type[StudySpec]) -> Stu
     spec, resolved = _resolve_tree(tree, axes, reader, file, model, problems)
     first = tree_at(tree, axes, (0,) * len(axes))
     title = spec.title or shorten_path(path.stem)
-    study = Study(path, text, title, tree, axes, spec, resolved, first, (), from_data, reader)
+    study = Study(
+        path, text, title, tree, axes, spec, resolved, first, (), from_data, reader, tuple(changes)
+    )  # fmt: skip
     return replace(study, warnings=warnings.find_warnings(study))
 
 

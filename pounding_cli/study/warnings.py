@@ -23,9 +23,11 @@ from pounding_cli.study.axes import UNWRITTEN, Axis, sweep_maps
 from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
 from pounding_cli.study.file import Map, Mark, Problems, get, locate
+from pounding_cli.study.floor_places import FloorPair
 from pounding_cli.study.group import Group, find_ignored_blows
 from pounding_cli.study.issues import Issues, KeyPath
 from pounding_cli.study.like import resolve_all_likes, resolve_like
+from pounding_cli.study.link_places import build_ends
 from pounding_cli.study.link_specs import ImpactSpec
 from pounding_cli.study.links import CompleteLink
 from pounding_cli.study.motions import MotionUse, Suite
@@ -41,6 +43,7 @@ from pounding_cli.study.quantity import (
 from pounding_cli.study.records_spec import RecordsSpec
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
 from pounding_cli.study.schema import StudySpec
+from pounding_cli.study.suite_rules import find_suite_issues
 from pounding_cli.study.swept import Point
 from pounding_cli.study.words import fields_of, leaf_types
 from pounding_cli.study.written import read_specs
@@ -262,6 +265,11 @@ class _Warner:
         suite = resolved.suite.at(point)
         if self._is_new("motions", records, suite):
             warn_motions(records, suite, self.is_swept_pga, tree, self.doubts)
+        if self._is_new("rules of a code", records, suite, group):
+            for issue in find_suite_issues(records, suite, group):
+                self.doubts.add(
+                    tree, issue.path, issue.path, issue.message, f"{issue.hint}; otherwise leave it, {AS_MEANT}"
+                )
 
     def look_at_corners(self, view: _View) -> None:
         """Note what several values make doubtful together, of keys that no value makes so by itself."""
@@ -438,6 +446,69 @@ def warn_case(
             _warn_compared(group.stiffness(impact.stiffness), root, ("impact", "stiffness"), contact, doubts)
         if isinstance(law, Viscous):
             _warn_stiff_damper(law, group, root, link.path, doubts)
+        if law is not None:
+            _warn_unequal_heights(link, law, group, root, doubts)
+            _warn_link_nowhere(link, law, group, root, doubts)
+
+
+MIN_COSINE = 0.3
+"""Cosine of the angle of a link below which it is warned about: it carries a tenth of what a level one does."""
+
+
+def _warn_unequal_heights(link: CompleteLink, law: LinkLaw, group: Group, root: Any, doubts: Doubts) -> None:
+    """Note links whose ends differ in height: joints that act level or are steep, contacts where nothing strikes."""
+    floors = link.spec.floors if isinstance(link.spec.floors, tuple) else ()
+    for place, floor in enumerate(floors):
+        path: KeyPath = (*link.path, "floors", place)
+        for number, meeting in enumerate(group.meetings, 1):
+            if not isinstance(floor, FloorPair) or link.spec.pair not in (None, number):
+                continue
+            ends = build_ends(link.spec, floor, meeting, path)
+            rise = abs(meeting.find_rise(ends))
+            left_end = f"floor {floor.left} of {meeting.left.name}"
+            which = f"the {law.name} from {left_end} to floor {floor.right} of {meeting.right.name}"
+            heights = f"its ends differ by {rise:.3g} m in height"
+            if law.joins and link.spec.distance is None and rise > meeting.reach:
+                message = f"{which} acts level, though {heights}"
+                hint = "write how far its ends are apart along the row, which gives its angle, e.g. `distance: 2 m`"
+            elif not law.joins and rise > meeting.reach:
+                message = f"{which} acts across the gap, though {heights}: these floors do not face each other"
+                hint = "write `at: columns` or no floors for where slabs face columns"
+            elif ends.cosine < MIN_COSINE:
+                angle = np.degrees(np.arccos(ends.cosine))
+                message = f"{which} is inclined {angle:.3g} degrees: "
+                message += f"it acts with {100 * ends.cosine**2:.2g} % of what it would level"
+                hint = "choose floors nearer in height, or a longer `distance`"
+            else:
+                continue
+            hint += f"; otherwise leave it, {AS_MEANT}"
+            doubts.add(root, path, (*link.path, "floors"), message, hint, excess=rise)
+
+
+def _warn_link_nowhere(link: CompleteLink, law: LinkLaw, group: Group, root: Any, doubts: Doubts) -> None:
+    """Note a link that stands nowhere: no floors, or no slabs and columns, face each other in its pairs."""
+    if isinstance(link.spec.floors, tuple):
+        return  # the floors that it names are checked one by one
+    meetings = [meeting for number, meeting in enumerate(group.meetings, 1) if link.spec.pair in (None, number)]
+    at_columns = link.spec.at is not None
+    has_floors = any(meeting.floors for meeting in meetings)
+    has_strikes = any(meeting.strikes for meeting in meetings)
+    if (has_floors and not at_columns) or (has_strikes and (at_columns or not law.joins)):
+        return
+    pairs = join_limited(f"{meeting.left.name} and {meeting.right.name}" for meeting in meetings)
+    no_floors = f"no floors of {pairs} face each other"
+    no_strikes = f"no slab faces columns of known share between {pairs}"
+    if at_columns:
+        reason = no_strikes
+        hint = "write `columns:` in the building whose columns it ends on"
+    elif law.joins:
+        reason = no_floors
+        hint = "write both of its ends, e.g. `floors: [[2, 2]]`"
+    else:
+        reason = f"{no_floors}, and {no_strikes}"
+        hint = "write `columns:` in the building whose columns are struck"
+    message = f"the {law.name} stands nowhere: {reason}"
+    doubts.add(root, (*link.path, "link"), (*link.path, "link"), message, f"{hint}; otherwise leave it, {AS_MEANT}")
 
 
 MAX_STEPS_PER_SECOND = 20_000

@@ -17,6 +17,7 @@ from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, POUNDING, SeveralLinks, link_keys, link_models, union_tag
 from pounding_cli.study.links import refuse_beside_links, refuse_key
 from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser, quote
+from pounding_cli.study.records_spec import CODE_TARGETS
 
 
 @functools.cache
@@ -47,17 +48,20 @@ def types_at(model: type[BaseModel], path: Sequence[Any]) -> tuple[list[Any], An
     """Return the types that may stand at a path, and the field there; tags of unions narrow the types."""
     level: list[Any] = [model]
     field = None
-    tags = {union_tag(name): link for name, link in link_models().items()} | {"(links)": SeveralLinks}
+    tags: dict[str, Any] = {union_tag(name): link for name, link in link_models().items()} | {"(links)": SeveralLinks}
+    tags |= {union_tag(name): target for name, target in CODE_TARGETS.items()}
     for step in path:
         below: list[Any] = []
+        free: list[Any] = []  # values of mappings whose keys are free: no key of a model beside them
         for kind in level:
             if _is_model(kind) and str(step) in fields_of(kind):
                 hint, field = fields_of(kind)[str(step)]
                 below += leaf_types(hint)
             elif get_origin(kind) is tuple and str(step).isdigit():
                 below += leaf_types(get_args(kind)[0])
-            elif get_origin(kind) is dict:
-                below += leaf_types(get_args(kind)[1])
+            elif get_origin(kind) is dict and str(step) not in tags:
+                free += leaf_types(get_args(kind)[1])
+        below = below or free
         if not below and str(step) in tags:
             below = [tags[str(step)]]
         level = below or level
@@ -109,6 +113,9 @@ def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float
 
 Described = tuple[str, str, bool]
 """Message, hint, whether it stands at the key."""
+
+_OTHER_FORMS: dict[Any, str] = {"(one)": ", or a list: [first, second, ...]", "(word)": ", or a mapping: {key: value}"}
+"""What else may stand in place of a word that is not known, by the last tag of its path (`base.tagged_union`)."""
 
 MAX_DESCRIBED = 100
 """Errors of one section that are described one by one."""
@@ -164,7 +171,8 @@ def describe_error(item: dict[str, Any], path: KeyPath, model: type[BaseModel], 
         fields = context | {"owner": owner, "value": quote(value)}
         if kind == "too_long":  # pydantic does not always count
             fields["actual_length"] = len(value or ())
-        return message.format_map(fields), hint.format_map(fields), at_key
+        other_form = _OTHER_FORMS.get(path[-1], "") if at_key is False else ""
+        return message.format_map(fields), hint.format_map(fields) + other_form, at_key
     match kind:
         case "refused":
             return f"{'' if context.get('whole') else owner}{context['message']}", context["hint"], context["key"]

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from pounding_cli import load_study, open_results
+from pounding_cli import explain_run, load_study, open_results, run
 from pounding_cli.batch import forecast
 from pounding_cli.batch.cache import Cache
 from pounding_cli.cli.main import cli
@@ -65,6 +65,16 @@ def standing(*options: str) -> str:
     return re.search(r"pound run +(.*)", said)[1]
 
 
+def causes(*options: str) -> list[str]:
+    """Return what a check says makes time histories of `pound run` new."""
+    said = CliRunner().invoke(cli, ["check", "two.yaml", *options], catch_exceptions=False).stdout
+    below = said.split("commands ")[1].split(" was written:\n")
+    if len(below) < 2:
+        return []
+    lines = below[1].split("\n    reused:")[0].replace("\n        ", " ").splitlines()
+    return [line.strip() for line in lines]
+
+
 def test_a_check_knows_what_is_solved_already(folder, pound):
     """Fails if a check counts otherwise than the next run, or gives another reason than the change that was made."""
 
@@ -81,10 +91,10 @@ def test_a_check_knows_what_is_solved_already(folder, pound):
     assert standing() == "16 time histories, all solved: results/two.h5 is current"
     assert "16 never run: other.h5 does not exist" in standing("-o", "other.h5")
     study.write_text(study.read_text().replace("1 cm", "12 mm"))
-    assert "4 new or changed since results/two.h5 was written: cases.gap.links; about " in standing()
+    assert causes() == ["cases.gap.gap 1 cm -> 12 mm: 4 time histories of case gap"]
     solves(4)
     study.write_text(study.read_text() + "accuracy: 1e-5\n")
-    assert "16 solved with accuracy 1e-06; " in standing()
+    assert causes() == ["accuracy 1e-6 -> 1e-5: all 16 time histories"]
     solves(16)
     Path("results/two.h5").unlink()
     assert "16 solved, 0 to solve; about " in standing()
@@ -95,6 +105,112 @@ def test_a_check_knows_what_is_solved_already(folder, pound):
     Path("results/two.h5.cache").write_text("no database")
     assert "16 not known: results/two.h5.cache is damaged" in standing()
     assert Path("results/two.h5.cache").read_text() == "no database"
+
+
+SOFTER = ("period: 0.5 s", "period: 0.6 s")
+WIDER = ("gap: 1 cm", "gap: 2 cm")
+THIRD = ("cases:\n", "cases:\n  third: {link: connector, gap: 3 cm}\n")
+GAPS = ("estimate: none\n", "estimate: none\nsweep: {cases.gap.gap: [1 cm, 2 cm]}\n")
+STIFFNESSES = ("period: 0.5 s", "stiffness: [100 MN/m, 80 MN/m]")
+OF_SOFT = "buildings.soft.period 0.5 s -> 0.6 s"
+OF_GAP = "cases.gap.gap 1 cm -> 2 cm"
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ([WIDER], {OF_GAP: "4 time histories of case gap"}),
+        ([SOFTER], {OF_SOFT: "12 time histories: 4 of case touching, 4 of case gap, 4 of soft alone"}),
+        (
+            [SOFTER, WIDER],
+            {
+                OF_SOFT: "8 time histories: 4 of case touching, 4 of soft alone",
+                f"{OF_SOFT} and {OF_GAP}": "4 time histories of case gap",
+            },
+        ),
+        ([THIRD], {"cases.third (new)": "4 time histories of case third"}),
+        ([GAPS], {"sweep (new)": "4 time histories of case gap"}),
+        (
+            [STIFFNESSES],  # changed back one by one, the study is refused
+            {
+                "buildings.soft.period 0.5 s -> unset and buildings.soft.stiffness unset -> [100 MN/m, 80 MN/m]": (
+                    "12 time histories: 4 of case touching, 4 of case gap, 4 of soft alone"
+                )
+            },
+        ),
+        ([("title: Two", "title: 2")], {}),
+        (
+            [("use: [elcentro, taft]", "use: [weak.txt, taft]")],
+            {"records.use [elcentro, taft] -> [weak.txt, taft]": "8"},
+        ),
+    ],
+    ids=["gap", "period", "both", "case", "sweep", "alternatives", "title", "motion"],
+)
+def test_every_new_time_history_has_the_key_that_made_it_so(folder, pound, changes, expected):
+    """Fails if a key is named that changes nothing, or time histories are counted that the next run does not solve."""
+    study = Path("two.yaml")
+    pound("run", "two.yaml", "-q")
+    for old, new in changes:
+        assert old in study.read_text()
+        study.write_text(study.read_text().replace(old, new, 1))
+    if "weak.txt" in study.read_text():
+        time = np.arange(0.0, 0.5, 0.01)
+        np.savetxt("weak.txt", np.column_stack([time, 0.1 * np.sin(12 * time)]), header="unit: g")
+    said = causes()
+    assert len(said) == len(expected)
+    for line, (reason, histories) in zip(said, expected.items(), strict=True):
+        assert line.startswith(f"{reason}: {histories}")
+    counted = sum(int(re.search(r": (?:all )?(\d+) time histor", line)[1]) for line in said)
+    _, out, _ = pound("run", "two.yaml")
+    assert re.search(rf"Time histories: {counted} solved, \d+ reused", out)
+
+
+def test_changed_samples_of_a_motion_are_the_cause(folder, pound):
+    """Fails if a motion file with other samples under the same name is taken for the one before, or is not named."""
+    study = Path("two.yaml")
+    study.write_text(study.read_text().replace("use: [elcentro, taft]", "use: [weak.txt, strong.txt]"))
+    pound("run", "two.yaml", "-q")
+    Path("weak.txt").write_text(Path("weak.txt").read_text().replace("4.", "4.0", 1))
+    np.savetxt("strong.txt", np.column_stack([np.arange(0.0, 0.5, 0.01), np.linspace(0.1, 0.3, 50)]), header="unit: g")
+    (line,) = causes()
+    assert line.startswith("motion strong, other samples: 8 time histories")
+    study.write_text(study.read_text().replace(*WIDER))
+    told = causes()
+    assert [re.sub(" time histor.*", "", line) for line in told] == [
+        "motion strong, other samples: 6",
+        f"{OF_GAP}: 2",
+        f"{OF_GAP} and motion strong, other samples: 2",
+    ]
+    assert "Time histories: 10 solved, 6 reused" in pound("run", "two.yaml")[1]
+
+
+def test_another_version_of_the_solver_is_the_cause(folder, pound, monkeypatch):
+    pound("run", "two.yaml", "-q")
+    monkeypatch.setattr("pounding_cli.results.responses.solver_version", lambda: "0.0+other")
+    monkeypatch.setattr("pounding_cli.api.running.solver_version", lambda: "0.0+other")
+    said = CliRunner().invoke(cli, ["check", "two.yaml"], catch_exceptions=False).stdout
+    assert "another version of the program: all 16 time histories" in said
+    assert "Time histories: 16 solved, 0 reused" in pound("run", "two.yaml")[1]
+
+
+def test_many_changed_keys_are_told_together_where_time_is_short(folder, pound, monkeypatch):
+    """Fails if a check takes as long as there are changed keys, or forgets those that it has no time for."""
+    pound("run", "two.yaml", "-q")
+    monkeypatch.setattr("pounding_cli.api.causes.MAX_SECONDS", 0.0)
+    study = Path("two.yaml")
+    study.write_text(study.read_text().replace(*SOFTER).replace(*WIDER).replace("mass: 200 t", "mass: 250 t"))
+    assert sum(int(re.search(r": (?:all )?(\d+) time histor", line)[1]) for line in causes()) == 16
+
+
+def test_a_script_asks_what_a_run_would_solve(folder):
+    first = explain_run("two.yaml")
+    assert (first.total, first.solved, first.causes) == (16, 0, ())
+    run("two.yaml")
+    again = explain_run(load_study("two.yaml", {"cases.gap.gap": "2 cm"}))
+    (cause,) = again.causes
+    assert (cause.reasons, cause.count, cause.subjects) == ((OF_GAP,), 4, {"case gap": 4})
+    assert again.reused == {"case touching": 4, "stiff alone": 4, "soft alone": 4}
+    assert explain_run("two.yaml").is_current
 
 
 def test_a_check_beside_a_run_says_so(folder, pound):
@@ -229,6 +345,20 @@ def test_every_meeting_is_listed(tmp_path):
         "  A|B  12 m: floor 4 meets floor 3",
     ]
     assert "2 x slab against columns, gap 1 cm" in said[1]
+
+
+def test_places_have_their_names(tmp_path):
+    """A wall on both sides of a building on isolators. Fails if meetings or isolators have the names of types."""
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "records: {use: [elcentro], duration: 1 s}\nbuildings:\n  moat: {wall: {height: 0 m}}\n"
+        "  A: {storeys: 1, period: 0.3 s, foundation: {mass: 300 t, isolation: {radius: 3 m, friction: 6 %}}}\n"
+        "group: [A, moat, A]\ncases: {narrow: {link: pounding, gap: 8 cm}}\n"
+    )
+    lines = CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False).stdout.splitlines()
+    meetings = lines[lines.index("meetings") + 1 :]
+    assert meetings[:2] == ["  A-1|moat  the wall meets base", "  moat|A-2  the wall meets base"]
+    assert [line.split()[0] for line in meetings[3:5]] == ["A-1", "A-2"]
 
 
 QUESTIONS = """\

@@ -267,6 +267,13 @@ def test_a_study_and_its_results_cite_the_same(results, pound):
         ("soft: {like: stiff,", "soft: {like: stiff, yield_shear: never, storey_law: peak-oriented,", "clough1966", ""),
         ("soft: {like: stiff,", "soft: {like: stiff, storey_law: bouc-wen,", "wen1976", ""),
         ("duration: 3 s", "duration: 3 s, scale: {arias: taft}", "arias1970", ""),
+        (
+            "duration: 3 s",
+            "duration: 3 s, scale: {spectrum: mean, from: 0.1 s, to: 1 s, "
+            "target: {code: ASCE 7-16, sds: 1 g, sd1: 0.6 g, tl: 8 s}}",
+            "asce2017",
+            "",
+        ),
         ("mass: 200 t", "mass: 200 t, yield_shear: never", "", "ubc1991"),
         ("estimate: none", "estimate: none\nmethod: newmark\ntime_step: 1 ms", "newmark1959", "jorba2005"),
     ],
@@ -327,9 +334,11 @@ def test_every_key_of_the_schema_is_described_and_nothing_else_is_allowed(folder
 
 
 def test_editors_know_the_keys_of_the_law_that_stands_there(pound):
-    """All studies of configs fit the schema; a key of another law does not, in a case and in an entry of `links`."""
+    """All studies of configs and of the gallery fit the schema; a key of another law does not, in a case and in an
+    entry of `links`."""
     validator = jsonschema.Draft202012Validator(json.loads(pound("schema")[1]))
-    studies = [yaml.safe_load(path.read_text("utf-8")) for path in (ROOT / "configs").rglob("*.yaml")]
+    paths = [path for folder in ("configs", "docs/gallery") for path in (ROOT / folder).rglob("*.yaml")]
+    studies = [yaml.safe_load(path.read_text("utf-8")) for path in paths]
     studies = [study for study in studies if "buildings" in study]
     assert len(studies) > 10
     assert all(validator.is_valid(study) for study in studies)

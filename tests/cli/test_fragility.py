@@ -227,7 +227,7 @@ def test_a_rate_has_its_direction_and_its_numbers(ida, name):
         ("drift > 2 in", "interstorey drift above 2 in"),
         ("acceleration > 1 g in soft floor 2", "acceleration of floor 2 above 1 g"),
         ("acceleration > 1 g", "floor acceleration above 1 g"),
-        ("shear_demand > 1", "shear demand of struck columns above 1"),
+        ("shear_demand > 1", "shear demand of columns above 1"),
         ("contact", "contact"),
         ("collapse in soft", "collapse"),
     ],

@@ -12,6 +12,7 @@ from scipy import stats
 
 import pounding_cli
 from pounding_cli import open_results
+from pounding_cli.questions.gap.codes import estimate_contact
 from pounding_cli.questions.gap.statistics import find_fit_factors
 from pounding_cli.questions.reports import build_report as report
 
@@ -40,8 +41,8 @@ title: Two oscillators by codes
 records: {use: [weak.txt, strong.txt], scale: 1}
 buildings:
   A: {storeys: 1, mass: 100 t, height: 3 m, stiffness: [20 kN/mm],
-      yield: {base_shear: 0.10 W, overstrength: 2, Cd: 5.5, Ie: 1.25, qd: 3}}
-  B: {like: A, stiffness: [8 kN/mm], yield: {base_shear: 0.08 W, Cd: 3, Ie: 1, qd: 1.5}}
+      yield: {base_shear: 0.10 W, overstrength: 2, Cd: 5.5, Ie: 1.25, qd: 3, R: 5}}
+  B: {like: A, stiffness: [8 kN/mm], yield: {base_shear: 0.08 W, Cd: 3, Ie: 1, qd: 1.5, R: 4}}
 group: [A, B]
 cases:
   near: {link: pounding, gap: 3 cm}
@@ -199,6 +200,14 @@ def test_results_of_a_run_are_not_overwritten(pound):
         ("gb50011: {intensity: 5}", "10:24", "at least 6"),
         ("gb50011: {intensity: 8, structure: tower}", "10:38", "'tower' is not known"),
         ("probability: 5 %", "10:3", "unknown key 'probability'"),
+        ("ntc2018: {soil: 1.2}", "10:12", "'ag' is missing"),
+        ("ntc2018: {ag: 0.25}", "10:17", "'0.25' lacks its unit"),
+        ("ntc2018: {ag: 25 g}", "10:17", "at most 30 m/s2"),
+        ("ntc2008: {ag: 0.25 g, soil: C}", "10:31", "write a soil factor S"),
+        ("codes: TBDY", "10:10", "'TBDY' is not known"),
+        ("codes: [E.030, ASCE 7-16]", "10:18", "'ASCE 7-16' is not selected by its name"),
+        ("codes: NTC 2018", "10:10", "write the key `ntc2018` in `gap`"),
+        ("hazard: {k0: 1e-4, k: 2.5}", "10:3", "motions that are scaled to an intensity"),
     ],
 )
 def test_bad_questions_are_refused_at_their_place(pound, line, place, words):
@@ -315,13 +324,29 @@ def statics(share: float, stiffness: float) -> float:
 def test_rules_of_codes_by_hand(pound):
     """ASCE/SEI 7-16, 12.12.3, and EN 1998-1:2004, 4.4.2.7. Fails if a factor is taken from the neighbour, the strength
     from the yield shear, or 0.7 where it does not belong."""
-    Path("codes.yaml").write_text(CODES)
+    text = CODES.replace("R: 4", "R: 4, mu_d: 4, irregular: true")
+    Path("codes.yaml").write_text(
+        f"{text}gap: {{ntc2018: {{ag: 0.2 g, soil: 1.25}}, codes: [TBDY 2018, E.030, NBC 202]}}\n"
+    )
     code, _, _ = pound("gap", "codes.yaml")
     assert code == 0
     a, b = statics(0.10, 20e6), statics(0.08, 8e6)
     moves = {"ASCE 7-16": (5.5 / 1.25 * a, 3 * b), "EN 1998-1": (3 * a, 1.5 * b)}
     results = open_results("results/codes-gap.h5")
     table, cases, line = (results.table(name) for name in ("gap", "gap_cases", "property_line"))
+    of_others = {
+        "NTC 2018": 0.03 * 0.25 + 4 * b,  # A by its height, B by its mu_d
+        "TBDY 2018": 0.25 * np.hypot(5 / 1.25 * a, 4 * b),
+        "E.030": 2 / 3 * (0.75 * 5 * a + 0.85 * 4 * b),
+        "NBC 202": 0.04,
+    }
+    at_roof = table[table["analysis"] == "elastic"].set_index("rule")["mean"]
+    least = {"TBDY 2018": 0.03}  # of a roof at 3 m
+    expected = {rule: max(gap, least.get(rule, 0)) for rule, gap in of_others.items()}
+    assert {rule: at_roof[rule] for rule in of_others} == pytest.approx(expected, rel=1e-12)
+    peru = line[line["rule"] == "E.030"].groupby("building")["mean"].first().to_dict()
+    expected = {"A": max(2 / 3 * 0.75 * 5 * a, 0.015), "B": max(2 / 3 * 0.85 * 4 * b, 0.015)}
+    assert peru == pytest.approx(expected, rel=1e-12)
     for rule, (one, other) in moves.items():
         apart = np.hypot(one, other) * (0.7 if rule == "EN 1998-1" else 1.0)
         rows = table[table["rule"] == rule]
@@ -340,14 +365,16 @@ def test_rules_of_codes_by_hand(pound):
     [("storeys: 2, stiffness: [16 kN/mm, 8 kN/mm]", 0.7), ("stiffness: [8 kN/mm], height: 3.5 m, columns: 20 %", 1.0)],
 )
 def test_seven_tenths_where_the_floors_have_the_same_elevations(tmp_path, b, factor):
-    """EN 1998-1, 4.4.2.7(3). Fails if the number of storeys, or one pair of floors, decides."""
+    """EN 1998-1, 4.4.2.7(3); a half in TBDY 2018. Fails if the number of storeys, or one pair of floors,
+    decides."""
     text = (
         CODES.replace("stiffness: [8 kN/mm]", b)
         .replace("weak.txt, strong.txt", "elcentro")
         .replace("scale: 1", "duration: 1 s")
     )
     text = text.replace("storeys: 1", "storeys: 1, columns: 20 %").replace("  filled: {link: infill, gap: 3 cm}\n", "")
-    (tmp_path / "s.yaml").write_text(text)
+    text = text.replace("R: 5", "R: 20").replace("R: 4", "R: 16")
+    (tmp_path / "s.yaml").write_text(f"{text}gap: {{codes: [TBDY 2018]}}\n")
     found = pounding_cli.run(tmp_path / "s.yaml", tmp_path / "r.h5", workflow="gap", engine="serial")
     rows = found.table("gap").query("rule == 'EN 1998-1' and analysis == 'elastic'")
     one, other = (
@@ -360,6 +387,11 @@ def test_seven_tenths_where_the_floors_have_the_same_elevations(tmp_path, b, fac
         at = 3 / 3.5
         other *= at * at * (3 - 2 * at)
     assert rows["mean"].iloc[0] == pytest.approx(factor * np.hypot(one, other), rel=1e-12)
+    share = 0.5 if factor == 0.7 else 1.0
+    gaps = found.table("gap").query("analysis == 'elastic'").groupby("rule")["mean"].first()
+    turkish = 0.5 * share * np.hypot(20 / 1.25 / 3 * one, 16 / 1.5 * other)
+    assert gaps["TBDY 2018"] == pytest.approx(turkish, rel=1e-12)
+    assert turkish > 0.03
 
 
 def test_a_rule_without_its_factors_is_not_evaluated(pound):
@@ -379,6 +411,9 @@ def test_a_rule_without_its_factors_is_not_evaluated(pound):
         ("yield: {Cd: 5.5, Ie: 1}", "4:41", "'base_shear' is missing"),
         ("yield: {base_shear: 0.1, Cd: 0.5}", "4:63", "must be at least 1"),
         ("yield: {base_shear: 0.1, qd: q}", "4:63", "write a displacement behaviour factor q_d"),
+        ("yield: {base_shear: 0.1, R: 0.5}", "4:62", "must be at least 1"),
+        ("yield: {base_shear: 0.1, mu_d: 0}", "4:65", "must be at least 1"),
+        ("yield: {code: UBC-1991, R: 5}", "4:42", "'code' does not go with the other keys here"),
     ],
 )
 def test_bad_factors_are_refused_at_their_place(pound, line, place, words):
@@ -389,6 +424,49 @@ def test_bad_factors_are_refused_at_their_place(pound, line, place, words):
     assert (code, out) == (2, "")
     assert f"two.yaml:{place}: " in err
     assert words in err
+
+
+# What the gaps of codes are worth
+
+
+def test_a_gap_of_a_code_is_closed_by_as_many_motions_as_a_run_says(tmp_path):
+    """With this gap in a case, motion by motion; the probability by a fit of scipy's. Fails if one floor is taken for
+    all, or if motions are counted that the gap stands."""
+    text = RUNS[: RUNS.index("cases:")].replace("duration: 5 s", "duration: 4 s, scale: {pga: 0.25 g}")
+    text += "cases: {near: {link: pounding, gap: 15 mm}}\ngap: {codes: [E.030, NBC 202]}\n"
+    text = text.replace("period: 0.3 s", "period: 0.3 s, yield: {base_shear: 0.1 W, overstrength: 3, R: 6}")
+    (tmp_path / "s.yaml").write_text(text)
+    found = pounding_cli.run(tmp_path / "s.yaml", tmp_path / "gap.h5", workflow="gap", engine="serial")
+    codes = found.table("gap_codes")
+    assert set(codes["rule"]) == {"E.030", "NBC 202"}
+    assert codes["closed"].between(1, 2).any()
+    assert codes["rate"].isna().all()
+    largest = found.link().groupby(["analysis", "record"])["max_closing"].max()
+    for gap, of_gap in codes.groupby("gap"):
+        (tmp_path / "run.yaml").write_text(text.replace("15 mm", f"{1000 * gap!r} mm"))
+        link = pounding_cli.run(tmp_path / "run.yaml", tmp_path / f"{gap}.h5", engine="serial").link()
+        touched = link.groupby(["analysis", "record"])["impacts"].sum() > 0
+        for row in of_gap.to_dict("records"):
+            assert (row["closed"], row["motions"]) == (touched[row["analysis"]].sum(), 3)
+            logs = np.log(largest[row["analysis"]])
+            fitted = stats.norm(logs.mean(), logs.std(ddof=1)).sf(np.log(gap))
+            assert row["probability"] == pytest.approx(fitted, rel=1e-9)
+
+
+@pytest.mark.parametrize("motions", [5, 22])
+def test_the_interval_of_a_probability_is_that_of_its_gap(motions):
+    """The gap at an end of the interval of `contact` has the probability at an end of its own."""
+    closings = np.exp(np.random.default_rng(2).normal(-3, 0.5, motions))
+    logs = np.log(closings)
+    for share in (0.5, 0.1, 0.01):
+        gaps = np.exp(logs.mean() + np.array(find_fit_factors(motions, share)) * logs.std(ddof=1))
+        assert estimate_contact(closings, gaps[0])[0] == pytest.approx(share, rel=1e-9)
+        assert estimate_contact(closings, gaps[1])[1] == pytest.approx(share, rel=1e-6)
+        assert estimate_contact(closings, gaps[2])[2] == pytest.approx(share, rel=1e-6)
+    low, high = estimate_contact(closings, np.median(closings))[1:]
+    assert 0 < low < high < 1
+    assert np.isnan(estimate_contact(closings[:4], 0.05)[1:]).all()
+    assert np.isnan(estimate_contact(closings[:1], 0.05)).all()
 
 
 # The distance to a property line

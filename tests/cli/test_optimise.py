@@ -695,3 +695,45 @@ def test_only_contacts_make_numbers_depend_on_the_contact_stiffness(shared_folde
     marked = {name for name, is_marked in cells.items() if is_marked}
     assert marked == {"largest acceleration in A", "largest acceleration in B", "largest peak force"}
     assert "largest acceleration in C" in cells
+
+
+def test_the_optimum_meets_what_is_required(pound):
+    """Without the requirement the gap may be narrow; each point of the search is checked against its own run."""
+    text = few("impact.restitution", "0.4", "0.65").replace("cases.joined.gap: {choice: [3 mm, 4.5 mm]}", "GAP")
+    text = text.replace("GAP", "cases.joined.gap: {choice: [3 mm, 4.5 mm, 6 mm, 9 mm]}")
+    Path("few.yaml").write_text(text)
+    assert pound("optimise", "few.yaml")[0] == 0
+    keys = ["cases.joined.gap", "cases.joined.links.1.stiffness", "impact.restitution"]
+
+    def find_largest_forces() -> dict[tuple[str, ...], float]:
+        """Return the largest force of every point over links and motions, by the values of its keys."""
+        force = open_results("results/few-optimise.h5").link("peak_force")
+        force = force.query("case == 'joined' and analysis == 'inelastic'")
+        largest = force.groupby(keys)["peak_force"].max()
+        return {(f"{1e3 * gap:g} mm", str(k), str(e)): value for (gap, k, e), value in largest.items()}
+
+    bound = round(float(np.median([*find_largest_forces().values()])) + 1, 1)
+    required = f"least: largest drift\n  require: [peak_force < {bound:.1f} N, smallest mu in A > 0]"
+    Path("few.yaml").write_text(text.replace("least: largest drift", required))
+    code, out, _ = pound("optimise", "few.yaml", "--replace", "--write", "best.yaml")
+    assert code == 0
+    results = open_results("results/few-optimise.h5")
+    row = results.table("optimise").iloc[0]
+    points = results.table("optimise_points")
+    largest = find_largest_forces()
+    unmet = [largest[tuple(map(str, place))] >= bound for place in points[keys].to_numpy()]
+    assert points["unmet"].tolist() == unmet
+    assert 0 < sum(unmet) < len(unmet)
+    assert row["unmet"] == sum(unmet)
+    assert row["optimum"] == points.loc[points["unmet"] == 0, "value"].min()
+    met = f"as do {len(unmet) - sum(unmet)} of {len(unmet)} points in all; the study as written do"
+    assert met in " ".join(out.split())
+    Path("few.yaml").write_text(text.replace("least: largest drift", "least: largest drift\n  require: mu < 0.001"))
+    code, out, _ = pound("optimise", "few.yaml", "--replace", "-o", "none.h5", "--write", "none.yaml")
+    assert "no point meets what is required: mu < 0.001, under every motion." in " ".join(out.split())
+    assert not Path("none.yaml").exists()
+    Path("few.yaml").write_text(text.replace("least: largest drift", "least: largest drift\n  require: shear < 1"))
+    code, _, err = pound("optimise", "few.yaml", "-o", "bad.h5")
+    assert code == 2
+    assert "few.yaml:23:12:" in err
+    assert "no quantity 'shear' is known" in err

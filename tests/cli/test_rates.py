@@ -86,6 +86,30 @@ def test_the_gap_for_a_rate(tmp_path: Path) -> None:
     assert several["gap"].iloc[0] == pytest.approx(gap["gap"], rel=1e-6)
 
 
+def test_the_rate_at_the_gap_of_a_code(tmp_path: Path) -> None:
+    """The closed form of elastic closings; and the gap for that rate is the gap of the code. Fails if a rate is that of
+    another analysis, of one floor or of one intensity of a sweep."""
+    code = {"hazard": POWER, "codes": ["NBC 202"]}
+    study = STUDY | {"records": STUDY["records"] | {"duration": 4.0}}
+    one = pound.run(study | {"gap": code}, tmp_path / "one.h5", workflow="gap")
+    rows = one.answer("gap_codes").frame.query("rule == 'NBC 202'").set_index("analysis")
+    closings = one.link().groupby(["analysis", "record"])["max_closing"].max()
+    for analysis, row in rows.iterrows():
+        logs = np.log(closings[analysis])
+        theta = 0.3 * 0.04 / np.exp(logs.mean())
+        wanted = 1e-4 * theta**-2.5 * np.exp(0.5 * (2.5 * logs.std(ddof=1)) ** 2)
+        assert row["rate"] == pytest.approx(wanted, rel=1e-6)
+        assert row["rate_low"] < row["rate"] < row["rate_high"]
+    assert rows["rate"].nunique() == len(rows) == 2
+    rate = float(rows.loc["elastic", "rate"])
+    sweep = {"sweep": {"records.scale.pga": ["0.1 g", "0.3 g", "0.6 g"]}, "analyses": ["elastic"]}
+    several = pound.run(study | {"gap": code | {"rate": rate}} | sweep, tmp_path / "several.h5", workflow="gap")
+    swept = several.answer("gap_codes").frame.query("rule == 'NBC 202'")
+    np.testing.assert_allclose(swept["rate"], rate, rtol=1e-6)
+    assert swept["closed"].is_monotonic_increasing
+    assert several.answer("gap_rate").frame["gap"].iloc[0] == pytest.approx(0.04, rel=1e-6)
+
+
 def test_a_table_of_gaps_follows_its_rate() -> None:
     """More contacts are allowed by a narrower gap: the rate of every other gap by the same pieces."""
     table = Hazard.from_points(np.array([0.05, 0.3, 1.0]), np.array([0.02, 1 / 475, 1e-4]))

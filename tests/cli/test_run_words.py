@@ -5,11 +5,13 @@ The solver is replaced: every response with links is that of the building alone 
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from pounding_cli import open_results
 from tests.adapter import Connector, response
 
 STUDY = """\
@@ -192,6 +194,38 @@ def test_the_case_that_changes_most_comes_first(pound, folder):
         assert high in answer
 
 
+def test_the_case_that_is_best_for_the_worse_building_comes_first(pound, folder):
+    """The wider the gap, the better for low and the worse for high; of d the numbers mean nothing."""
+    beyond = response.Flag(f"{Connector.beyond_gap}: low | high, floor 1, by 3 mm")
+    overloaded = response.Flag("columns overloaded by a blow: low storey 1, 2 times")
+    factors = {0.01: (1.6, 1.1), 0.02: (1.3, 1.2), 0.03: (1.0, 1.25), 0.04: (0.5, 0.5)}
+
+    def solve(scene, accuracy=1e-6, method="taylor", **more):
+        gap = round(scene.links[0].gap, 3) if scene.links else 0.0
+        low, high = factors.get(gap, (1.0, 1.0))
+        made = solver({"low": [[low, 1.0]] * 2, "high": [[1.0, high]] * 2})(scene, accuracy, method, **more)
+        flags = {0.03: (overloaded,), 0.04: (beyond,)}.get(gap, ())
+        return replace(made, flags=flags) if scene.links else made
+
+    cases = "a: {link: pounding, gap: 1 cm}, b: {link: pounding, gap: 2 cm}, c: {link: pounding, gap: 3 cm}, "
+    cases += "d: {link: connector, gap: 4 cm, stiffness: 1 kN/mm}"
+    study = STUDY.replace("touching: {link: pounding, gap: 1 cm}", cases).replace("[elastic]", "[elastic, inelastic]")
+    (folder / "two.yaml").write_text(study)
+    out = pound("run", "two.yaml", solve=solve)[1]
+    answer = " ".join(out.split())
+    details = "(high, storey 2; flagged: columns overloaded by a blow; next b, {}; last a, {})"
+    ratios = details.format("1.30", "1.60")
+    assert answer.startswith(
+        f"Words Case c is best for the worse building by elastic mean V/V₀ 1.25 {ratios}, inelastic mean μ/μ₀ 1.25 "
+        f"{ratios}, inelastic mean μ 2.50 {details.format('2.60', '3.20')}."
+    )
+    means = open_results("results/two.h5").storey("mu").query("analysis == 'inelastic' and case == 'b'")
+    largest = means.groupby(["building", "storey"])["mu"].mean().groupby("building").max()
+    for name in ("low", "high"):
+        row = re.search(rf"^ b +{name} .*$", out, re.MULTILINE)
+        assert float(row[0].split()[-2]) == largest[name]
+
+
 def test_at_a_point_of_a_sweep(pound, folder):
     """The rise grows with the gap: the answer is about the first value, and the sweep about the last."""
 
@@ -245,11 +279,21 @@ def test_nothing_solved_and_some_failed(pound, folder):
 
 def test_collapses_come_first_with_and_without_pounding(pound, folder):
     study = STUDY.replace("height: 3 m}\ngroup", "height: 3 m, collapse: 10 %}\ngroup").replace("elastic", "inelastic")
-    answer = answer_of(
-        pound, UP, study, status="collapsed", collapse_building=1, collapse_storey=1, collapse_time=0.2,
-        flags=(response.Flag("collapsed", "high storey 1, at 0.2 s", -0.2),),
-    )  # fmt: skip
-    assert answer.startswith("high collapses (inelastic; of 2 motions) under 2 in case touching, and under 0 alone")
+    usual = solver(UP)
+
+    def solve(scene, accuracy=1e-6, method="taylor", **more):
+        made = usual(scene, accuracy, method, **more)
+        if not scene.links:
+            return made
+        made.peaks["collapse_storey"], made.peaks["collapse_time"] = (0.0, 1.0), 0.2
+        return replace(made, status="collapsed", flags=(response.Flag("collapsed", "high storey 1, at 0.2 s", -0.2),))
+
+    (folder / "two.yaml").write_text(study)
+    answer = " ".join(pound("run", "two.yaml", solve=solve)[1].split())
+    assert answer.startswith(
+        "Words high collapses (inelastic; of 2 motions) under 2 in case touching, and under 0 alone"
+    )
+    assert "responds as it does alone" not in answer
 
 
 def test_numbers_without_meaning_are_told(pound, folder):

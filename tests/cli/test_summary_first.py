@@ -48,6 +48,7 @@ def solve(scene, accuracy=1e-6, method="taylor", **_):
             mu = mu + (np.array([2.0, 0.0]) if is_high else np.array([0.0, 2.0]))
         peaks["ductility"][place], peaks["drift"][place] = mu, 0.04 if is_high else 0.01
     peaks["impacts"] = 0.0 if count and scene.links[0].gap > 0.05 else 3.0
+    peaks["contact_time"] = 0.01 * peaks["impacts"]
     for at, link in enumerate(scene.links):
         if link.columns:
             shears = 1e5 + at, 2e5 + at, 34.0 if strong else 1.2

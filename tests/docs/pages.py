@@ -24,6 +24,8 @@ PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").r
 
 _FENCE = re.compile(r"^(?P<indent> *)```(?P<word>\w*)[^\n]*\n(?P<text>.*?)^(?P=indent)```", re.MULTILINE | re.DOTALL)
 _MARK = re.compile(r"<!-- not run: (?P<reason>.+?) -->\s*\Z")
+_NEEDS = re.compile(r"<!-- needs (?P<module>\w+): (?P<reason>.+?) -->\s*\Z")
+# Such a block is run every night, where the module is installed.
 _SHELL = set("|&;<>(){}$*`!'\"\\")
 """Signs that only a shell understands: a line without them is run in this process, which is much quicker."""
 
@@ -44,6 +46,9 @@ def blocks(page: Path) -> list[Block]:
     found = []
     for fence in _FENCE.finditer(text):
         mark = _MARK.search(text[: fence.start()])
+        needs = _NEEDS.search(text[: fence.start()])
+        if needs and not (os.environ.get("POUND_NIGHTLY") and importlib.util.find_spec(needs["module"])):
+            mark = needs
         line = text.count("\n", 0, fence.start()) + 1
         found.append(Block(line, fence["word"], fence["text"], mark["reason"] if mark else ""))
     return found

@@ -72,6 +72,13 @@ def building(draw: Any) -> dict[str, Any]:
     return spec
 
 
+JOINTS = ("connector", "damper", "viscous", "maxwell", "friction")
+"""Links that may end anywhere, level or inclined."""
+
+ENDS = ([1, "0 + 40 %"], ["0 + 0.1 %", 1], [1, "0 + 99.99 %"], [1, 1])
+"""A floor and columns of the lowest storey, and floors that may not line up."""
+
+
 @st.composite
 def link(draw: Any, own: dict[str, Any]) -> dict[str, Any]:
     """One link of any law: of the program, or of `own`, those of the study."""
@@ -95,6 +102,11 @@ def case(draw: Any, storeys: int, own: dict[str, Any], uneven: bool) -> dict[str
         links.append(
             draw(st.one_of(st.sampled_from([{"link": "pounding"}, {"link": "none"}]), other)) | {"at": "columns"}
         )
+        if draw(st.booleans()):
+            joint = draw(st.sampled_from(JOINTS))
+            place = {"floors": [draw(st.sampled_from(ENDS))], "gap": 0.01}
+            some(draw, place, "distance", decades(0.05, 50.0, far=False))
+            links.append({"link": joint} | draw(law_keys(LINKS[joint])) | place)
     gap = {"gap": draw(GAP)}
     return gap | links[0] if len(links) == 1 else gap | {"links": links}
 

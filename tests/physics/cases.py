@@ -44,6 +44,7 @@ class Row:
         holds together part too gently to agree on when [m]
     touching : analysis of the runs without gap
     peak, duration : of the motion of the pair [m/s2], [s]
+    chained : whether a row of ten is run too, which takes long where forces are curved or many: another row has that
     """
 
     name: str
@@ -57,6 +58,7 @@ class Row:
     touching: str = "elastic"
     peak: float = 6.0
     duration: float = 1.0
+    chained: bool = True
 
     def row(self, periods: tuple[float, ...], storeys: int, ground: np.ndarray, gap: float, analysis: str) -> Scene:
         """Buildings of these periods [s] side by side, every second one with the keys of the right one."""
@@ -170,7 +172,55 @@ COLUMNS = (
     ),
 )  # fmt: skip
 
-ROWS = {row.name: row for row in (*LINKS, *STOREYS, *GROUNDS, *COLUMNS)}
+ENDS = [[2, "1 + 40 %"], ["0 + 2.1 m", 1]]
+"""A floor against columns, and columns against a floor: those of the right building in storey 2, of the left in 1."""
+
+INCLINED = {"floors": ENDS, "distance": 2.5}
+
+
+def unaligned(
+    name: str, link: Mapping[str, Any], building: Mapping[str, Any] = {}, right: Mapping[str, Any] = {}, **keys: Any
+) -> Row:
+    """A link beside pounding whose ends stand at different heights or on columns of 20 % of a storey."""
+    return Row(f"unaligned {name}", {"links": ["pounding", link]}, SLABS | building, right, **keys)
+
+
+UNALIGNED = (
+    unaligned("connector, level", {"link": "connector", "stiffness": 3e7, "floors": ENDS}),
+    unaligned(
+        "connector over yielding storeys",
+        {"link": "connector", "stiffness": 3e7, "floors": [["0 + 50 %", 1], [1, 2]], "distance": 3.0},
+        {"hardening": 0.02}, touching="inelastic", peak=5.0, duration=2.0,
+    ),
+    unaligned("damper", {"link": "damper", "damping_coefficient": 2e6, **INCLINED}),
+    unaligned(
+        "viscous", {"link": "viscous", "force_at_1_m_s": 1e5, "exponent": 0.8, "straight_below": 1e-9, **INCLINED},
+        duration=0.6, gap=1e-4, chained=False,
+    ),
+    unaligned(
+        "maxwell on a foundation", {"link": "maxwell", "stiffness": 1e8, "damping_coefficient": 2e6, **INCLINED},
+        {"foundation": SWAY | ROCK},
+    ),
+    unaligned(
+        "friction under p-delta", {"link": "friction", "stiffness": 1e8, "slip_force": 2e5, **INCLINED},
+        {"p_delta": [2.4e7, 1.6e7, 8e6], "collapse": "never"},
+    ),
+    unaligned(
+        "connector over bouc-wen", {"link": "connector", "stiffness": 3e7, **INCLINED},
+        {"storey_law": "bouc-wen", "wen_exponent": 2, "wen_gamma": 0.5}, chained=False,
+    ),
+    unaligned(
+        "formula", {"link": "own", **INCLINED}, like="unaligned damper",
+        more=formula("c*r", "always", c="2e6 N*s/m"),
+    ),
+    Row("infill on columns", INFILL, SLABS, {"height": [4.2, 3.0, 3.0]}, gap=THIN, chained=False),
+    Row(
+        "infill on columns, printed and cut", INFILL | {"law": "printed", "tension_cut": True}, SLABS,
+        {"height": [4.2, 3.0, 3.0]}, gap=THIN, peak=7.0, chained=False,
+    ),
+)  # fmt: skip
+
+ROWS = {row.name: row for row in (*LINKS, *STOREYS, *GROUNDS, *COLUMNS, *UNALIGNED)}
 
 VARIANTS = "apart", "in touch"
 """The runs that the independent integrator makes of each row."""
@@ -188,4 +238,15 @@ def referenced() -> dict[str, tuple[Row, str]]:
 
 def mirrored(scene: Scene) -> Scene:
     """The same seen from the other side of the street."""
-    return replace(scene, buildings=tuple(reversed(scene.buildings)), ground=-scene.ground)
+    case = dict(scene.case)
+    if "links" in case:
+        case["links"] = [_mirrored_link(link) for link in case["links"]]
+    return replace(scene, buildings=tuple(reversed(scene.buildings)), ground=-scene.ground, case=case)
+
+
+def _mirrored_link(link: Any) -> Any:
+    """Return a link whose ends have changed sides; what is no pair of floors stays."""
+    if isinstance(link, str) or not isinstance(link.get("floors"), list):
+        return link
+    ends = [each[::-1] if isinstance(each, list) else each for each in link["floors"]]
+    return {**link, "floors": ends}

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import gamma
 
 import pounding_cli
-from tests.adapter import Run, Scene, solve
+from tests.adapter import Connector, Run, Scene, solve
 from tests.physics.cases import ROCK, SWAY, formula, shake
 from tests.reference.branches import jankowski_damping
 from tests.reference.closed_forms import bilinear_throw, infill_compression, kelvin_voigt, oscillator_under_ramp
@@ -378,33 +378,168 @@ def test_collapse(limit: float) -> None:
     assert abs(run.energy["residual"]) < 1e-11
 
 
+@pytest.mark.parametrize("case", [
+    {"link": "pounding"},
+    {"link": "connector", "damping_ratio": 0.0, "stiffness": 1e8},
+    {"link": "connector", "damping_ratio": 0.0, "stiffness": 1e8, "rise": 1.5, "distance": 2.0},
+    {"link": "friction", "stiffness": 1e8, "slip_force": 1e9},
+    {"link": "maxwell", "stiffness": 1e8, "damping_coefficient": 1e30},
+], ids=lambda case: f"{case['link']}{', inclined' if 'rise' in case else ''}")  # fmt: skip
 @pytest.mark.parametrize("at", [0.3, 0.5, 0.9])
-def test_blow_on_columns(at: float) -> None:
-    """A slab strikes the columns of a building too heavy to move: the reactions b^2 (3a + b) / L^3 and
-    a^2 (3b + a) / L^3 of a clamped beam, whose own give, 12 EI / L^3 = share k, is in series with the impact spring.
-    Fails if the two ends take each other's place."""
-    striker = storey(1e5, 1e-3, height=at * H, slab=0.1)
+def test_force_on_columns(at: float, case: Mapping[str, Any]) -> None:
+    """A slab strikes the columns of a building too heavy to move, or is tied to them: the reactions b^2 (3a + b) / L^3
+    and a^2 (3b + a) / L^3 of a clamped beam, whose own give, 12 EI / L^3 = share k, is in series with the level
+    stiffness of the link, k cos^2. Fails if the two ends take each other's place, or an inclined link bends columns as
+    a level one does."""
+    case = {"gap": 0.0, **case}
+    height = at * H + case.pop("rise", 0.0)
+    cosine = math.cos(math.atan2(height - at * H, case.get("distance", 1.0)))
+    if case["link"] != "pounding":
+        case["floors"] = [[1, f"0 + {100 * at:g} %"]]
+    striker = storey(1e5, 1e-3, height=height, slab=0.1)
     struck = storey(1e14, 1e9, slab=0.1, columns=0.25)
-    case = {"link": "pounding", "gap": 0.0}
     more = {"impact": {"stiffness": 1e8, "restitution": 1.0}}
     start = [[0.0], [0.0]], [[0.5], [0.0]]
     run = solve(Scene((striker, struck), case=case, more=more, start=start, **still(0.4)), 1e-12)
     below, above = (1 - at) ** 2 * (3 * at + 1 - at), at**2 * (3 * (1 - at) + at)
-    assert run.impacts.tolist() == [1]
+    if case["link"] == "pounding":
+        assert run.impacts.tolist() == [1]
     give = 4 * (at * (1 - at)) ** 3 / (0.25 * 1e9)
-    force = 0.5 * math.sqrt(1e5 / (1e-8 + give))
-    assert run.peak_force[0] == pytest.approx(force, rel=1e-6)
+    force = 0.5 * math.sqrt(1e5 / (1e-8 / cosine**2 + give))
+    assert run.peak_force[0] == pytest.approx(force / cosine, rel=1e-6)
     assert run.shear_below[0] == pytest.approx(force * below, rel=1e-6)
     assert run.shear_above[0] == pytest.approx(force * above, rel=1e-6)
 
 
+@pytest.mark.parametrize("speed", [1e-4, 0.25, 0.5, 0.8])
+@pytest.mark.parametrize("law", ["continuous", "printed"])
+def test_infill_on_columns(law: str, speed: float) -> None:
+    """A slab presses 1 cm of infill against the columns of a building too heavy to move: the energy of the blow stands
+    in the infill and in the columns, f F^2 / 2, at the largest closing x + f F, and all of it comes back. The speeds
+    end lightly pressed, inside the thickness, at the jump of the printed law, and beyond it. Fails if columns follow
+    another curve than the infill."""
+    at, s_mat, s_imp, mass = 0.3, 2e7, 1e9, 1e5
+    give = 4 * (at * (1 - at)) ** 3 / (0.25 * 1e9)
+    p = (s_imp - s_mat) / (3 * GAP**2)
+    before_jump = p * GAP**3 + s_mat * GAP
+    behind_jump = s_imp * GAP if law == "printed" else before_jump
+    energy = mass * speed**2 / 2
+
+    def force_at(x: float) -> float:
+        return p * x**3 + s_mat * x if x <= GAP else behind_jump + s_imp * (x - GAP)
+
+    def excess(x: float) -> float:
+        """Energy at the compression x over that of the blow [J]."""
+        in_infill = p * min(x, GAP) ** 4 / 4 + s_mat * min(x, GAP) ** 2 / 2
+        in_infill += behind_jump * max(x - GAP, 0) + s_imp * max(x - GAP, 0) ** 2 / 2
+        return in_infill + give * force_at(x) ** 2 / 2 - energy
+
+    if excess(GAP) >= 0:
+        x = brentq(excess, 0.0, GAP, xtol=1e-18)
+        force = force_at(x)
+    elif excess(GAP * (1 + 1e-15)) >= 0:  # at the jump, where columns alone give way
+        x = GAP
+        force = math.sqrt(2 * (energy - p * GAP**4 / 4 - s_mat * GAP**2 / 2) / give)
+    else:
+        x = brentq(excess, GAP * (1 + 1e-15), 1.0, xtol=1e-18)
+        force = force_at(x)
+    case = {"link": "infill", "gap": GAP, "stiffness": s_mat, "law": law, "damping_ratio": 0.0}
+    case["floors"] = [[1, f"0 + {100 * at:g} %"]]
+    striker, struck = storey(mass, 1e-3, height=at * H, slab=0.1), storey(1e14, 1e9, slab=0.1, columns=0.25)
+    more = {"impact": {"stiffness": s_imp, "restitution": 1.0}}
+    scene = Scene((striker, struck), case=case, more=more, start=([[0.0], [0.0]], [[speed], [0.0]]), **still(0.6))
+    run = solve(scene, 1e-12)
+    assert run.peak_force[0] == pytest.approx(force, rel=1e-8)
+    assert run.max_closing[0] == pytest.approx(x + give * force, rel=1e-8)
+    assert run.impulse[0] == pytest.approx(2 * mass * speed, rel=1e-8)
+    assert abs(run.energy["links"]) < 1e-9 * energy
+    stored = scene.built.links[0].law.stored_energy(float(run.max_closing[0]), 0.0)
+    assert stored == pytest.approx(energy, rel=1e-8)
+    assert run.impacts.tolist() == [1]
+
+
+def test_infill_beside_columns_that_hardly_bend() -> None:
+    """Close to a floor the bending changes nothing, and the infill keeps its series; two springs in series add up.
+    Fails if such columns cost the time of the exact curve."""
+    infill = pounding_cli.Infill(gap=GAP, stiffness=2e7, impact_stiffness=1e9, damping_ratio=0.2)
+    assert infill.soften(1e-19) is infill
+    softer = infill.soften(1e-10)
+    assert softer.identity != infill.identity
+    assert softer.soften(2e-10) == infill.soften(1e-10 + 2e-10)
+    with pytest.raises(ValueError, match="flexibility is inf m/N"):
+        infill.soften(math.inf)
+
+
+@pytest.mark.parametrize("distance", [None, 1.6])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_damper_on_columns(mirrored: bool, distance: float | None) -> None:
+    """Free masses: a floor moves away from columns 1.2 m, 40 %, above the first of two floors, at the height of which
+    it would be level. The reduced mass is 1 / (1 / m + (1 - w)^2 / m1 + w^2 / m2), the rate falls as
+    exp(-c cos^2 t / m'), and the floors take 1 - w and w of the impulse. Fails if an inclined dashpot moves by the
+    whole closing, or pushes with its whole force."""
+    c, speed, duration, w = 1e5, 0.3, 0.4, 3 * 0.4**2 - 2 * 0.4**3
+    cosine = 1.0 if distance is None else math.cos(math.atan2(1.2, distance))
+    one = storey(M1, 1e-3)
+    two = {"storeys": 2, "mass": [M2, 1.5e5], "stiffness": [1e-3, 1e-3], "height": H, "yield_shear": "never"}
+    two |= {"rayleigh": {"alpha": 0.0, "beta": 0.0}, "columns": 0.5}
+    floors, start, buildings = [1, "1 + 40 %"], [[speed], [0.0, 0.0]], (one, two)
+    if mirrored:
+        floors, start, buildings = floors[::-1], start[::-1], buildings[::-1]
+    case = {"link": "damper", "gap": 0.1, "damping_coefficient": c, "floors": [floors]}
+    case |= {} if distance is None else {"distance": distance}
+    rest = [[0.0] * len(each) for each in start]
+    run = solve(Scene(buildings, case=case, start=(rest, start), **still(duration)), 1e-12)
+    reduced = 1 / (1 / M1 + (1 - w) ** 2 / M2 + w**2 / 1.5e5)
+    rate = speed * math.exp(-c * cosine**2 * duration / reduced)
+    impulse = reduced * (speed - rate)
+    ends = np.array([speed - impulse / M1, (1 - w) * impulse / M2, w * impulse / 1.5e5])
+    assert run.end_velocity == pytest.approx(np.roll(ends, -1) if mirrored else ends, rel=1e-9)
+    assert run.peak_force[0] == pytest.approx(c * speed * cosine, rel=1e-9)
+    assert run.shear_below[0] == pytest.approx((1 - w) * c * speed * cosine**2, rel=1e-6)
+    assert run.shear_above[0] == pytest.approx(w * c * speed * cosine**2, rel=1e-6)
+    assert run.energy["links"] == pytest.approx(reduced * (speed**2 - rate**2) / 2, rel=1e-9)
+    closing = abs(run.end @ ([1 - w, w, -1.0] if mirrored else [1.0, w - 1, -w]))
+    assert closing == pytest.approx(reduced * (speed - rate) / (c * cosine**2), rel=1e-9)
+    if not mirrored:
+        assert run.max_closing[0] == pytest.approx(closing, rel=1e-9)
+
+
+@pytest.mark.parametrize("left_height", [6.0, 3.0])
+def test_floors_at_different_heights(left_height: float) -> None:
+    """Two floors 3 m apart in height, tied over 3 m along the row: a link at 45 degrees is half as stiff, and half as
+    much of a dashpot, as a level one; with a dashpot beside it the answer is the exponential of the hand-written
+    matrices. Fails if the angle is another's, or is taken once."""
+    heights = left_height, 9.0 - left_height
+    k, s, ratio, dashpot = (3e7, 5e7), 4e7, 0.1, 8e5
+    m = np.array([M1, M2])
+    pair = [storey(mass, each, height=height) for mass, each, height in zip(m, k, heights, strict=True)]
+    links = [
+        {"link": "connector", "stiffness": s, "damping_ratio": ratio, "floors": [[1, 1]], "distance": 3.0},
+        {"link": "damper", "damping_coefficient": dashpot, "floors": [[1, 1]], "distance": 4.0},
+    ]
+    start = ([[0.01], [0.01]], [[0.3], [0.1]])
+    run = solve(Scene(pair, case={"gap": 0.3, "links": links}, start=start, **still(0.6)), 1e-12)
+    c = ratio * 2 * math.sqrt(0.5 * s * REDUCED) + 0.64 * dashpot
+    join = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    stiffness = np.diag(k) + 0.5 * s * join
+    system = np.block([[np.zeros((2, 2)), np.eye(2)], [-stiffness / m[:, None], -c * join / m[:, None]]])
+    expected = of_linear(system, [0.01, 0.01, 0.3, 0.1], 0.6)
+    assert np.concatenate((run.end, run.end_velocity)) == pytest.approx(expected, rel=1e-9, abs=1e-11)
+    v = expected[0] - expected[1]
+    assert run.energy["links_stored"] == pytest.approx(0.5 * s * v**2 / 2, rel=1e-8)
+    assert abs(run.energy["residual"]) < 1e-11
+
+
 @pytest.mark.parametrize("foundation", ["fixed", SWAY, ROCK, SWAY | ROCK], ids=["fixed", "sway", "rocking", "both"])
-@pytest.mark.parametrize("link", [None, "connector"])
+@pytest.mark.parametrize("link", [None, "connector", "unaligned"])
 def test_linear_buildings(link: str | None, foundation: Any) -> None:
     """Against the exponential of the matrices, to rounding. Fails if damping acts on another motion than the storey's,
-    or a base has another mass."""
-    buildings = [{"storeys": 4, "period": each, "foundation": foundation} for each in (0.36, 0.60)]
-    case: dict[str, Any] = {"link": link, "gap": 0.05, "stiffness": 3e7, "damping_ratio": 0.1} if link else {}
+    a base has another mass, or an inclined connector joins other floors."""
+    buildings = [{"storeys": 4, "period": each, "foundation": foundation, "columns": 0.3} for each in (0.36, 0.60)]
+    connector = {"link": "connector", "gap": 0.05, "stiffness": 3e7, "damping_ratio": 0.1}
+    case: dict[str, Any] = connector if link else {}
+    if link == "unaligned":
+        case = connector | {"floors": [[1, 2], [4, 3], ["0 + 50 %", 1], [3, "1 + 1 m"]], "distance": 2.0}
     scene = Scene(buildings, shake(1.5), 0.02, case)
     if not link:
         scene = Scene(buildings[:1], shake(1.5), 0.02)
@@ -465,3 +600,16 @@ def test_the_coefficients_of_dop853_are_those_of_scipy():
     found = json.loads((Path(pounding_cli.__file__).parent / "solver" / "dop853.json").read_text())
     assert set(found) == {"A", "A_EXTRA", "B", "C", "C_EXTRA", "D", "E3", "E5"}
     assert all(np.array_equal(values, getattr(DOP853, name)) for name, values in found.items())
+
+
+@pytest.mark.parametrize(("floors", "places", "words"), [
+    ((0, 1), {"left_at": 0.5}, "ends below a base"),
+    ((1, 1), {"left_at": 0.0}, "a part above 0"),
+    ((1, 1), {"cosine": 0.0}, "cosine is 0"),
+    ((1, 1), {"left_at": 0.5, "right_at": 0.5, "columns": 0.2}, "columns is 0.2"),
+])  # fmt: skip
+def test_links_that_end_nowhere(floors: tuple[int, int], places: Mapping[str, float], words: str) -> None:
+    """Fails if a link that is built by hand may end where nothing is."""
+    law = Connector(gap=0.1, stiffness=1e7, damping_ratio=0.0)
+    with pytest.raises(ValueError, match=words):
+        pounding_cli.Link(0, *floors, law, **places)

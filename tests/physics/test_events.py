@@ -19,6 +19,7 @@ from tests.reference.closed_forms import kelvin_voigt
 
 POUNDING = {"link": "pounding", "gap": 0.0}
 FIXED_STEPS = "newmark", "central-difference"
+TO_COLUMNS = {"link": "damper", "damping_coefficient": 1e6, "floors": [[2, "1 + 40 %"]], "distance": 2.0}
 
 
 def pair(case: Mapping[str, Any] = POUNDING, ground: np.ndarray | None = None, **keys: Any) -> Scene:
@@ -359,6 +360,8 @@ class TestFixedSteps:
             (POUNDING, {}), ({"link": "infill", "gap": 0.01}, {}), (POUNDING, {"foundation": SWAY}),
             ({"link": "none"}, {"storey_law": "peak-oriented"}), ({"link": "none"}, {"p_delta": True}),
             ({"links": ["pounding", {"link": "damper", "damping_coefficient": 1e6}], "gap": 0.004}, {}),
+            ({"links": ["pounding", TO_COLUMNS], "gap": 0.004}, {"columns": 0.2}),
+            ({"link": "infill", "gap": 0.004, "law": "printed", "floors": [[2, "1 + 40 %"]]}, {"columns": 0.2}),
         ],
         ids=str,
     )  # fmt: skip
@@ -370,6 +373,8 @@ class TestFixedSteps:
         assert near.drift == pytest.approx(exact.drift, rel=5e-3)
         assert near.shear == pytest.approx(exact.shear, rel=5e-3)
         assert near.max_closing == pytest.approx(exact.max_closing, rel=5e-3, abs=2e-5)
+        assert near.shear_below == pytest.approx(exact.shear_below, rel=5e-3)
+        assert near.shear_above == pytest.approx(exact.shear_above, rel=5e-3)
 
     def test_stability(self) -> None:
         """A step above the limit, links closed, is not run, and one below what the advice says is. Fails if the limit

@@ -88,6 +88,18 @@ def test_every_law_of_storeys_has_those_of_a_long_tail(law: Mapping[str, Any]) -
     agrees_with_a_tail(CASES["apart"], **law)
 
 
+@pytest.mark.parametrize("law", ["peak-oriented", "imk", "pinching"])
+def test_a_building_at_rest_has_no_events(law: str) -> None:
+    """Fails if turning points of the last digits of its drifts count: alone, and for a minute, they have no end."""
+    both = neighbours({}, **LAWS[law]).buildings
+    for building in both:
+        alone = [
+            solve(Scene((building,), shake(5.0, 3.0, seed=3), 0.02, {}, "inelastic", {}, tail)) for tail in (30.0, 60.0)
+        ]
+        assert [run.status for run in alone] == ["done", "done"]
+        assert alone[0].events == alone[1].events
+
+
 @pytest.mark.parametrize(("method", "settings"), [("dop853", {}), ("newmark", {"time_step": 1e-3})])
 def test_other_methods_have_the_same(method: str, settings: Mapping[str, float]) -> None:
     one, other = solve(neighbours({})), solve(neighbours({}), method=method, **settings)
@@ -147,3 +159,15 @@ def test_a_gap_that_closes_after_the_motion(tmp_path: Path) -> None:
     assert (near["V"].to_numpy() == far["V"].to_numpy()).all()
     np.testing.assert_allclose(near["residual_drift"], alone, rtol=1e-9)
     assert np.abs(near["residual_drift"].to_numpy() - far["residual_drift"].to_numpy()).max() > 1e-3
+
+
+def test_a_building_that_falls_without_end() -> None:
+    """Under its weight, with a collapse that is never looked for, it moves beyond what numbers hold; a link with a
+    curved force falls with it. Fails if that is an error of the program."""
+    storey = {"storeys": 1, "mass": 2e5, "stiffness": [2e7], "height": 3.0, "yield_shear": [3e5], "hardening": 0.02}
+    storey |= {"p_delta": [6e6], "collapse": "never", "rayleigh": {"alpha": 0.0, "beta": 0.0}}
+    case = {"link": "viscous", "gap": 9.0, "force_at_1_m_s": 1e4, "exponent": 0.5, "straight_below": 1e-3}
+    start = [[0.0], [0.0]], [[2.0], [1.5]]
+    run = solve(Scene((storey, storey), np.zeros(1501), 0.02, case, "inelastic", start=start))
+    assert run.status == "done"
+    assert "no residual drift: the free vibration after the motion could not be solved" in run.flags

@@ -56,6 +56,17 @@ def test_a_blow_on_a_wall(wall_first: bool, method: str) -> None:
     assert abs(run.energy["residual"]) < 1e-12
 
 
+def test_a_joint_beside_a_wall_is_level() -> None:
+    """Whatever distance its ends have along the row: a wall is as high as the floor. Fails if its heights are asked."""
+    tower = {"storeys": 3, "period": 0.5, "yield_shear": "never"}
+    case = {"link": "connector", "gap": 0.05, "stiffness": 3e7}
+    runs = [
+        solve(Scene([tower, {"wall": "fixed"}], shake(1.0), 0.02, each), 1e-9)
+        for each in (case, case | {"distance": 2.0})
+    ]
+    assert difference(*runs) == 0.0
+
+
 def test_the_period_of_a_mass_in_touch_with_a_wall() -> None:
     """pi / w1 + pi / w2: half a swing on its spring, half against the wall too."""
     w1, w2 = 2 * math.pi / PERIOD, math.sqrt((STIFFNESS + SPRING) / MASS)
@@ -139,7 +150,7 @@ cases: {near: LINK}
         ("{wall: fixed, storeys: 2}", "{link: pounding, gap: 1 cm}", 4, "does not apply to a wall"),
         ("{wall: {height: 4 m}}", "{link: pounding, gap: 1 cm, floors: 2}", 6, "no common floor 2"),
         ("{wall: fixed}", "{link: pounding, gap: 1 cm, floors: base}", 6, "no common floor base"),
-        ("{wall: {height: 0 m}}", "{link: pounding, gap: 1 cm}", 5, "no floor at one elevation"),
+        ("{wall: {height: 0 m}}", "{link: pounding, gap: 1 cm}", 5, "no floor meets the wall"),
     ],
 )
 def test_walls_that_are_refused(wall: str, link: str, line: int, word: str) -> None:

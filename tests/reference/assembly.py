@@ -15,7 +15,8 @@ class Coordinates:
 
     floors : per building, indices of u_1 .. u_n in q
     drift : all storeys of all buildings from all coordinates, shape (storeys, N)
-    closing : u_left - u_right of every link, shape (links, N)
+    closing : u_left - u_right of every link, of an inclined one times the cosine of its angle, shape (links, N)
+    cosine : of the angle of every link, (links,)
     mass, damping : M (diagonal entries, (N,)) and C of buildings and foundations without the links, (N, N)
     springs : foundation springs, and the weights that lean on the columns (P-Delta), (N, N)
     loaded : -a_g loaded is the force of the ground, (N,)
@@ -25,6 +26,7 @@ class Coordinates:
     floors: list[np.ndarray]
     drift: np.ndarray
     closing: np.ndarray
+    cosine: np.ndarray
     mass: np.ndarray
     damping: np.ndarray
     springs: np.ndarray
@@ -86,10 +88,12 @@ def coordinates(scene: Scene) -> Coordinates:
             closing[e] += sign * _column(
                 scene.buildings[place], floors[place], bases[place], turns[place], floor, at, total
             )
+    cosine = np.array([link.cosine for link in scene.links])
     return Coordinates(
         floors,
         np.vstack(rows),
-        closing,
+        closing * cosine[:, None],
+        cosine,
         mass,
         damping,
         springs,
@@ -124,10 +128,10 @@ def start(scene: Scene, c: Coordinates, initial) -> tuple[np.ndarray, np.ndarray
 
 
 def reduced_mass(scene: Scene, e: int) -> float:
-    """m1 m2 / (m1 + m2) of link e [kg]; its inverse where eq. (7) is taken as printed. Columns that are struck move
-    the mass 1 / sum(weight^2 / mass)."""
+    """m1 m2 / (m1 + m2) of link e [kg]; its inverse where eq. (7) is taken as printed. A link that is inclined or ends
+    on columns moves the mass 1 / sum(weight^2 / mass)."""
     link = scene.links[e]
-    if (link.left_at, link.right_at) != (1.0, 1.0):
+    if (link.left_at, link.right_at, link.cosine) != (1.0, 1.0, 1.0):
         c = coordinates(scene)
         return float(1.0 / np.sum(c.closing[e] ** 2 / c.mass))
     m1 = scene.buildings[link.left].mass[link.left_floor - 1]

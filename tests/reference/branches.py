@@ -15,7 +15,7 @@ from pounding_cli import Scene
 from tests.reference.assembly import Coordinates, coordinates, reduced_mass
 from tests.reference.pens import WenPen, pen_of
 
-ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning", "up", "down")
+ACTING = ("on", "beyond", "gaining", "parting", "yielding", "unloading", "returning", "up", "down", "pressed")
 """Branches of a link whose force acts."""
 JOINED = ("connector", "damper", "viscous", "maxwell", "friction")
 """Links that act at all times."""
@@ -68,13 +68,49 @@ def bilinear_lines(law) -> tuple[float, float, float]:
     return k1, (effective * law.penetration - k1 * limit) / (law.penetration - limit), limit
 
 
+def forces_of_infill(link) -> tuple[float, float]:
+    """Forces of an infill at its thickness, before and behind the jump of the printed law [N]."""
+    before = link.stiffness * link.gap + (link.impact_stiffness - link.stiffness) * link.gap / 3
+    return before, link.impact_stiffness * link.gap if str(link.law) == "printed" else before
+
+
+def thickness_of(link) -> tuple[float, float]:
+    """Closings [m] at which an infill is pressed to its thickness, and beyond it; columns have bent by then."""
+    give = getattr(link, "flexibility", 0.0)
+    before, behind = forces_of_infill(link)
+    return link.gap + give * before, link.gap + give * behind
+
+
+def infill_in_series(link, v, rate, branch: str, root: float):
+    """Force [N] of an infill in series with columns: the one that presses the material by what the columns leave of v,
+    sought by bisection and the like; its dashpot by the tangent of both; root : of the dashpot, 2 xi sqrt(m')."""
+    give, p = link.flexibility, (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
+    _, behind = forces_of_infill(link)
+    if branch == "pressed":
+        return (v - link.gap) / give + root * math.sqrt(1 / give) * rate
+    if branch == "beyond":
+        k = link.impact_stiffness / (1 + give * link.impact_stiffness)
+        return behind + k * (v - link.gap - give * behind) + root * math.sqrt(k) * rate
+
+    def pressed(closing: float) -> float:
+        if closing == 0.0:
+            return 0.0
+        ends = sorted((0.0, 1.0001 * closing))
+        return brentq(lambda x: x + give * (p * x**3 + link.stiffness * x) - closing, *ends, xtol=1e-22, rtol=1e-15)
+
+    x = np.vectorize(pressed, otypes=[float])(v)
+    slope = 3 * p * x**2 + link.stiffness
+    return p * x**3 + link.stiffness * x + root * np.sqrt(slope / (1 + give * slope)) * rate
+
+
 @dataclass
 class Branches:
     """Which branch every storey and link is on; what `Laws` needs besides q and q'.
 
     storey : 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] of an elastic storey
-    link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap), "gaining"
-        (Hertz contact whose approach speed is the largest so far), "parting" (of floors that approach no longer);
+    link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap), "pressed"
+        (infill on columns at the jump of the printed law), "gaining" (Hertz contact whose approach speed is the largest
+        so far), "parting" (of floors that approach no longer);
         "yielding", "unloading", "returning" of a bilinear contact; "up" and "down" of a friction damper that slips, and
         of a viscous one, as the floors close and part
     speed : largest approach speed of the present contact [m/s] by link, where it no longer grows; of a bilinear
@@ -177,6 +213,8 @@ class Laws:
         if link.name != "infill":
             return link.stiffness * v + 2 * xi * np.sqrt(link.stiffness * m) * rate
         p = (link.impact_stiffness - link.stiffness) / (3 * link.gap**2)
+        if getattr(link, "flexibility", 0.0):
+            return infill_in_series(link, v, rate, branch, 2 * xi * math.sqrt(m))
         if branch == "beyond":
             force = link.impact_stiffness * v
             if str(link.law) == "continuous":
@@ -188,7 +226,10 @@ class Laws:
     def side(self, e: int, v: float, branch: str) -> str:
         """Branch of the law at compression v > 0 of a closed link."""
         link = self.scene.links[e].law
-        return "beyond" if link.name == "infill" and v > link.gap else "on"
+        if link.name != "infill":
+            return "on"
+        reaches, passes = thickness_of(link)
+        return "beyond" if v > passes else "pressed" if v > reaches else "on"
 
     def link_forces(self, v: np.ndarray, rate: np.ndarray, b: Branches) -> np.ndarray:
         """Forces of all links [N], shape of v."""
@@ -276,18 +317,22 @@ class Laws:
             if link.name in (*HERTZ, "bilinear"):
                 continue
             infill = link.name == "infill"
-            if infill and branch == "on":
-                out += [(("link", e, "beyond"), v[e] - link.gap)]
-            if infill and branch == "beyond":
-                out += [(("link", e, "on"), link.gap - v[e])]
+            if infill:
+                reaches, passes = thickness_of(link)
+                jumps = passes > reaches
+                if branch == "on":
+                    out += [(("link", e, "pressed" if jumps else "beyond"), v[e] - reaches)]
+                if branch == "pressed":
+                    out += [(("link", e, "beyond"), v[e] - passes), (("link", e, "on"), reaches - v[e])]
+                if branch == "beyond":
+                    out += [(("link", e, "pressed" if jumps else "on"), passes - v[e])]
             if link.tension_cut and link.damping_ratio > 0:
                 if branch == "cut":
-                    past = infill and v[e] > link.gap
-                    law = np.where(
-                        past,
-                        self.link_law(e, v[e], v_rate[e], "beyond"),
-                        self.link_law(e, v[e], v_rate[e], "on"),
-                    )
+                    reaches, passes = thickness_of(link) if infill else (math.inf, math.inf)
+                    past, pressed = v[e] > passes, v[e] > reaches
+                    on = self.link_law(e, np.minimum(v[e], reaches), v_rate[e], "on")
+                    law = np.where(pressed, self.link_law(e, v[e], v_rate[e], "pressed"), on)
+                    law = np.where(past, self.link_law(e, v[e], v_rate[e], "beyond"), law)
                     out += [(("link", e, "press"), law)]
                 else:
                     out += [(("link", e, "cut"), -self.link_law(e, v[e], v_rate[e], branch))]

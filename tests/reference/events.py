@@ -122,11 +122,13 @@ class _Run:
         u = q[self.floors]
         shear = self.laws.shears(drift, self.b)
         struck = np.abs(self.columns(shear, force)).reshape(-1, shear.shape[1])
+        closing = closing / c.cosine[:, None]
         return np.vstack((np.abs(shear), np.abs(drift), np.abs(total), u, -u, np.abs(force), closing, struck))
 
     def columns(self, shear: np.ndarray, force: np.ndarray) -> list[np.ndarray]:
-        """Shear below and above every blow on columns whose share of the storey is given: cuts through a beam clamped
-        at both ends, with the reactions b^2 (3a + b) / L^3 and a^2 (3b + a) / L^3 to a unit force [N]."""
+        """Shear below and above the end of every link on columns whose share of the storey is given: cuts through a
+        beam clamped at both ends, with the reactions b^2 (3a + b) / L^3 and a^2 (3b + a) / L^3 to a unit force [N]."""
+        level = force * self.c.cosine[:, None]
         struck = [(e, *_columns(self.scene, link)) for e, link in enumerate(self.scene.links) if link.columns]
         found = []
         for e, building, storey, side, a in struck:
@@ -138,7 +140,7 @@ class _Run:
                     if place == [building, storey, side]:
                         b = length - at
                         below, above = b**2 * (3 * at + b) / length**3, at**2 * (3 * b + at) / length**3
-                        cut = cut + side * force[other] * (below if at > a + nudge * length else -above)
+                        cut = cut + side * level[other] * (below if at > a + nudge * length else -above)
                 found.append(cut)
         return found
 

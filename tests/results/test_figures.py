@@ -14,7 +14,9 @@ from matplotlib.container import ErrorbarContainer
 from matplotlib.patches import Rectangle
 
 import pounding_cli
+from pounding_cli.laws import is_damper, link_laws
 from pounding_cli.numbers import Unit
+from pounding_cli.records.code_spectra import build_asce7
 from pounding_cli.records.motion import Motion, spectrum
 from pounding_cli.records.scaling import SpectrumMatch, TargetSpectrum
 from pounding_cli.report import figures, motions, sweep, widgets
@@ -309,6 +311,22 @@ def test_spectra_are_drawn_in_the_unit_of_the_study(unit, factor):
     assert (shaded.get_extents().transformed(ax.transData.inverted()).intervalx) == pytest.approx((0.2, 0.8))
 
 
+def test_the_spectrum_of_a_code_is_drawn_with_its_name_and_its_corners():
+    """Fails if it is drawn beyond the axis, or the line cuts a corner: 0.5 s and 1 s are no periods of the fit."""
+    name = "ASCE 7-16, SDS 0.8 g, SD1 0.4 g, TL 8 s"
+    code = build_asce7(0.8 * 9.80665, 0.4 * 9.80665, 8.0)
+    target = TargetSpectrum(code.periods, code.values, 0.2, 0.8, 0.05, code.straight_in_period, code.name)
+    match = SpectrumMatch(target, 0.9, "Scaled.", [0.05, 1.6], {"one": [1.0, 1.0]})
+    (ax,) = motions.draw_spectra(match, "t", Unit("g", 9.80665)).axes
+    *_, wanted, least = ax.lines
+    assert wanted.get_label() == name
+    periods, ordinates = wanted.get_data()
+    assert (periods[0], periods[-1]) == pytest.approx((0.05, 1.6))
+    for period, ordinate in {0.05: 0.56, 0.1: 0.8, 0.5: 0.8, 1.6: 0.25}.items():
+        assert ordinates[np.isclose(periods, period, rtol=1e-12)].item() == pytest.approx(ordinate)
+    assert least.get_ydata()[least.get_xdata() == 0.5].item() == pytest.approx(0.72)
+
+
 def test_the_group_is_drawn_to_scale(solved):
     """Three storeys of 3 m beside one of 3 m and one of 6 m. Fails if a storey is drawn with another height."""
     evidence = find_nominal(solved("plain"))
@@ -455,4 +473,6 @@ def test_the_player_has_the_history_of_its_scene(solved):
     assert [link["floor"] for link in scene["links"]] == links["floor"].to_list()
     assert [link["right_floor"] for link in scene["links"]] == links["right_floor"].to_list()
     assert {(link["left"], link["right"], link["drawn"]) for link in scene["links"]} == {(0, 1, "bar")}
+    assert [link["damper"] for link in scene["links"]] == [False, False]  # connectors
+    assert {name for name in link_laws() if is_damper(name)} == {"damper", "maxwell", "viscous"}
     assert [link["gap"] for link in scene["links"]] == pytest.approx(links["gap"].to_list())

@@ -12,7 +12,16 @@ import pytest
 
 import pounding_cli
 from pounding_cli.solver.histories import FIELDS
-from pounding_cli.solver.response import BASES, COLUMNS, LINKS, STOREYS, BuildingPeaks, ColumnPeaks, LinkPeaks
+from pounding_cli.solver.response import (
+    BASES,
+    COLLAPSES,
+    COLUMNS,
+    LINKS,
+    STOREYS,
+    BuildingPeaks,
+    ColumnPeaks,
+    LinkPeaks,
+)
 from pounding_cli.variables import VARIABLES
 
 HEAVY = ("h5py", "matplotlib", "numba", "numpy", "pandas", "pydantic", "scipy", "xarray")
@@ -35,7 +44,7 @@ def test_every_name_is_there_told_and_completed():
 @pytest.mark.parametrize(
     ("found", "names"),
     [
-        (pounding_cli.Response.buildings, (*STOREYS, *BASES)),
+        (pounding_cli.Response.buildings, (*STOREYS, *BASES, *COLLAPSES)),
         (pounding_cli.Response.links, LINKS),
         (pounding_cli.Response.columns, ("link", *COLUMNS)),
     ],

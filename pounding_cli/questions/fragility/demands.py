@@ -8,6 +8,7 @@ import numpy as np
 
 from pounding_cli.questions.fragility.targets import takes_blow
 from pounding_cli.questions.frames import ALONE
+from pounding_cli.results.dataset import find_contacts
 from pounding_cli.study import Plan
 from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
 from pounding_cli.study.swept import Point
@@ -44,8 +45,8 @@ class CurvePlace(NamedTuple):
 def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -> np.ndarray:
     """Return demand over limit [-], shape (motions, levels).
 
-    It is above 1 where the limit is passed, inf where a collapse ended the time history after that, UNDECIDED where one
-    did before, NaN where the time history failed or was not asked for.
+    It is above 1 where the limit is passed, inf where a collapse ended the time history of the building after that,
+    UNDECIDED where one did before, NaN where the time history failed or was not asked for.
 
     Passed are limits that were passed before a time history ended, the collapse itself, and limits on the drift or the
     ductility of the storey that collapsed: its drift has no bound.
@@ -54,16 +55,18 @@ def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -
     histories = place.histories[state]
     building = 0 if state == ALONE else place.target.building  # the only one of its scene
     demand = _compare_peaks(plan, solved, place, histories, building)
-    fallen_storey = np.nan_to_num(solved.values["collapse_storey"][histories]).astype(int)
-    is_fallen = fallen_storey > 0
-    is_building = is_fallen & (solved.values["collapse_building"][histories] == building)
+    fallen_storey = np.nan_to_num(solved.values["building.collapse_storey"][histories, building]).astype(int)
+    is_building = fallen_storey > 0
+    is_ended = ~np.isnan(solved.values["building.collapse_time"][histories, building])
+    if limit.quantity == CONTACT:  # of the pair, whose left building may be a wall that belongs to other parts too
+        is_ended |= ~np.isnan(solved.values["building.collapse_time"][histories, building + 1])
     is_target = is_building
     if limit.level and limit.quantity != COLLAPSE:
         is_target = is_building & (fallen_storey == limit.level)
     if limit.quantity not in ("mu", "drift", COLLAPSE):
         is_target = np.zeros_like(is_building)
     is_passed = (demand > 1) | is_target
-    demand = np.where(is_fallen, np.where(is_passed, np.inf, UNDECIDED), demand)
+    demand = np.where(is_ended, np.where(is_passed, np.inf, UNDECIDED), demand)
     return np.where(solved.has_result[histories], demand, np.nan)
 
 
@@ -95,7 +98,7 @@ def _compare_links(plan: Plan, solved: Responses, place: CurvePlace, histories: 
     is_there = links.kind[where] != ""
     if limit.quantity == CONTACT:
         is_of_pair = [each.left == place.target.building for each in links.places]
-        chosen = np.flatnonzero(is_there & is_of_pair)
+        chosen = np.flatnonzero(_keep_across_gap(plan, where, is_there & is_of_pair))
         gap = links.gap[where][chosen]
         closing = solved.values["link.max_closing"][histories][..., chosen]
         with np.errstate(divide="ignore", invalid="ignore"):  # floors in touch
@@ -105,3 +108,16 @@ def _compare_links(plan: Plan, solved: Responses, place: CurvePlace, histories: 
     strikes = [takes_blow(place.target, each, yield_shear) for each in links.places]
     chosen = np.flatnonzero(is_there & strikes)
     return solved.values["columns.demand"][histories][..., chosen] / limit.value
+
+
+def _keep_across_gap(plan: Plan, where: tuple[int, ...], is_meant: np.ndarray) -> np.ndarray:
+    """Return which links of a pair of neighbours tell whether its floors touch.
+
+    A joint between floors that do not face each other closes without a gap between its ends. It tells nothing, unless
+    the pair has no other link.
+
+    where : point and case; is_meant : the links of the pair, shape (links,)
+    """
+    links = plan.links
+    crosses = is_meant & ((links.facing[where] == 1.0) | find_contacts(plan, links.kind[where]))
+    return crosses if crosses.any() else is_meant

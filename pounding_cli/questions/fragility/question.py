@@ -69,6 +69,9 @@ class Fragility(StudyQuestion):
             hint = f"{SWEEP_EXAMPLE}, or `method: cloud` for motions as they are"
             self.add_problem(("intensity",), "the intensity is not swept", hint, key=self.spec.intensity is None)
         self.measure = self.spec.intensity or Measure(self.swept or "pga")
+        if self.measure == Measure("ag") and self.swept != "ag":
+            hint = "write e.g. `sweep: {records.scale.target.ag: {from: 0.05 g, to: 0.6 g, step: 0.05 g}}`"
+            self.add_problem(("intensity",), "ag of the target spectrum is not swept", hint)
         has_period = self.measure != Measure("sa") or self.swept == "sa"
         if not has_period and (self.axis is not None or is_cloud):
             self.add_problem(("intensity",), "sa is not swept and has no period", "write e.g. `intensity: sa(0.5 s)`")

@@ -16,7 +16,7 @@ from pounding_cli.study.swept import Point
 
 _HINTS = {
     COLLAPSE: "write `p_delta: true` of a building that yields, or the drift: `collapse: 10 %`",
-    SHEAR_DEMAND: "write `columns:` in a building that yields; `pound check` lists where slabs strike columns",
+    SHEAR_DEMAND: "write `columns:` in a building that yields; `pound check` lists what links load columns",
 }
 """Hint of a limit that no storey can pass."""
 

@@ -33,13 +33,14 @@ _MEASURES = {
     "pga": "peak ground acceleration",
     "pgv": "peak ground velocity",
     "sa": "pseudo-acceleration",
+    "ag": "ground acceleration of the target spectrum",
     "factor": "scale factor",
 }
 _QUANTITIES = {
     "mu": "ductility",
     "drift": "interstorey drift",
     "acceleration": "floor acceleration",
-    SHEAR_DEMAND: "shear demand of struck columns",
+    SHEAR_DEMAND: "shear demand of columns",
 }
 _REASONS = {
     Outcome.NEVER: "never passed",

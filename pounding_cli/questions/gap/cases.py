@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pounding_cli.model.links import LinkPlace
+from pounding_cli.model.links import Link, LinkPlace
 from pounding_cli.questions.gap.apart import BuildingKeys, find_building_keys
 from pounding_cli.questions.gap.statistics import build_point_table
 from pounding_cli.questions.gap.tables import CASES_COLUMNS, CASES_TABLE, MOTION_RULES, NO, UNKNOWN, YES
@@ -131,8 +131,20 @@ def _iter_case_gaps(study: Study, plan: Plan) -> Iterator[CaseGaps]:
             gaps: dict[int, float] = {}
             for link in links:
                 place = number_of_place.get(link.place, -1)
+                if not _is_at_heights(plan, point, place, link):
+                    place = -1
                 gaps[place] = min(link.gap, gaps.get(place, link.gap))
             yield CaseGaps(point, case_number, tuple(gaps.items()))
+
+
+def _is_at_heights(plan: Plan, point: int, place: int, link: Link) -> bool:
+    """Return whether a link ends where the floors, or slab and columns, of a place of the plan face each other.
+
+    A link may end on the same columns at another height: what the place requires is not meant there.
+    """
+    index: tuple[Any, ...] = (*np.unravel_index(point, plan.shape[:-3]), 0, place)
+    heights = plan.links.left_at[index], plan.links.right_at[index]
+    return bool(np.allclose((link.left_at, link.right_at), heights))
 
 
 def _find_plan_point(plan: Plan, axes: list[BuildingKeys], index: Point) -> int:

@@ -11,7 +11,7 @@ import pandas as pd
 
 from pounding_cli.model.links import BASE
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
+from pounding_cli.questions.gap.tables import CASES_TABLE, CODES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.file import parse
@@ -76,7 +76,6 @@ class GapEvidence:
         self.unit: Unit = results.answer(GAP_TABLE).column("mean").unit
         self.gaps = self.shown.rows_here(results.answer(GAP_TABLE).frame)
         self.cases = self.shown.rows_here(results.answer(CASES_TABLE).frame)
-        self._scene = self.shown.rows_here(results.scene())
 
     @property
     def analyses(self) -> list[str]:
@@ -93,10 +92,13 @@ class GapEvidence:
         """Return whether one of two neighbours is a wall."""
         return bool(set(pair) & set(self.results.walls))
 
-    def count_failed(self, analysis: str) -> int:
-        """Return how many motions have no closings in an analysis."""
-        rows = self._scene[self._scene["analysis"] == analysis]
-        return len(select_failed(rows))
+    def list_failed_pairs(self, analysis: str) -> list[tuple[str, str]]:
+        """Return the neighbours that have no closings in an analysis under any motion."""
+        exact = select_exact(self.gaps)
+        exact = exact[exact["analysis"] == analysis]
+        links = self.results.link()
+        pairs = dict.fromkeys(zip(links["left"], links["right"], strict=True))
+        return [pair for pair in pairs if self.select_pair(exact, pair).empty]
 
     def count_motions(self) -> int:
         """Return the number of motions."""
@@ -127,7 +129,7 @@ class GapEvidence:
         """
         return Need(
             required, row["mean"], describe_floors(row), bool(row["mean"] >= rows["mean"].max()),
-            int(row["motions"]), self.count_failed(row["analysis"]), gap, enough,
+            int(row["motions"]), self.count_motions() - int(row["motions"]), gap, enough,
         )  # fmt: skip
 
     def list_entries(self, pair: tuple[str, str]) -> list[CaseEntry]:
@@ -149,6 +151,13 @@ class GapEvidence:
                 )
             entries.append(CaseEntry(str(case), needs, is_uniform))
         return entries
+
+    def find_worth(self, pair: tuple[str, str], rule: str) -> dict[str, Row]:
+        """Return by analysis the row of CODES_TABLE of a rule for two neighbours; nothing where no motion is known."""
+        if CODES_TABLE not in self.results.answers:
+            return {}
+        rows = self.select_pair(self.shown.rows_here(self.results.answer(CODES_TABLE).frame), pair)
+        return {row["analysis"]: row for row in rows[rows["rule"] == rule].to_dict("records")}
 
     def iter_code_gaps(self, pair: tuple[str, str]) -> Iterator[tuple[str, float]]:
         """Yield the rules of codes with the gap that each requires of two neighbours, the largest of all floors [m]."""
@@ -212,14 +221,14 @@ def select_widest(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
 
 
 def describe_floors(row: Row) -> str:
-    """Return which floors of two neighbours face each other: "floor 5", "floor 4 beside columns of A in storey 6"."""
+    """Return which floors of two neighbours face each other: "floor 5", "floor 4 beside storey 6 of A"."""
     left_floor = row["floor"]
     right_floor = row["right_floor"]
     side = row["columns"]
     if side == "left":
-        return f"floor {right_floor} beside columns of {row['left']} in storey {left_floor}"
+        return f"floor {right_floor} beside storey {left_floor} of {row['left']}"
     if side:
-        return f"floor {left_floor} beside columns of {row['right']} in storey {right_floor}"
+        return f"floor {left_floor} beside storey {right_floor} of {row['right']}"
     if left_floor != right_floor:
         return f"floors {left_floor} and {right_floor}"
     return f"floor {left_floor}" if left_floor > 0 else BASE

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.separation import ASCE7, EN1998
+from pounding_cli.model.separation import ASCE7, E030, EN1998, GB50011, NBC202, NTC2008, NTC2018, TBDY2018
 from pounding_cli.questions.gap.evidence import PLACE_KEYS, GapEvidence
 from pounding_cli.questions.gap.sentences import list_sentences
-from pounding_cli.questions.gap.separations import GB50011
 from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions
@@ -32,6 +31,11 @@ _LOOKS = {
     ASCE7: ("#CC79A7", (0, (1, 1.2)), "v"),
     EN1998: ("#56B4E9", (0, (1, 1.2)), "<"),
     GB50011: ("#AA2211", (0, (1, 1.2)), "P"),
+    NTC2018: ("#117733", (0, (1, 1.2)), ">"),
+    NTC2008: ("#999933", (0, (1, 1.2)), ">"),
+    TBDY2018: ("#332288", (0, (1, 1.2)), "d"),
+    E030: ("#AA4499", (0, (1, 1.2)), "p"),
+    NBC202: ("#44AA99", (0, (1, 1.2)), "*"),
 }
 """Rule -> colour, line and marker."""
 

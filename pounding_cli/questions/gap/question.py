@@ -11,6 +11,7 @@ import numpy as np
 from pounding_cli.laws.apart import Apart
 from pounding_cli.questions.gap.apart import build_apart_study, link_all_facing
 from pounding_cli.questions.gap.cases import build_cases_table
+from pounding_cli.questions.gap.codes import build_codes_table
 from pounding_cli.questions.gap.separations import build_distances, build_separations
 from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.statistics import build_statistics_table
@@ -20,7 +21,10 @@ from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.swept import sweep_map
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pounding_cli.batch.solve import Solver
+    from pounding_cli.questions.gap.rate import RateBasis
     from pounding_cli.questions.hazard import Hazard
     from pounding_cli.questions.specs import Measure
 
@@ -33,8 +37,8 @@ class Gap(StudyQuestion):
     apart : the study with nothing between its buildings; swept keys of links are left out, those of buildings and
         motions stay
     intensity_axis : number of its axis that varies the intensity; None of one intensity
-    intensities : of the motions [SI], of a study that asks for a rate; empty of others
-    hazard : how often a year an intensity is exceeded; None where no rate is asked for
+    intensities : of the motions [SI], of a study with a hazard curve; empty of others
+    hazard : how often a year an intensity is exceeded; None where the study does not say it
     """
 
     name = "gap"
@@ -46,7 +50,7 @@ class Gap(StudyQuestion):
         self.intensity_axis: int | None = None
         self.intensities = np.zeros(0)
         self.hazard: Hazard | None = None
-        if self.spec.rate is not None:
+        if self.spec.hazard is not None:
             self._read_hazard()
 
     def _read_hazard(self) -> None:
@@ -57,7 +61,8 @@ class Gap(StudyQuestion):
         scaled = self._find_swept_intensity() or self._find_written_intensity()
         if scaled is None:
             hint = "write e.g. `scale: {sa: 0.4 g, period: 0.5 s}` in `records`, and sweep `records.scale.sa`"
-            self.add_problem(("rate",), "a rate needs motions that are scaled to an intensity", hint, key=True)
+            asking = "hazard" if self.spec.rate is None else "rate"
+            self.add_problem((asking,), "a rate needs motions that are scaled to an intensity", hint, key=True)
         self.problems.check()
         assert scaled is not None
         measure, intensities = scaled
@@ -77,9 +82,11 @@ class Gap(StudyQuestion):
     def _find_written_intensity(self) -> tuple[Measure, list[Any]] | None:
         """Return the intensity measure that the motions are scaled to, and its value [SI]; None where there is none."""
         from pounding_cli.questions.specs import Measure
-        from pounding_cli.study.records_spec import PgaSpec, PgvSpec, SaSpec
+        from pounding_cli.study.records_spec import En1998Spec, PgaSpec, PgvSpec, SaSpec, SpectrumSpec
 
         scale = self.study.spec.records.scale
+        if isinstance(scale, SpectrumSpec) and isinstance(scale.target, En1998Spec):
+            return Measure("ag"), [scale.target.ag]
         if not isinstance(scale, PgaSpec | PgvSpec | SaSpec):
             return None
         name = type(scale).__name__.removesuffix("Spec").lower()
@@ -96,17 +103,25 @@ class Gap(StudyQuestion):
         """Return what is required, what that means for the cases, and the distances to property lines."""
         plan = self.plan
         arrays = solver.solve_arrays(plan)
-        separations = build_separations(plan, self.spec.gb50011, arrays)
-        distances = build_distances(plan, arrays)
+        separations = build_separations(plan, self.spec, arrays)
+        distances = build_distances(plan, self.spec, arrays)
+        basis = self._build_rate_basis(separations)
         tables = [
             build_statistics_table(plan, GAP_TABLE, self.spec, separations),
             build_cases_table(self.study, plan, separations),
+            build_codes_table(plan, separations, basis),
             build_statistics_table(plan, LINE_TABLE, self.spec, distances),
         ]
-        if self.hazard is not None and self.spec.rate is not None:
+        if basis is not None and self.spec.rate is not None:
             from pounding_cli.questions.gap.rate import build_rate_table
 
-            tables.append(
-                build_rate_table(plan, self.intensity_axis, self.intensities, self.hazard, self.spec.rate, separations)
-            )
+            tables.append(build_rate_table(plan, basis, self.spec.rate))
         return Answer(plan, arrays, tables)
+
+    def _build_rate_basis(self, separations: pd.DataFrame) -> RateBasis | None:
+        """Return what annual rates of contact follow from; None without a hazard curve."""
+        if self.hazard is None:
+            return None
+        from pounding_cli.questions.gap.rate import build_rate_basis  # with scipy: few studies need it
+
+        return build_rate_basis(self.plan, self.intensity_axis, self.intensities, self.hazard, separations)

@@ -1,7 +1,9 @@
-"""The gap for an annual rate of contact."""
+"""The gap for an annual rate of contact, and the rate of a gap."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,8 +12,9 @@ from pounding_cli.questions.bootstrap import build_estimate, draw_motions
 from pounding_cli.questions.frames import build_swept_frame, list_swept_columns
 from pounding_cli.questions.gap.separations import list_points
 from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, GAP_RATE_COLUMNS, RATE_TABLE, is_length
-from pounding_cli.questions.hazard import MIN_GAP, Hazard, find_gaps, poisson_probability
+from pounding_cli.questions.hazard import MIN_GAP, Hazard, compute_contact_rates, find_gaps, poisson_probability
 from pounding_cli.study import Plan
+from pounding_cli.study.swept import Point
 from pounding_cli.tables import Table, build_table
 
 if TYPE_CHECKING:
@@ -21,64 +24,100 @@ DRAWS = 300
 """Draws of the bootstrap over the motions."""
 
 
-def build_rate_table(
-    plan: Plan,
-    intensity_axis: int | None,
-    intensities: np.ndarray,
-    hazard: Hazard,
-    rate: float,
-    separations: pd.DataFrame,
-) -> Table:
+@dataclass(frozen=True, eq=False)
+class RateBasis:
+    """What annual rates of contact follow from.
+
+    hazard : how often a year an intensity is exceeded
+    intensity_axis : number of the axis that varies the intensity; None of one intensity
+    closings : largest of a pair over its floors [m], a row an intensity, a column a motion without a failed run; by
+        point of the other axes, analysis and number of the pair
+    """
+
+    hazard: Hazard
+    intensity_axis: int | None
+    closings: Mapping[tuple[Point, str, int], pd.DataFrame]
+
+    def drop_intensity(self, point: Point) -> Point:
+        """Return a point of the plan without its place on the axis of the intensity."""
+        return tuple(place for axis, place in enumerate(point) if axis != self.intensity_axis)
+
+    def estimate_rate(self, other: Point, analysis: str, number: int, gap: float) -> dict[str, Any]:
+        """Return the annual rate of contact of a pair at a gap [m] with its interval, as columns `rate`, `rate_low` and
+        `rate_high`; nothing of fewer than 2 motions.
+
+        other : point of the axes beside the intensity (`drop_intensity`)
+        number : of the pair
+        """
+        closings = self.closings[other, analysis, number]
+        motions = closings.shape[1]
+        if motions < 2 or gap <= 0:
+            return {}
+        draws = draw_motions(motions, DRAWS)
+        log_gaps = np.full(len(draws), np.log(gap))
+        rates = compute_contact_rates(self.hazard, log_gaps, *_take_logarithms(closings), draws)
+        return build_estimate("rate", rates, CONFIDENCE, motions)
+
+
+def build_rate_basis(
+    plan: Plan, intensity_axis: int | None, intensities: np.ndarray, hazard: Hazard, separations: pd.DataFrame
+) -> RateBasis:  # fmt: skip
+    """Return what annual rates follow from.
+
+    intensities : along the axis of the intensity, or the one [SI]
+    separations : of every place, rule, analysis and motion; NaN of a run that failed
+    """
+    exact = separations[separations["rule"] == EXACT]
+    keys = ["point", "analysis", "number", "motion"]
+    largest = exact.groupby(keys, observed=True)["value"].agg(lambda values: values.max(skipna=False)).reset_index()
+    basis = RateBasis(hazard, intensity_axis, {})
+    points = list_points(plan)
+    places = np.array([0 if intensity_axis is None else point[intensity_axis] for point in points])
+    others = [basis.drop_intensity(point) for point in points]
+    largest["other"] = [others[point] for point in largest["point"]]
+    largest["intensity"] = np.asarray(intensities)[places[largest["point"]]]
+    closings: dict[Any, pd.DataFrame] = {
+        place: rows.pivot_table("value", "intensity", "motion", dropna=False).dropna(axis=1)
+        for place, rows in largest.groupby(["other", "analysis", "number"], observed=True, sort=False)
+    }
+    return replace(basis, closings=closings)
+
+
+def build_rate_table(plan: Plan, basis: RateBasis, rate: float) -> Table:
     """Return RATE_TABLE: a row for every point of the axes beside the intensity, analysis and pair.
 
-    intensity_axis : number of the axis that varies the intensity; None of one intensity
-    intensities : along this axis, or the one [SI]
-    hazard : how often a year an intensity is exceeded
     rate : annual rate of contact that is allowed [1/year]
-    separations : of every place, rule, analysis and motion; NaN of a run that failed
     """
     import pandas as pd
 
-    other_keys = [name for number, axis in enumerate(plan.axes) if number != intensity_axis for name in axis.names]
-    keys = [*other_keys, "analysis", "number"]
+    other_axes = [axis for number, axis in enumerate(plan.axes) if number != basis.intensity_axis]
     rows = []
-    for values, group in _find_largest(plan, intensity_axis, intensities, separations).groupby(
-        keys, observed=True, sort=False
-    ):
-        row: dict[str, Any] = dict(zip(keys, values, strict=True))
-        row["left"], row["right"] = plan.buildings[row["number"] : row["number"] + 2]
-        row["rate"] = rate
+    for (_, analysis, number), closings in basis.closings.items():
+        left, right = plan.buildings[number : number + 2]
+        row = {"analysis": analysis, "left": left, "right": right, "rate": rate}
         row["probability"] = poisson_probability(rate)
-        gap_by_motion = group.pivot_table("value", "intensity", "motion", dropna=False)
-        rows.append(row | _find_gap(hazard, rate, gap_by_motion.dropna(axis=1)))  # motions without a failed run
-    frame = pd.DataFrame(rows).reindex(columns=[*other_keys, *(column.name for column in GAP_RATE_COLUMNS)])
+        rows.append(row | _find_gap(basis.hazard, rate, closings))
+    swept = build_swept_frame(other_axes, [other for other, _, _ in basis.closings])
+    columns = [column.name for column in GAP_RATE_COLUMNS]
+    frame = pd.concat([swept, pd.DataFrame(rows, columns=columns)], axis=1)
     unit = plan.study.unit("gap")
     units = {column.name: unit for column in GAP_RATE_COLUMNS if is_length(column)}
     return build_table(RATE_TABLE, frame, [*GAP_RATE_COLUMNS, *list_swept_columns(plan.axes)], units)
 
 
-def _find_largest(
-    plan: Plan, intensity_axis: int | None, intensities: np.ndarray, separations: pd.DataFrame
-) -> pd.DataFrame:  # fmt: skip
-    """Return the exact separation of every pair, the largest over its floors, with swept values and intensity."""
-    exact = separations[separations["rule"] == EXACT]
-    keys = ["point", "analysis", "number", "motion"]
-    largest = exact.groupby(keys, observed=True)["value"].agg(lambda values: values.max(skipna=False)).reset_index()
-    points = list_points(plan)
-    places = [0 if intensity_axis is None else point[intensity_axis] for point in points]
-    return largest.join(build_swept_frame(plan.axes, points, intensity=intensities[places].tolist()), on="point")
-
-
-def _find_gap(hazard: Hazard, rate: float, gap_by_motion: pd.DataFrame) -> dict[str, Any]:
+def _find_gap(hazard: Hazard, rate: float, closings: pd.DataFrame) -> dict[str, Any]:
     """Return the gap for a rate of contact with its interval, and what it rests on.
 
-    gap_by_motion : required gaps [m], a row an intensity, a column a motion
+    closings : [m], a row an intensity, a column a motion
     """
-    motions = gap_by_motion.shape[1]
-    counts = {"motions": motions, "intensities": len(gap_by_motion)}
+    motions = closings.shape[1]
+    counts = {"motions": motions, "intensities": len(closings)}
     if motions < 2:
         return counts
-    log_intensities = np.log(gap_by_motion.index.to_numpy())
-    log_gaps = np.log(gap_by_motion.clip(lower=MIN_GAP).to_numpy())
-    gaps = find_gaps(hazard, rate, log_intensities, log_gaps, draw_motions(motions, DRAWS))
+    gaps = find_gaps(hazard, rate, *_take_logarithms(closings), draw_motions(motions, DRAWS))
     return counts | build_estimate("gap", gaps, CONFIDENCE, motions)
+
+
+def _take_logarithms(closings: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Return the logarithms of intensities and of closings; a closing below MIN_GAP counts as that."""
+    return np.log(closings.index.to_numpy()), np.log(closings.clip(lower=MIN_GAP).to_numpy())

@@ -78,10 +78,13 @@ def _compares_cases(results: ResultTables) -> bool:
 
 
 def _describe_failed_analysis(evidence: GapEvidence, analysis: str) -> str:
-    """Return that all runs of an analysis failed; "" where some did not."""
-    if evidence.count_failed(analysis) < evidence.count_motions():
+    """Return that all runs of an analysis failed, or all of some pairs that nothing links to the others; "" else."""
+    pairs = evidence.list_failed_pairs(analysis)
+    if not pairs:
         return ""
-    return f"All runs of {KINDS[analysis]} buildings failed; their gaps were not checked."
+    has_others = any(analysis in evidence.find_needs(pair) for pair in evidence.pairs)
+    where = f"Between {_join([' | '.join(pair) for pair in pairs])} all" if has_others else "All"
+    return f"{where} runs of {KINDS[analysis]} buildings failed; their gaps were not checked."
 
 
 # Are the gaps enough?
@@ -214,12 +217,12 @@ def _join_needs(
     gaps : by analysis the gaps that the widths are compared with [m]
     """
     words: list[str] = []
-    told: Need | None = None
+    previous: Need | None = None
     for analysis, need in needs.items():
         width = _format_width(need.required, evidence.unit, (gaps or {}).get(analysis, ()))
-        basis = _describe_basis(need, told, evidence.unit)
+        basis = _describe_basis(need, previous, evidence.unit)
         words.append(describe(analysis, width, not words) + (f" ({basis})" if basis else ""))
-        told = need
+        previous = need
     return ", ".join(words)
 
 
@@ -233,13 +236,13 @@ def _describe_subject(evidence: GapEvidence, pair: tuple[str, str], analysis: st
     return f"{KINDS[analysis]} {'buildings need' if is_first else 'ones'} {width}"
 
 
-def _describe_basis(need: Need, told: Need | None, unit: Unit) -> str:
+def _describe_basis(need: Need, previous: Need | None, unit: Unit) -> str:
     """Return which motions and floors a width rests on; "" where the need before says so.
 
-    told : the need before
+    previous : the need before
     """
     floors = "" if need.is_widest else f", at {need.floors}"
-    is_same = told is not None and (told.motions, told.is_widest and need.is_widest) == (need.motions, True)
+    is_same = previous is not None and (previous.motions, previous.is_widest and need.is_widest) == (need.motions, True)
     mean = f"mean{'' if need.is_widest else ' there'} {unit_text(need.mean, unit)}"
     within = "within the numerical error of the gap; " if need.enough == NO and need.required <= need.gap else ""
     if is_same:
@@ -268,12 +271,54 @@ def _format_width(width: float, unit: Unit, gaps: Sequence[float]) -> str:
 
 
 def _describe_codes(evidence: GapEvidence, pair: tuple[str, str], needs: Mapping[str, Need]) -> Iterator[str]:
-    """Yield in a sentence what codes ask for, beside what the motions require."""
-    rules: dict[str, list[str]] = {}
+    """Yield in a sentence what codes ask for, beside what the motions require, and what their gaps are worth."""
+    groups: dict[tuple[str, str], list[tuple[str, Mapping[str, Row]]]] = {}
     for rule, gap in evidence.iter_code_gaps(pair):
-        rules.setdefault(_compare_with_needs(gap, needs), []).append(f"{rule} {unit_text(gap, evidence.unit)}")
-    if rules:
-        yield f"Codes: {'; '.join(f'{_join(gaps)}, {comparison}' for comparison, gaps in rules.items())}."
+        worth = evidence.find_worth(pair, rule)
+        alike = (_compare_with_needs(gap, needs), _count_closing(worth))
+        groups.setdefault(alike, []).append((f"{rule} {unit_text(gap, evidence.unit)}", worth))
+    parts = []
+    for (comparison, counts), rules in groups.items():
+        closing = counts.replace(" it", " them", 1) if len(rules) > 1 else counts
+        worth_parts = [part for part in (closing, _describe_code_rates([worth for _, worth in rules])) if part]
+        worth_text = f" ({'; '.join(worth_parts)})" if worth_parts else ""
+        parts.append(f"{_join([gap for gap, _ in rules])}, {comparison}{worth_text}")
+    if parts:
+        yield f"Codes: {'; '.join(parts)}."
+
+
+def _count_closing(worth: Mapping[str, Row]) -> str:
+    """Return how many motions close the gap of a code: "3 of 5 motions close it elastic, none of 5 yielding"; "" where
+    none does.
+
+    worth : row of CODES_TABLE by analysis
+    """
+    if not any(row["closed"] for row in worth.values()):
+        return ""
+    counts: list[str] = []
+    for analysis, row in worth.items():
+        motions = f"{row['closed'] or 'none'} of {row['motions']}"
+        if not counts:
+            motions += " motion closes it" if row["motions"] == 1 else " motions close it"
+        counts.append(f"{motions} {KINDS[analysis]}" if len(worth) > 1 else motions)
+    return ", ".join(counts)
+
+
+def _describe_code_rates(worths: Sequence[Mapping[str, Row]]) -> str:
+    """Return how often a year pairs with the gaps of some codes touch: "contact 0.12 % a year elastic, 0.050 to 0.060 %
+    yielding"; "" where no rate is known.
+
+    worths : rows of CODES_TABLE by analysis, of every code
+    """
+    parts: list[str] = []
+    for analysis in worths[0]:
+        rates = [worth[analysis]["rate"] for worth in worths]
+        if not all(math.isfinite(rate) for rate in rates):
+            return ""
+        ends = dict.fromkeys(format_number(100 * rate, 2) for rate in (min(rates), max(rates)))
+        kind = f" {KINDS[analysis]}" if len(worths[0]) > 1 else ""
+        parts.append(f"{' to '.join(ends)} %{'' if parts else ' a year'}{kind}")
+    return f"contact {', '.join(parts)}" if parts else ""
 
 
 def _compare_with_needs(gap: float, needs: Mapping[str, Need]) -> str:
@@ -303,7 +348,13 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
         widths.append(f"{column.format_with_unit(row)} for {article}{KINDS[row['analysis']]} {noun}")
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
     share = column.name.removeprefix("contact_")
-    return f"A probability of contact of {share} % at {floors}{where} needs {', '.join(widths)}."
+    sentence = f"A probability of contact of {share} % at {floors}{where} needs {', '.join(widths)}."
+    return _add_point(evidence.shown.format_point(evidence.gaps), sentence)
+
+
+def _add_point(point: str, sentence: str) -> str:
+    """Return a sentence with the point of the sweep that it holds at before it; "" of a study without a sweep."""
+    return f"At {point}: {sentence[0].lower()}{sentence[1:]}" if point else sentence
 
 
 def _describe_rate(evidence: GapEvidence, pair: tuple[str, str]) -> str:
@@ -312,17 +363,18 @@ def _describe_rate(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     rows = evidence.select_pair(evidence.shown.rows_here(table.frame), pair).to_dict("records")
     if not rows:
         return ""
+    point = evidence.shown.format_point(table.frame)  # without the intensity
     column: Column = table.column("gap")
     known = [row for row in rows if math.isfinite(row["gap"])]
     where = f"{' and '.join(pair)} touch" if len(evidence.pairs) > 1 else "the buildings touch"
     often = describe_rate(rows[0])
     if not known:
-        return f"No gap is known with which {where} {often}."
+        return _add_point(point, f"No gap is known with which {where} {often}.")
     widths = [
         f"{column.format_with_unit(row)} as {KINDS[row['analysis']]} {'ones' if number else 'buildings'}"
         for number, row in enumerate(known)
     ]
-    return f"So that {where} {often}, they need {', '.join(widths)}."
+    return _add_point(point, f"So that {where} {often}, they need {', '.join(widths)}.")
 
 
 def describe_rate(row: Row) -> str:

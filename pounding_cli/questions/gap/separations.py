@@ -12,19 +12,17 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.links import LinkPlace
 from pounding_cli.model.meetings import FLOOR_TOLERANCE
 from pounding_cli.model.separation import (
-    ASCE7,
-    EN1998,
+    CODE_RULES,
     UBC,
+    CodePlace,
     absolute_sum,
     cross_correlation,
     double_difference,
-    en1998_separation,
     first_mode_damping,
-    gb50011_width,
     root_of_squares,
 )
 from pounding_cli.model.wall import Wall
-from pounding_cli.questions.gap.spec import Gb50011Spec
+from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.tables import EXACT, FACING_KEYS, MOTION_RULES
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.responses import max_storeys
@@ -33,9 +31,6 @@ from pounding_cli.study.swept import Point, Swept
 
 if TYPE_CHECKING:
     import pandas as pd
-
-GB50011 = "GB 50011-2010"
-"""Name of the rule of clause 6.1.4."""
 
 CodeDisplacements = Mapping[str, Swept[dict[str, np.ndarray]]]
 """Displacements that codes expect [m], by building type and rule."""
@@ -79,24 +74,21 @@ def list_points(plan: Plan) -> list[Point]:
 # Between floors
 
 
-def build_separations(plan: Plan, gb50011: Gb50011Spec | None, arrays: ResultArrays) -> pd.DataFrame:
+def build_separations(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> pd.DataFrame:
     """Return the required separations of floors, and of slabs and columns, that face each other.
 
     Columns are those of `_build_frame` with `place`, the number among `plan.links`, and `number`, that of the left
     building.
     """
-    return _build_frame(plan, _iter_separations(plan, gb50011, arrays))
+    return _build_frame(plan, _iter_separations(plan, spec, arrays))
 
 
-def _iter_separations(
-    plan: Plan, gb50011: Gb50011Spec | None, arrays: ResultArrays
-) -> Iterator[tuple[Place, Requirements]]:  # fmt: skip
+def _iter_separations(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> Iterator[tuple[Place, Requirements]]:
     """Yield every two floors that face each other with the rules that say something there."""
-    edition = find_ubc_edition(plan)
     for state in _iter_points(plan, arrays):
         for place, link_place in enumerate(plan.links.places):
             if plan.links.kind[(*state.index, 0, place)]:
-                yield _require_separation(plan, gb50011, edition, state, place, link_place)
+                yield _require_separation(plan, spec, state, place, link_place)
 
 
 def _iter_points(plan: Plan, arrays: ResultArrays) -> Iterator[PointState]:
@@ -117,16 +109,10 @@ def _iter_points(plan: Plan, arrays: ResultArrays) -> Iterator[PointState]:
 
 
 def _require_separation(
-    plan: Plan,
-    gb50011: Gb50011Spec | None,
-    edition: str,
-    state: PointState,
-    place: int,
-    link_place: LinkPlace,
-) -> tuple[Place, Requirements]:
+    plan: Plan, spec: GapSpec, state: PointState, place: int, link_place: LinkPlace
+) -> tuple[Place, Requirements]:  # fmt: skip
     """Return where two floors face each other, and what they require there by every rule.
 
-    edition : name of the rule of the UBC
     place : number of the link among `plan.links`
     """
     left, floor, right_floor = link_place[:3]
@@ -143,19 +129,21 @@ def _require_separation(
     rules["ABS"] = (absolute_sum(left_peak, right_peak), error)
     rules["SRSS"] = (root_of_squares(left_peak, right_peak), error)
     rules["DDC"] = (double_difference(left_peak, right_peak, correlation), error)
-    if gb50011 is not None:
-        height = min(left_building.elevation[-1], right_building.elevation[-1])
-        rules[GB50011] = (gb50011_width(height, gb50011.intensity, gb50011.structure), 0.0)
-    if floor > 0:  # codes do not tell how far a base moves
-        by_code = {
-            rule: [_interpolate(values, *end) for end in ends] for rule, values in state.code_displacements.items()
-        }
-        same_floors = _have_same_floors(left_building, right_building)
-        rules[edition] = (absolute_sum(*by_code[UBC]), 0.0)
-        rules[ASCE7] = (root_of_squares(*by_code[ASCE7]), 0.0)
-        rules[EN1998] = (en1998_separation(by_code[EN1998][0], by_code[EN1998][1], same_floors), 0.0)
     is_left_slab = left_at == 1.0 and not isinstance(left_building, Wall)
     height = left_building.level(floor) if is_left_slab else right_building.level(right_floor)
+    same_floors = _have_same_floors(left_building, right_building)
+    for rule, settings in spec.select_rules():
+        if floor > 0 or rule.at_base:  # the others do not tell how far a base moves
+            left_moved, right_moved = (_interpolate(state.code_displacements[rule.name], *end) for end in ends)
+            code_place = CodePlace(
+                float(left_moved),
+                float(right_moved),
+                height,
+                left_building.elevation[-1],
+                right_building.elevation[-1],
+                same_floors,
+            )
+            rules[rule.name] = (rule.separation(code_place, **settings), 0.0)
     facing = (*plan.buildings[left : left + 2], floor, right_floor, link_place.struck_sides)
     where: Place = {"point": state.number, "place": place, "number": left}
     where |= dict(zip(FACING_KEYS, facing, strict=True))
@@ -195,12 +183,12 @@ def _have_same_floors(left: Building, right: Building) -> bool:
 # To property lines
 
 
-def build_distances(plan: Plan, arrays: ResultArrays) -> pd.DataFrame:
+def build_distances(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> pd.DataFrame:
     """Return how far every floor moves to both of its sides, and what codes ask of the distance to a line."""
-    return _build_frame(plan, _iter_distances(plan, arrays))
+    return _build_frame(plan, _iter_distances(plan, spec, arrays))
 
 
-def _iter_distances(plan: Plan, arrays: ResultArrays) -> Iterator[tuple[Place, Requirements]]:
+def _iter_distances(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> Iterator[tuple[Place, Requirements]]:
     """Yield every floor and side with the rules that say something there."""
     relative_errors = _read_by_point(plan, arrays, "error_estimate")
     peaks = np.nanmax(_read_by_point(plan, arrays, "displacement"), axis=-1, initial=0.0)
@@ -215,14 +203,16 @@ def _iter_distances(plan: Plan, arrays: ResultArrays) -> Iterator[tuple[Place, R
             if isinstance(building, Wall):
                 continue
             for floor in range(1, building.storeys + 1):
+                height = building.level(floor)
+                of_codes: Requirements = {
+                    rule.name: (rule.line(by_code[rule.name][number, floor], height), 0.0)
+                    for rule, _ in spec.select_rules()
+                    if rule.line is not None
+                }
                 for side, moved in (("left", to_left), ("right", to_right)):
-                    rules: Requirements = {
-                        EXACT: (moved[point, :, :, number, floor - 1], errors[point, :, :, number]),
-                        ASCE7: (by_code[ASCE7][number, floor], 0.0),
-                        EN1998: (by_code[EN1998][number, floor], 0.0),
-                    }
-                    where = {"point": point, "building": name, "side": side, "floor": floor}
-                    yield where | {"height": building.level(floor)}, rules
+                    exact = (moved[point, :, :, number, floor - 1], errors[point, :, :, number])
+                    where = {"point": point, "building": name, "side": side, "floor": floor, "height": height}
+                    yield where, {EXACT: exact, **of_codes}
 
 
 # Both
@@ -246,7 +236,7 @@ def _read_code_displacements(plan: Plan, index: Point, displacements: CodeDispla
     They are 0 of the base, and NaN where a building lacks what the rule needs.
     """
     shape = (len(plan.buildings), 1 + max_storeys(plan))
-    by_rule = {rule: np.full(shape, np.nan) for rule in (UBC, ASCE7, EN1998)}
+    by_rule = {rule.name: np.full(shape, np.nan) for rule in CODE_RULES}
     for place, name in enumerate(plan.study.spec.group):
         for rule, floors in displacements[name].at(index).items():
             by_rule[rule][place, 0] = 0.0
@@ -280,7 +270,8 @@ def _build_frame(plan: Plan, requirements: Iterable[tuple[Place, Requirements]])
             columns["value"].append(np.broadcast_to(value, shape).ravel())
             columns["error"].append(np.broadcast_to(error, shape).ravel())
     frame = pd.DataFrame({name: np.concatenate(parts) for name, parts in columns.items()})
-    rule_order = [*MOTION_RULES, GB50011, find_ubc_edition(plan), ASCE7, EN1998]
-    frame["rule"] = pd.Categorical(rules, rule_order)
+    names = {UBC: find_ubc_edition(plan)}
+    rule_order = [*MOTION_RULES, *(rule.name for rule in CODE_RULES)]
+    frame["rule"] = pd.Categorical(rules, rule_order).rename_categories(names)
     frame["analysis"] = pd.Categorical(np.array(plan.analyses, object)[frame["analysis"]], plan.analyses)
     return frame.join(pd.DataFrame(places), on="row")

@@ -19,6 +19,9 @@ CASES_TABLE = "gap_cases"
 LINE_TABLE = "property_line"
 """How far every floor moves towards a property line, over the motions."""
 
+CODES_TABLE = "gap_codes"
+"""What the gaps of codes are worth."""
+
 RATE_TABLE = "gap_rate"
 """The gap for an annual rate of contact."""
 
@@ -53,8 +56,8 @@ FACING_COLUMNS = (
     Column("right_floor", "floor of the right building", NUMBER, "floor right", digits=0),
     Column(
         "columns",
-        "building whose columns, in the storey below its floor, a slab of the other faces: left or right; empty where "
-        "two slabs face each other",
+        "building whose columns or walls, in the storey below its floor, a slab of the other faces: left or right; "
+        "empty where two slabs face each other",
     ),
 )
 
@@ -125,9 +128,37 @@ GAP_RATE_COLUMNS = (
 )
 """Columns of RATE_TABLE."""
 
+CODES_COLUMNS = (
+    _ANALYSIS,
+    _LEFT,
+    _RIGHT,
+    Column("rule", "name of the code"),
+    Column("gap", "gap of the code, the largest of all floors of the pair", LENGTH),
+    Column("motions", "motions whose runs did not fail", NUMBER, digits=0),
+    Column("closed", "motions that close this gap at some floor", NUMBER, digits=0),
+    *list_estimate_columns(
+        Column(
+            "probability",
+            "probability of contact at some floor at this gap, by a lognormal fit to the motions",
+            Unit("%", 0.01, "1"),
+            "contact",
+            digits=2,
+        ),
+        f"{100 * CONFIDENCE:.0f} % confidence interval, from {MIN_MOTIONS} motions on",
+    ),
+    *list_estimate_columns(
+        Column(
+            "rate", "annual rate of contact at this gap, with a hazard curve", Unit("%/year", 0.01, "1/year"), digits=2
+        ),
+        "bootstrap interval",
+    ),
+)
+"""Columns of CODES_TABLE."""
+
 COLUMNS_BY_TABLE = {
     GAP_TABLE: GAP_COLUMNS,
     CASES_TABLE: CASES_COLUMNS,
+    CODES_TABLE: CODES_COLUMNS,
     LINE_TABLE: LINE_COLUMNS,
     RATE_TABLE: GAP_RATE_COLUMNS,
 }

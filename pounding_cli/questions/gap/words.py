@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from pounding_cli.numbers import NOTHING, join_limited, pluralize
+from pounding_cli.model.effects import COUPLING
+from pounding_cli.model.separation import CODE_RULES, NTC2008, NTC2018, UBC
+from pounding_cli.numbers import NOTHING, format_number, join_limited, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.gap.evidence import (
     describe_floors,
@@ -19,7 +22,17 @@ from pounding_cli.questions.gap.evidence import (
     select_widest,
 )
 from pounding_cli.questions.gap.sentences import describe_rate, list_sentences
-from pounding_cli.questions.gap.tables import CASES_TABLE, CONFIDENCE, EXACT, GAP_TABLE, LINE_TABLE, RATE_TABLE
+from pounding_cli.questions.gap.spec import format_needed_keys
+from pounding_cli.questions.gap.tables import (
+    CASES_TABLE,
+    CODES_TABLE,
+    CONFIDENCE,
+    EXACT,
+    GAP_TABLE,
+    LINE_TABLE,
+    RATE_TABLE,
+)
+from pounding_cli.solver.response import COLLAPSED
 from pounding_cli.study.file import parse
 from pounding_cli.tables import Column, Row, Table
 
@@ -28,6 +41,9 @@ if TYPE_CHECKING:
 
 __all__ = ["list_notes", "list_references", "list_sentences", "list_tables"]
 
+MIN_PERCENT = 0.01
+"""Probability of contact, or of none, below which no number is shown [%]."""
+
 _PAIR = Column("left", "two neighbours, left and right of the gap", label="between", write=describe_pair)
 _FLOORS = Column("floor", "floors that face each other", label="floors", write=describe_floors)
 
@@ -35,6 +51,8 @@ _FLOORS = Column("floor", "floors that face each other", label="floors", write=d
 def list_tables(results: ResultTables) -> list[Table]:
     """Return the tables that a terminal prints, those without rows left out."""
     tables = [_show_separations(results), _show_cases(results), _show_distances(results)]
+    if CODES_TABLE in results.answers:
+        tables.insert(1, _show_codes(results))
     if RATE_TABLE in results.answers:
         tables.insert(0, _show_rate(results))
     return [table for table in tables if len(table.frame)]
@@ -109,6 +127,48 @@ def _count_motions(row: Row) -> str:
     return f"{row['enough_for']} of {row['motions']}" if row["motions"] > 0 else NOTHING
 
 
+def _show_codes(results: ResultTables) -> Table:
+    """Return the gaps of codes with what they are worth in these motions, and how often a year they close."""
+    table = results.answer(CODES_TABLE)
+    keys = _list_swept_keys(results, table)
+    closed = Column("closed", "motions that close it", label="closed by", write=_count_closed)
+    caption = "Gaps of codes, and how likely the pair touches at some floor"
+    places, caption = _move_constants(table.frame, [_PAIR, table.column("analysis")], caption)
+    probability = replace(table.column("probability"), write=_format_probability, is_right=True)
+    columns: list[str | Column] = [table.column("rule"), table.column("gap"), closed, probability]
+    if table.frame["rate"].notna().any():
+        columns.append(table.column("rate"))
+    point = table.frame.groupby(keys, sort=False).ngroup() if keys else np.zeros(len(table.frame))
+    pair = table.frame["left"].map(results.names("building").index)
+    rows = table.frame.iloc[np.lexsort((pair, point))]  # otherwise in the order of the file
+    return table.view(*keys, *places, *columns, frame=rows, caption=caption)
+
+
+def _format_probability(row: Row) -> str:
+    """Return a probability of contact in percent with its interval: "12 (1.6 to 44)", "<0.01 (<0.01 to 7.5)".
+
+    A fit to a few motions tells nothing of probabilities beyond MIN_PERCENT.
+    """
+    value, low, high = (100 * row[name] for name in ("probability", "probability_low", "probability_high"))
+    if not math.isfinite(value):
+        return NOTHING
+    text = _format_percent(value)
+    return f"{text} ({_format_percent(low)} to {_format_percent(high)})" if math.isfinite(low) else text
+
+
+def _format_percent(value: float) -> str:
+    if value < MIN_PERCENT:
+        return f"<{MIN_PERCENT:g}"
+    if value > 100 - MIN_PERCENT:
+        return f">{100 - MIN_PERCENT:g}"
+    return format_number(value, 4 if value > 99 else 2)
+
+
+def _count_closed(row: Row) -> str:
+    """Return how many of the motions close a gap: "2 of 5"."""
+    return f"{row['closed']} of {row['motions']}"
+
+
 def _show_rate(results: ResultTables) -> Table:
     """Return the gap of every pair for the annual rate of contact."""
     table = results.answer(RATE_TABLE)
@@ -137,12 +197,14 @@ def list_notes(results: ResultTables) -> list[str]:
 
 def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     cases = results.answer(CASES_TABLE).frame
-    if RATE_TABLE in results.answers:
-        yield _describe_rate_basis(results.answer(RATE_TABLE).frame.iloc[0].to_dict())
+    yield from _iter_rate_notes(results)
     scene = results.scene()
-    if failed := select_failed(scene)["status"].value_counts().to_dict():
+    failed_rows = select_failed(scene)
+    if failed := failed_rows["status"].value_counts().to_dict():
         outcomes = ", ".join(f"{count} {status}" for status, count in failed.items())
-        yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out."
+        is_divided = failed_rows[failed_rows["status"] == COLLAPSED]["dropped"].str.contains(COUPLING)
+        kept = ", but for pairs that nothing links to the collapse" if is_divided.any() else ""
+        yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out{kept}."
     yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
     fewest = int(exact["motions"].min())
     if fewest >= MIN_MOTIONS:
@@ -156,6 +218,7 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
             "A building between two others moves alone only while neither of them strikes it. Where the gap on one "
             "side is not enough, the answer for the other side does not hold."
         )
+    yield from _iter_code_notes(results)
     if left_out := _list_cases_left_out(results, cases):
         yield (
             f"Not compared: {join_limited(left_out)}. There is no link, or one that acts before the gap has closed; "
@@ -163,10 +226,85 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
         )
 
 
-def _describe_rate_basis(row: Row) -> str:
-    """Return how many intensities and motions the gap for a rate rests on."""
-    intensities = pluralize(int(row["intensities"]), "intensity", "intensities")
-    return f"The gap for a rate rests on {intensities} of {pluralize(int(row['motions']), 'motion')}."
+def _iter_code_notes(results: ResultTables) -> Iterator[str]:
+    """Yield the codes that say nothing of some or of all buildings, with the keys that they need."""
+    evaluated = set(results.answer(GAP_TABLE).frame["rule"])
+    yield from _iter_partial_codes(results)
+    yield from _iter_estimated_displacements(results)
+    settings = results.resolved.get("gap") or {}
+    named = settings.get("codes") or ()
+    others: list[str] = []
+    for rule in CODE_RULES:
+        if rule.name == UBC or rule.name in evaluated:
+            continue
+        factors = format_needed_keys(rule)
+        if rule.name in named:
+            yield f"{rule.name} is left out: it needs {factors} of two neighbours."
+        elif rule.section or rule.by_name:
+            others.append(f"{rule.name} (`gap.{rule.section or 'codes'}`)")
+        else:
+            others.append(f"{rule.name} ({factors})")
+    if others:
+        yield f"Further codes and the keys that they need: {', '.join(others)}."
+
+
+def _iter_partial_codes(results: ResultTables) -> Iterator[str]:
+    """Yield the codes that say something of some pairs of neighbours and nothing of others, with the keys they need."""
+    frame = results.answer(GAP_TABLE).frame
+    gaps = frame[frame["mean"].notna()]
+    places = pd.Series(list(zip(gaps["left"], gaps["right"], strict=True)), index=gaps.index)
+    pairs = list(dict.fromkeys(places))
+    rules_by_pairs: dict[tuple[tuple[str, str], ...], list[str]] = {}
+    for rule in CODE_RULES:
+        is_rule = gaps["rule"].astype(str).str.startswith("UBC") if rule.name == UBC else gaps["rule"] == rule.name
+        having = set(places[is_rule])
+        lacking = tuple(pair for pair in pairs if pair not in having)
+        if having and lacking:
+            rules_by_pairs.setdefault(lacking, []).append(f"{rule.name} ({format_needed_keys(rule)})")
+    for lacking, rules in rules_by_pairs.items():
+        where = join_limited(" | ".join(pair) for pair in lacking)
+        yield f"Not evaluated for {where}, as a building lacks the keys: {', '.join(rules)}."
+
+
+def _iter_estimated_displacements(results: ResultTables) -> Iterator[str]:
+    """Yield the buildings whose displacement the Italian codes estimate by their height."""
+    evaluated = set(results.answer(GAP_TABLE).frame["rule"])
+    rules = [name for name in (NTC2018, NTC2008) if name in evaluated]
+    names = dict.fromkeys(results.resolved["group"])
+    buildings = {name: results.resolved["buildings"][name] for name in names}
+    estimated = [
+        name
+        for name, building in buildings.items()
+        if not building.get("wall") and (building["yield_shear"] is not None or building["yield"].get("mu_d") is None)
+    ]
+    if rules and estimated:
+        verb = "estimates" if len(rules) == 1 else "estimate"
+        whose = join_limited(estimated)
+        yield f"{' and '.join(rules)} {verb} the displacement of {whose} by the height: there is no `mu_d` in `yield`."
+
+
+def _iter_rate_notes(results: ResultTables) -> Iterator[str]:
+    """Yield how many intensities and motions annual rates of contact rest on."""
+    if RATE_TABLE in results.answers:
+        row = results.answer(RATE_TABLE).frame.iloc[0].to_dict()
+        yield f"The gap for a rate rests on {_format_rate_basis(int(row['intensities']), int(row['motions']))}"
+        return
+    codes = results.answer(CODES_TABLE).frame if CODES_TABLE in results.answers else pd.DataFrame({"rate": []})
+    rated = codes[codes["rate"].notna()]
+    if len(rated):
+        from pounding_cli.study.records_spec import INTENSITY_KEYS  # here: a terminal prints results without a study
+
+        intensity_keys = [key for key in results.axes if key in INTENSITY_KEYS]
+        intensities = len(rated[intensity_keys].drop_duplicates()) if intensity_keys else 1
+        yield f"The rates of contact rest on {_format_rate_basis(intensities, int(rated['motions'].min()))}"
+
+
+def _format_rate_basis(intensities: int, motions: int) -> str:
+    """Return the end of a sentence on what annual rates rest on, with what one intensity means for them."""
+    basis = f"{pluralize(intensities, 'intensity', 'intensities')} of {pluralize(motions, 'motion')}"
+    if intensities > 1:
+        return f"{basis}."
+    return f"{basis}: closings are taken in proportion to it, which is right for elastic buildings only."
 
 
 def _describe_error(exact: pd.DataFrame, column: Column) -> str:
@@ -195,10 +333,11 @@ def list_references(resolved: Mapping[str, Any]) -> list[tuple[str, str]]:
     references = [("jeng1992", "the rule DDC"), ("derkiureghian1981", "the correlation of two oscillators in DDC")]
     buildings = [resolved["buildings"][name] for name in resolved["group"]]
     yields = [building["yield"] for building in buildings if building["yield_shear"] is None]
-    if any(each.get("Cd") and each.get("Ie") for each in yields):
-        references.append(("asce2017", "the separation of ASCE/SEI 7-16, section 12.12.3"))
-    if any(each.get("qd") for each in yields):
-        references.append(("en1998", "the separation of EN 1998-1, 4.4.2.7"))
-    if (resolved.get("gap") or {}).get("gb50011"):
-        references.append(("gb50011-2010", "the joint width of clause 6.1.4"))
+    settings = resolved.get("gap") or {}
+    for rule in CODE_RULES:
+        has_factors = any(all(each.get(key) for key in rule.factors) for each in yields) or not rule.factors
+        is_selected = settings.get(rule.section) if rule.section else not rule.by_name
+        is_named = rule.by_name and rule.name in (settings.get("codes") or ())
+        if rule.source and has_factors and (is_selected or is_named):
+            references.append((rule.source, f"the separation of {rule.name}, {rule.clause}"))
     return references

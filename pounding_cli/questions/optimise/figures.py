@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pounding_cli.questions.expressions import describe_output
-from pounding_cli.questions.optimise.optimum import NOTHING as NO_OPTIMUM
+from pounding_cli.questions.optimise.optimum import NO_OPTIMUM
 from pounding_cli.questions.optimise.tables import OPTIMUM, POINTS
 from pounding_cli.questions.optimise.words import MAX_KEYS, key_unit, list_sentences, sought_unit
 from pounding_cli.report.document import Picture
@@ -33,7 +33,7 @@ _OF_KEY = ["value", "written", "good_from", "good_to", "range_from", "range_to"]
 
 def list_figures(results: ResultTables) -> list[Picture]:
     """Return the figure of the optimum; none where there is none."""
-    if results.answer(OPTIMUM).frame["outcome"].iloc[0] == NO_OPTIMUM:
+    if results.answer(OPTIMUM).frame["outcome"].iloc[0] in NO_OPTIMUM:
         return []
     text = f"{list_sentences(results)[0]} Along each key through the optimum, and every point that was tried."
     return [Picture("optimise", "The optimum and its surroundings", text, partial(draw_optimum, results))]
@@ -109,7 +109,12 @@ def _draw_key(ax: Axes, row: Row, points: pd.DataFrame, line: pd.DataFrame) -> N
         ax.set_xscale(row["spacing"])
         if not np.isnan(row["good_from"]):
             ax.axvspan(row["good_from"], row["good_to"], color="0.9", lw=0, label="as good")
-    ax.plot(x, points["value"], ls="", marker=".", ms=2.5, color="0.65", label="point tried")
+    x = pd.Series(np.asarray(x), points.index)
+    is_met = points["unmet"] == 0
+    ax.plot(x[is_met], points["value"][is_met], ls="", marker=".", ms=2.5, color="0.65", label="point tried")
+    if not is_met.all():
+        style_unmet: dict[str, Any] = {"ls": "", "marker": "x", "ms": 3, "mew": 0.6, "color": "#CC79A7"}
+        ax.plot(x[~is_met], points["value"][~is_met], label="does not meet what is required", **style_unmet)
     ax.plot(along, line["value"][along.index], color="#0072B2", label="through the optimum", **style)
     mark: dict[str, Any] = {"ls": "", "mec": "k", "mew": 0.6}
     ax.plot(written, row["as_written"], marker="D", ms=6, color="#E69F00", label="as written", **mark)

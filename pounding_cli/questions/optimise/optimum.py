@@ -22,7 +22,7 @@ from pounding_cli.questions.expressions import (
     parse_all,
     study_at_points,
 )
-from pounding_cli.questions.optimise.search import Point, Search, evaluate_kink
+from pounding_cli.questions.optimise.search import UNMET, Point, Search, evaluate_kink
 from pounding_cli.questions.optimise.spec import OptimiseSpec
 from pounding_cli.questions.optimise.tables import (
     DESIGN,
@@ -39,7 +39,7 @@ from pounding_cli.results.flags import is_void, split_flag
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.edit import with_values
-from pounding_cli.study.expression import parse_expression
+from pounding_cli.study.expression import Statement, parse_expression, parse_statement
 from pounding_cli.study.file import get, nearest
 from pounding_cli.study.vary import DistributedInput, KeyInput, read_searched
 from pounding_cli.tables import Table, build_table
@@ -57,7 +57,11 @@ FLAT = 0.01
 FOUND = "found"
 UNSETTLED = "the last generation was reached before its points were nearly as good"
 NOTHING = "no point has a value"
+NOT_MET = "no point meets what is required"
 """Outcomes."""
+
+NO_OPTIMUM = (NOTHING, NOT_MET)
+"""Outcomes without an optimum."""
 
 CONTACTS = "contacts, all motions"
 WITH_CONTACT = "time histories with contact"
@@ -73,6 +77,7 @@ class Optimise(StudyQuestion):
     analyses and none chosen.
 
     expression : the number that is optimised
+    required : statements that must hold at the optimum, under every motion
     sign : 1 where the least is sought, -1 where the most is: the search only minimises
     inputs : the keys that vary
     case, analysis : the rows that the number is taken from
@@ -100,6 +105,7 @@ class Optimise(StudyQuestion):
         if not self.inputs and not problems.found:
             hint = "write e.g. `over: {impact.restitution: {from: 0.3, to: 0.6}}`"
             self.add_problem((), "no key is given to vary", hint, key=True)
+        self.required: tuple[Statement, ...] = parse_all(parse_statement, self, "require", spec.require)
         self.case = self._choose("case", "cases", spec.case, list(study.spec.cases))
         self.analysis = self._choose("analysis", "analyses", spec.analysis, list(study.spec.analyses))
         self.refuse_histories("the points of a search")
@@ -138,7 +144,7 @@ class Optimise(StudyQuestion):
 
     def format_study(self, point: Point) -> str:
         """Return the text of the study with the keys at a point; everything else stays as written (`with_values`)."""
-        values = {each.key: each.values([u])[0] for each, u in zip(self.inputs, point, strict=True)}
+        values = {tuple(each.key.split(".")): each.values([u])[0] for each, u in zip(self.inputs, point, strict=True)}
         return with_values(self.study.text, values, self.study.file)
 
     def plan_points(self, points: Sequence[Point]) -> Plan:
@@ -181,7 +187,8 @@ class Optimise(StudyQuestion):
             plan = self.plan_points(points)
             arrays = build_arrays(plan, solver.solve_plan(plan, rough=is_rough))
             sought = _evaluate_sought(self, plan, _find_values(self, plan, arrays))
-            return self.sign * sought["value"].to_numpy()[: len(points)]
+            score = np.where(sought["excess"] > 0, UNMET * (1 + sought["excess"]), self.sign * sought["value"])
+            return np.asarray(score)[: len(points)]
 
         search = Search(function, [each.option_count for each in self.inputs], self.spec, self.written_point)
         search.run()
@@ -192,6 +199,8 @@ class Optimise(StudyQuestion):
         values = _find_values(self, plan, arrays)
         sought = _evaluate_sought(self, plan, values)
         best = None if search.best_point is None else points.index(search.best_point)
+        if search.best_point is not None and search.values[search.best_point] >= UNMET:
+            best = None  # it meets less than what is required
         written = len(sought) - 1 if search.written_point is None else points.index(search.written_point)
         places = {"optimum": best, "as_written": written}
         unit = _unit_of(self.expression.unit)
@@ -225,7 +234,7 @@ def _evaluate_sought(question: Optimise, plan: Plan, values: Values) -> pd.DataF
     """Return the number sought, a row for every point.
 
     Columns: value, over a sweep its mean or its worst, NaN where it has none or no meaning; error, its numerical error;
-    meaningless, whether a link went where its law has no meaning.
+    meaningless, whether a link went where its law has no meaning; excess, of `_find_excess`.
     """
     spec = question.spec
     numbers = evaluate_expression(question.expression, values, spec.over_motions)
@@ -240,9 +249,34 @@ def _evaluate_sought(question: Optimise, plan: Plan, values: Values) -> pd.DataF
         points = np.arange(numbers.shape[1])
         number = numbers[worst, points]
         error = errors[worst, points]
+    excess = _find_excess(question.required, values)
+    is_known = ~is_meaningless & ~np.isnan(excess)
     return pd.DataFrame(
-        {"value": np.where(is_meaningless, np.nan, number), "error": error, "meaningless": is_meaningless}
+        {
+            "value": np.where(is_known, number, np.nan),
+            "error": error,
+            "meaningless": is_meaningless,
+            "excess": np.where(is_known, excess, 0.0),
+        }
     )
+
+
+def _find_excess(required: Sequence[Statement], values: Values) -> np.ndarray:
+    """Return by how much points miss what is required, summed over statements: 0 where all hold, NaN where not known.
+
+    A statement holds where it does under every motion and at every other point of a sweep; it is missed by a part of
+    its value.
+
+    values : of `_find_values`
+    """
+    total = np.zeros(values["status"].shape[1])
+    for statement in required:
+        numbers = evaluate_expression(statement.expression, values, "smallest" if statement.is_above else "largest")
+        beyond = statement.value - numbers if statement.is_above else numbers - statement.value
+        scale = abs(statement.value) or 1.0
+        missed = np.where(statement.holds(numbers) == 1, 0.0, np.maximum(beyond / scale, np.finfo(float).eps))
+        total = total + np.where(np.isnan(numbers), np.nan, missed).max(axis=0)
+    return total
 
 
 # The tables
@@ -261,17 +295,24 @@ def _build_optimum_frame(
     tried = sought[: len(cube)]
     value = sought["value"].to_numpy()
     outcome = FOUND if search.is_converged else UNSETTLED
+    if best is None:
+        outcome = NOTHING if search.best_point is None else NOT_MET
+    written_place = places["as_written"]
+    assert written_place is not None
     common: dict[str, Any] = {
         "sought": f"{'least' if question.sign > 0 else 'most'} {question.expression}",
-        "as_written": value[places["as_written"]],
-        "outcome": NOTHING if best is None else outcome,
+        "as_written": value[written_place],
+        "outcome": outcome,
+        "required": ", ".join(map(str, question.required)),
+        "written_unmet": int(sought["excess"][written_place] > 0),
         "points": len(tried),
+        "unmet": int((tried["excess"] > 0).sum()),
         "failed": int((tried["value"].isna() & ~tried["meaningless"]).sum()),
         "meaningless": int(tried["meaningless"].sum()),
     }
     is_as_good = np.zeros(0, bool)
     if best is not None:
-        above = question.sign * (tried["value"] - value[best])
+        above = question.sign * (tried["value"].where(tried["excess"] == 0) - value[best])
         share = FLAT * abs(value[best])
         error = sought["error"][best]
         # where it is not known, the largest known among points as good
@@ -380,8 +421,8 @@ def _find_demands(question: Optimise, plan: Plan, values: Values) -> dict[str, t
             demands[f"largest {name} in {building}"] = name, values[name][..., number, :]
         struck = [place.is_on_columns and place.struck_storey[0] == number for place in places]
         if any(struck):
-            is_blow = values["impacts"] > 0  # of columns that no slab struck nothing is said
-            demand = np.where(is_blow, values["shear_demand"], np.nan)
+            is_loaded = values["contact_time"] > 0  # of columns that no link loads nothing is said
+            demand = np.where(is_loaded, values["shear_demand"], np.nan)
             demands[f"largest shear_demand in {building}"] = "shear_demand", demand[..., np.flatnonzero(struck)]
     if places:
         for name in ("peak_force", "max_closing"):
@@ -402,5 +443,6 @@ def _build_point_table(search: Search, question: Optimise, sought: pd.DataFrame,
     keys, columns = build_key_frame(question.inputs, np.array(list(search.values)))
     keys.insert(0, "point", range(1, len(keys) + 1))
     keys.insert(1, "stage", search.stages)
-    frame = keys.join(sought.astype({"meaningless": int}))
+    frame = keys.join(sought.assign(unmet=sought["excess"] > 0).astype({"meaningless": int, "unmet": int}))
+    frame = frame.drop(columns="excess")
     return build_table(POINTS, frame, [*POINT_COLUMNS, *columns], {"value": unit, "error": unit})

@@ -28,6 +28,9 @@ Function = Callable[[list[Point], bool], np.ndarray]
 """function(points, rough) -> values, NaN where there is none, shape (points,). `rough`: these points only lead to the
 valley, whose bottom later ones look at."""
 
+UNMET = 1e30
+"""The value of a point that does not meet what is required, times one and more: by how much it misses it."""
+
 WRITTEN, SEARCH, POLISH, SLICES = "as written", "search", "polish", "slices"
 """The stages."""
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import WithJsonSchema
 
-from pounding_cli.questions.specs import EXPRESSION, EXPRESSION_COLUMNS, SEED
-from pounding_cli.study.base import Model, SpecIssue, mapping_schema, spec_field
+from pounding_cli.questions.specs import EXPRESSION, EXPRESSION_COLUMNS, SEED, STATEMENT
+from pounding_cli.study.base import Model, SpecIssue, mapping_schema, one_or_many, spec_field
 from pounding_cli.study.quantity import WholeNumber
 
 _END = {"type": ["number", "string"]}
@@ -31,6 +31,12 @@ class OptimiseSpec(Model):
         None,
         "dotted keys with the range of each, `{from: 1 cm, to: 5 cm}` (`spacing: log` for stiffnesses), or "
         "with the values to choose from, `{choice: [[5], [3, 5]]}`",
+    )
+    require: one_or_many(STATEMENT, 0, 50, True) = spec_field(  # type: ignore[valid-type]
+        (),
+        "statements that must hold under every motion, one or a list; shear_demand is that of loaded columns over "
+        "their strength",
+        ["shear_demand < 1", "drift in soft < 2 cm"],
     )
     case: str | None = spec_field(None, "case to optimise; required if the study has several")
     analysis: Literal["elastic", "inelastic"] | None = spec_field(

@@ -17,7 +17,10 @@ OPTIMUM_COLUMNS = (
     Column("tolerance", "its error, or 1 % of it", digits=2),
     Column("as_written", "value of this number with the study as written", digits=5),
     Column("outcome", "outcome, or why there is no answer"),
+    Column("required", "statements that must hold, under every motion; empty where nothing is required"),
+    Column("written_unmet", "1 where they do not hold with the study as written", NUMBER, digits=0),
     Column("points", "points that were tried", NUMBER, digits=0),
+    Column("unmet", "points at which they do not hold", NUMBER, digits=0),
     Column("failed", "points that have no value: a run failed or the quantity is undefined", NUMBER, digits=0),
     Column(
         "meaningless",
@@ -67,6 +70,7 @@ POINT_COLUMNS = (
     Column("value", "value of the number sought; NaN where it has none or no meaning", digits=5),
     Column("error", "numerical error of this number, at most", digits=1),
     Column("meaningless", "1 where a link left the range in which its law has a meaning", NUMBER, digits=0),
+    Column("unmet", "1 where a statement that must hold does not", NUMBER, digits=0),
 )
 """Beside those of the keys, which the study decides; a swept key stands between stage and value."""
 

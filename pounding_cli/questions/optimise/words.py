@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.questions.expressions import CONTACT_NOTE, ON_CONTACT, describe_output, find_output_unit
-from pounding_cli.questions.optimise.optimum import CONTACTS, FAILED, FLAGGED, UNSETTLED, WITH_CONTACT
-from pounding_cli.questions.optimise.optimum import NOTHING as NO_OPTIMUM
+from pounding_cli.questions.optimise.optimum import (
+    CONTACTS,
+    FAILED,
+    FLAGGED,
+    NO_OPTIMUM,
+    NOT_MET,
+    UNSETTLED,
+    WITH_CONTACT,
+)
 from pounding_cli.questions.optimise.tables import DESIGN, OPTIMUM, POINTS
 from pounding_cli.report.background import STIFFNESS
 from pounding_cli.study.display import key_words
@@ -39,14 +46,17 @@ _SAME = 1e-9
 def list_sentences(results: ResultTables) -> list[str]:
     """Return the best values with the number sought, the contacts that are left, and what the optimum makes worse."""
     first = _first_row(results)
-    if first["outcome"] == NO_OPTIMUM:
-        return [f"{_name_goal(first)}: there is no answer, since {NO_OPTIMUM} that means something."]
-    return [describe_optimum(results), *filter(None, [describe_remainder(results), describe_losses(results)])]
+    if first["outcome"] == NOT_MET:
+        return [f"{_name_goal(first)}: there is no answer, since {NOT_MET}: {first['required']}, under every motion."]
+    if first["outcome"] in NO_OPTIMUM:
+        return [f"{_name_goal(first)}: there is no answer, since {first['outcome']} that means something."]
+    further = [_describe_required(first), describe_remainder(results), describe_losses(results)]
+    return [describe_optimum(results), *filter(None, further)]
 
 
 def list_tables(results: ResultTables) -> list[Table]:
     """Return the best value of every key, and what the buildings do with them and with the study as written."""
-    if _first_row(results)["outcome"] == NO_OPTIMUM:
+    if _first_row(results)["outcome"] in NO_OPTIMUM:
         return []
     return [_view_optimum(results), _view_design(results)]
 
@@ -56,7 +66,7 @@ def list_notes(results: ResultTables) -> list[str]:
     first = _first_row(results)
     points = pluralize(int(first["points"]), "point")
     notes = []
-    if first["outcome"] != NO_OPTIMUM:
+    if first["outcome"] not in NO_OPTIMUM:
         if words := _describe_motions(results):
             notes.append(f"The number sought is the {words}, storey by storey, before storeys are compared.")
         if math.isnan(first["error"]):
@@ -138,6 +148,18 @@ def describe_optimum(results: ResultTables) -> str:
     return f"{_name_best_values(results)}: {describe_output(expression)} {number}{comparison}{brackets}."
 
 
+def _describe_required(row: Row) -> str:
+    """Return what the optimum had to meet, and how many points do; "" where nothing is required."""
+    if not row["required"]:
+        return ""
+    met = f"{int(row['points'] - row['unmet'])} of {pluralize(int(row['points']), 'point')}"
+    written = "does not" if row["written_unmet"] else "does too"
+    return (
+        f"It meets what is required, {row['required']} under every motion, as do {met} in all; the study as written "
+        f"{written}."
+    )
+
+
 def _name_best_values(results: ResultTables) -> str:
     """Return the best value of every key: "The best gap of near is 4.2 cm"."""
     rows = results.answer(OPTIMUM).frame.to_dict("records")
@@ -171,7 +193,8 @@ def _compare_with_written(row: Row, unit: Unit) -> str:
         percent = Unit("%").text(100 * abs(change / written), 2)
         words += f", {percent} {'lower' if change < 0 else 'higher'}"
     if (change > 0) == (direction == "least"):
-        words += ": the study as written, outside what was searched, is better"
+        reason = "which does not meet what is required" if row["written_unmet"] else "outside what was searched"
+        words += f": the study as written, {reason}, is better"
     return words
 
 

@@ -85,7 +85,7 @@ def build_peaks_table(results: ResultTables) -> Table:
 
 def build_means_table(shown: Evidence) -> Table:
     """Return the mean ratios to the building alone of every case and building: at the roof, and in the storey where
-    the mean is largest."""
+    the mean is largest, with the mean ductility demands there; and the largest mean ductility demand."""
     rows = []
     for case, building in product(shown.cases, shown.buildings_without_walls):
         row: dict[str, Any] = {"case": shown.mark_case(case), "building": building}
@@ -94,7 +94,7 @@ def build_means_table(shown: Evidence) -> Table:
             row[f"{ratio}_top"] = means.iloc[-1] if len(means) else np.nan
             row[f"{ratio}_largest"] = means.max() if len(means) else np.nan
             row[f"{ratio}_storey"] = means.idxmax() if len(means) else np.nan
-        rows.append(row)
+        rows.append(row | _find_mean_demands(shown, case, building, row["mu_ratio_storey"]))
     frame = pd.DataFrame(rows)
     columns = [column_of("case"), column_of("building")]
     words = []
@@ -102,10 +102,32 @@ def build_means_table(shown: Evidence) -> Table:
         if frame[f"{ratio}_top"].notna().any():
             columns += _mean_columns(ratio)
             words.append(f"{column_of(ratio).label} {analysis}")
+    if frame["mu_ratio_top"].notna().any():
+        columns += _demand_columns()
     motions = len(shown.records)
     over = f"mean of {motions} motions" if motions > 1 else "1 motion"
     point = f" at {shown.label}" if shown.label else ""
     return Table("", frame, columns, f"Ratios to the same building alone, {over}{point}: {', '.join(words)}")
+
+
+def _find_mean_demands(shown: Evidence, case: str, building: str, governing_storey: float) -> dict[str, float]:
+    """Return the mean ductility demands of a building over the motions.
+
+    Keys: mu and mu0, in the storey where the ratio of both is largest; mu_largest and mu_storey, over all storeys.
+
+    governing_storey : from 1; NaN where there is none
+    """
+    place = {"case": case, "analysis": Analysis.INELASTIC, "building": building}
+    names = ("mu", "mu0", "mu_largest", "mu_storey")
+    if not np.isfinite(governing_storey):
+        return dict.fromkeys(names, np.nan)
+    has_ratio = np.isfinite(shown.values("mu_ratio", **place))
+    is_counted = has_ratio.any(axis=1)  # motions under which both are known
+    mu = shown.values("mu", **place)[is_counted].mean(axis=0)
+    mu0 = shown.values("mu0", **place)[is_counted].mean(axis=0)
+    storey = int(governing_storey) - 1
+    largest = int(np.nanargmax(mu))
+    return dict(zip(names, (mu[storey], mu0[storey], mu[largest], largest + 1), strict=True))
 
 
 def mean_ratios(shown: Evidence, case: str, analysis: str, building: str, ratio: str) -> pd.Series:
@@ -137,8 +159,10 @@ def _list_quantities(results: ResultTables, scene: pd.DataFrame) -> Iterator[Pea
     floor = _without_walls(results, results.floor("acceleration"))
     yield Peak("acceleration", "acceleration", "acceleration", floor, "floor")
     struck = _without_walls(results, results.struck())
-    struck = struck[struck["impacts"] > 0]
-    yield Peak("struck_columns", "struck columns", "shear_demand", struck.assign(struck_columns=struck["shear_demand"]))
+    loaded = struck[struck["contact_time"] > 0]
+    has_joints = not loaded["kind"].map(results.is_contact).all()
+    label = "loaded columns" if has_joints else "struck columns"
+    yield Peak("struck_columns", label, "shear_demand", loaded.assign(struck_columns=loaded["shear_demand"]))
 
 
 def _ratio_label(analyses: Sequence[str]) -> str:
@@ -226,26 +250,37 @@ def _caption_of_peaks(results: ResultTables) -> str:
 def _find_gaps(results: ResultTables) -> pd.DataFrame:
     """Return by case and analysis the link that closes closest to its gap, or furthest beyond it.
 
+    A joint between floors that do not face each other has no gap between its ends; it stands here only where the case
+    has no other link.
+
+    crosses_gap : whether there is a gap between the ends of the link
     histories, struck : number of time histories, and of those in which some floors of the case strike
     """
-    link = results.link("kind", "gap", "max_closing", "impacts")
+    has_inclined = "facing" in results.arrays
+    link = results.link("kind", "gap", "max_closing", "impacts", *["facing"] * has_inclined)
     if link.empty:
         return pd.DataFrame()
+    link["crosses_gap"] = link["kind"].map(results.is_contact).astype(bool)
+    link["crosses_gap"] |= link["facing"] == 1.0 if has_inclined else True
     rows: dict[tuple[str, str], dict[str, Any]] = {}
     place: Any
     for place, here in link[link["max_closing"].notna()].groupby(["case", "analysis"], sort=False):
-        beyond = here["max_closing"] - here["gap"]
-        worst = here.iloc[int(beyond.argmax())]
+        across_gap = here[here["crosses_gap"]]
+        candidates = across_gap if len(across_gap) else here
+        beyond = candidates["max_closing"] - candidates["gap"]
+        worst = candidates.iloc[int(beyond.argmax())]
         keys = list_acting_keys(results, place[0])
         is_struck = here.groupby([*keys, "record"], sort=False)["impacts"].max() > 0
         rows[place] = {
             "closing": worst["max_closing"],
             "gap": worst["gap"],
             "kind": worst["kind"],
+            "crosses_gap": worst["crosses_gap"],
             "struck": int(is_struck.sum()),
             "histories": len(is_struck),
         }
-    frame = pd.DataFrame.from_dict(rows, orient="index", columns=["closing", "gap", "kind", "struck", "histories"])
+    names = ["closing", "gap", "kind", "crosses_gap", "struck", "histories"]
+    frame = pd.DataFrame.from_dict(rows, orient="index", columns=names)
     frame.index = pd.MultiIndex.from_tuples(frame.index, names=["case", "analysis"])
     return frame
 
@@ -261,6 +296,8 @@ def _gap_column(results: ResultTables) -> Column:
         beyond = row["closing"] - row["gap"]
         if beyond > 0 and results.is_contact(row["kind"]):
             return f"penetration {number.format(beyond)} {unit.name}"
+        if not row["crosses_gap"]:
+            return f"closes {number.format(row['closing'])} {unit.name}"
         return f"closes {number.format(row['closing'])} of {unit.text(row['gap'])}"
 
     def write_contact(row: Row) -> str:
@@ -268,7 +305,12 @@ def _gap_column(results: ResultTables) -> Column:
             return ""
         beyond = row["closing"] - row["gap"]
         if not results.is_contact(row["kind"]):
-            return f"{row['kind']}, {number.format(beyond)} {unit.name} beyond the gap" if beyond > 0 else row["kind"]
+            words = [row["kind"]]
+            if not row["crosses_gap"]:
+                words.append("ends at different heights")
+            if beyond > 0:
+                words.append(f"{number.format(beyond)} {unit.name} beyond the gap")
+            return ", ".join(words)
         count = int(row["histories"])
         histories = count_histories(count) if results.axes else pluralize(count, "motion")
         contact = f"contact in {row['struck']:.0f} of {histories}"
@@ -320,4 +362,14 @@ def _mean_columns(ratio: str) -> list[Column]:
         Column(f"{ratio}_top", f"{text}, top storey", label=f"{label} at top", optional=True),
         Column(f"{ratio}_largest", f"{text}, largest of all storeys", label=f"{label} largest"),
         Column(f"{ratio}_storey", "storey of that largest mean", label="in storey", digits=0),
+    ]
+
+
+def _demand_columns() -> list[Column]:
+    """Return the columns of mean ductility demands: where their ratio is largest, and where they are largest."""
+    return [
+        Column("mu", "mean of mu over the motions, in the storey of the largest mean of mu_ratio", label="μ there"),
+        Column("mu0", "mean of mu0 over the motions, in that storey", label="μ₀ there"),
+        Column("mu_largest", "mean of mu over the motions, largest of all storeys", label="μ largest"),
+        Column("mu_storey", "storey of that largest mean", label="in storey", digits=0),
     ]

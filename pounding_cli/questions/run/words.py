@@ -11,6 +11,7 @@ import numpy as np
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
+from pounding_cli.questions.run.ranking import describe_ranking
 from pounding_cli.questions.run.tables import (
     BEYOND_MARK,
     CONTACT_MARK,
@@ -23,7 +24,7 @@ from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_
 from pounding_cli.results.columns import CONTACT_STIFFNESS_UNKNOWN
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, is_void
 from pounding_cli.results.plausible import MAX_DUCTILITY
-from pounding_cli.solver.response import OUTCOMES
+from pounding_cli.solver.response import DONE, OUTCOMES
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
@@ -107,6 +108,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     if approach:
         sentences.append(approach)
     else:
+        sentences += filter(None, [describe_ranking(shown)])
         for building in [
             shown.main_building,
             *(each for each in shown.buildings_without_walls if each != shown.main_building),
@@ -325,6 +327,8 @@ def _describe_open_gaps(shown: Evidence) -> str:
         return ""
     if len(shown.group) == 1 or "gap" not in results.arrays:
         return "Every building stands alone: the study has no links, so there is no pounding."
+    if not (shown.values("status") == DONE).any():
+        return ""
     left_open = shown.values("gap")[:, None, None, :] - shown.values("max_closing")
     if not np.isfinite(left_open).any():
         return "No link carries a force: every building responds as it does alone."

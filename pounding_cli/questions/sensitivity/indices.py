@@ -291,7 +291,7 @@ def _values_of_samples(arrays: ResultArrays, question: Sensitivity, names: set[s
     samples_axis = len(question.plan.axes) - 1
     motions_axis = samples_axis + 3  # behind case and analysis
     values = {}
-    for name in names | {"status", "drift", "mu", "acceleration", "max_closing"}:
+    for name in names | {"status", "drift", "mu", "acceleration", "max_closing", "peak_force"}:
         if name not in arrays:  # no case has a link
             continue
         of_points = arrays[name].values

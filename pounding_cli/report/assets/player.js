@@ -126,7 +126,7 @@ function player(root, { scenes }) {
       [`${name} roof`, `${(1e3 * scene.moved(number, heights.length, time)).toFixed(2)} mm`]);
     const forces = scene.forces.map((series) => scene.between(series, time));
     const most = forces.reduce((one, force, number) => (Math.abs(force) > Math.abs(forces[one] ?? 0) ? number : one), -1);
-    const force = most < 0 ? '0 kN' : `${(forces[most] / 1e3).toFixed(2)} kN at floor ${scene.links[most].floor}`;
+    const force = most < 0 ? '0 kN' : `${(forces[most] / 1e3).toFixed(2)} kN at ${scene.links[most].floor ? `floor ${scene.links[most].floor}` : 'base'}`;
     const facts = [['time', `${time.toFixed(3)} s`], ['ground', `${(factor * scene.between(scene.ground, time)).toFixed(3)} ${unit}`], ...roofs,
       ['link force', force], ['contacts so far', `${scene.contacts.filter(({ from }) => from <= time).length} of ${scene.contacts.length}`]];
     readout.replaceChildren(...facts.map(([name, value]) => h('div', {}, h('dt', {}, name), h('dd', {}, value))));

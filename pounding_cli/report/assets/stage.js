@@ -129,8 +129,12 @@ function drawStage(canvas, scene, at, time, glow, ink) {
   line(pen, ink.accent, 4, [[middle, at.height - 18], [end, at.height - 18]]);
   write(pen, ink.soft, 'ground acceleration', 2, at.height - 14, 'left');
   const faces = scene.links.map((link) => facesOf(scene, at, link, x));
-  scene.links.forEach((link, number) => drawLink(pen, scene, at, link, faces[number], thick[link.left], scene.between(scene.forces[number], time), ink));
+  const drawLinks = (isBar) => scene.links.forEach((link, number) => {
+    if ((link.drawn === 'bar') === isBar) drawLink(pen, scene, at, link, faces[number], thick[link.left], scene.between(scene.forces[number], time), ink);
+  });
+  drawLinks(false);
   scene.buildings.forEach((_, number) => drawBuilding(pen, scene, at, number, time, x, thick[number], ink));
+  drawLinks(true); // their ends stand in front of the slabs that they are bolted to
   faces.forEach(({ left, right, y }, number) => {
     if (scene.links[number].drawn === 'bar' || !(glow[number] > 0.01)) return;
     const size = 5 + 20 * Math.sqrt(glow[number]); // a star as large and bright as the force
@@ -177,24 +181,40 @@ function drawBuilding(pen, scene, at, number, time, x, thick, ink) {
 /** By how much a slab reaches further; columns do not, so that the slab that strikes them does by all of it. */
 const reach = (at, link) => ((at.gaps[link.left] - link.gap) / (link.left_at === link.right_at ? 2 : 1)) * at.sideways;
 
-/** The two faces of a link, and its height in the drawing; it ends at floors, or on columns, clamped in both floors, or at a wall, which moves as one. */
+/** The two faces of a link, their heights in the drawing, and the middle of these; it ends at floors, or on columns, clamped in both floors, or at a wall, which moves as one. */
 function facesOf(scene, at, link, x) {
   const between = (building, floor, part) => x(building, floor - 1) + (x(building, floor) - x(building, floor - 1)) * part * part * (3 - 2 * part);
   const isWall = (building) => scene.buildings[building].wall, end = (building, floor, part) => (isWall(building) ? x(building, 1) : between(building, floor, part));
-  const slab = link.left_at < 1 || isWall(link.left) ? at.heights[link.right][link.right_floor] : at.heights[link.left][link.floor];
+  const level = (building, floor, part) => (floor ? part * at.heights[building][floor] + (1 - part) * at.heights[building][floor - 1] : 0);
+  const ends = [level(link.left, link.floor, link.left_at), level(link.right, link.right_floor, link.right_at)];
+  const low = isWall(link.left) ? ends[1] : ends[0], high = isWall(link.right) ? ends[0] : ends[1];
   return {
     left: end(link.left, link.floor, link.left_at) + at.wide + (link.left_at === 1 ? reach(at, link) : 0),
-    right: end(link.right, link.right_floor, link.right_at) - (link.right_at === 1 ? reach(at, link) : 0), y: at.ground - slab * at.up,
+    right: end(link.right, link.right_floor, link.right_at) - (link.right_at === 1 ? reach(at, link) : 0),
+    leftY: at.ground - low * at.up, rightY: at.ground - high * at.up, y: at.ground - ((low + high) / 2) * at.up,
   };
 }
 
-function drawLink(pen, scene, at, link, { left, right, y }, thick, force, ink) {
+function drawLink(pen, scene, at, link, { left, right, leftY, rightY, y }, thick, force, ink) {
   if (link.drawn === 'filling') {
     pen.fillStyle = ink.infill; // it presses, it does not pull
     pen.fillRect(left, y - thick * 1.6, Math.max(Math.min(right, left + link.gap * at.sideways) - left, 1), thick * 3.2);
   } else if (link.drawn === 'bar') {
-    line(pen, force < 0 ? ink.pull : ink.flash, 2 + 4 * Math.abs(force / (scene.mostForce || 1)), [[left - 5, y], [right + 5, y]]);
+    const into = link.damper || leftY !== rightY ? 14 : 5, color = force < 0 ? ink.pull : ink.flash; // how far its ends reach into the buildings
+    const ends = [[left - into, leftY], [right + into, rightY]], width = 2 + 4 * Math.abs(force / (scene.mostForce || 1));
+    if (link.damper) drawDamper(pen, color, width, ...ends);
+    else line(pen, color, width, ends);
   }
+}
+
+/** A damper between two points: a cylinder, open to the right, and the piston in it. */
+function drawDamper(pen, color, width, [left, leftY], [right, rightY]) {
+  const long = Math.hypot(right - left, rightY - leftY) || 1, along = [(right - left) / long, (rightY - leftY) / long], half = 5;
+  const point = (part, off = 0) => [left + part * (right - left) - off * along[1], leftY + part * (rightY - leftY) + off * along[0]];
+  line(pen, color, width, [point(0), point(0.3)]);
+  line(pen, color, 2, [point(0.7, half), point(0.3, half), point(0.3, -half), point(0.7, -half)]);
+  line(pen, color, 2, [point(0.55, half - 2), point(0.55, 2 - half)]);
+  line(pen, color, width, [point(0.55), point(1)]);
 }
 
 const STRIP = 56;

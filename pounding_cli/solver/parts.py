@@ -1,0 +1,208 @@
+"""Join what the parts of a scene did, each solved by itself, to what the scene did."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from pounding_cli.model.effects import DroppedEffect, effects_of
+from pounding_cli.model.links import link_label, link_places
+from pounding_cli.model.parts import PartScene
+from pounding_cli.model.scene import Scene
+from pounding_cli.solver.outcome import collapse_flag, flags_of
+from pounding_cli.solver.response import (
+    BASES,
+    COLLAPSED,
+    COLLAPSES,
+    COLUMNS,
+    DONE,
+    LINKS,
+    STOREYS,
+    Response,
+    no_peaks,
+)
+
+
+def join_responses(scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]) -> Response:
+    """Return the response of a scene from those of its parts.
+
+    Every peak is that of its part. Where a part has no result the scene has none. Where parts collapse the scene has
+    collapsed, first where the first of them did; each part has its peaks up to its own collapse, and those that stand
+    to the end of the motion.
+
+    Parameters
+    ----------
+    parts, responses : of the scene (`divide_scene`), and what each of them did
+    """
+    storeys = tuple(building.storeys for building in scene.buildings)
+    effects = effects_of(scene)
+    facts: dict[str, Any] = {
+        "storeys": storeys,
+        "steps": sum(each.steps for each in responses),
+        "events": sum(each.events for each in responses),
+        "orders": sum(each.orders for each in responses),
+        "seconds": sum(each.seconds for each in responses),
+        "effects": effects.kept,
+        "dropped": (*effects.dropped, *_list_open_gaps(responses)),
+        "final": _join_final(scene, parts, responses),
+    }
+    failed = [each for each in responses if not each.has_result]
+    if failed:
+        no_energy = dict.fromkeys(failed[0].energy, math.nan)
+        return replace(failed[0], **facts, peaks=no_peaks(storeys, len(scene.links)), energy=no_energy, flags=())
+    return replace(
+        responses[0],
+        **facts,
+        status=COLLAPSED if any(each.status == COLLAPSED for each in responses) else DONE,
+        peaks=_join_peaks(scene, parts, responses),
+        energy=_join_energies([each.energy for each in responses]),
+        flags=tuple(_join_flags(parts, responses)),
+        error_estimate=float(np.max([each.error_estimate for each in responses])),
+        sensitivity=float(np.max([each.sensitivity for each in responses])),
+        closing_to_rest=_join_links(scene, parts, [each.closing_to_rest for each in responses]),
+    )
+
+
+def _join_final(
+    scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]
+) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Return the states at the end, one a building; none where a response was kept without."""
+    final: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    for each, response in zip(parts, responses, strict=True):
+        final.update(enumerate(response.final, each.part.first))
+    return tuple(final[place] for place in range(len(scene.buildings)) if place in final)
+
+
+def _list_open_gaps(responses: Iterable[Response]) -> list[DroppedEffect]:
+    """Return the links that never act among what the parts leave out."""
+    return [dropped for each in responses for dropped in each.dropped if dropped.links]
+
+
+def _join_peaks(scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]) -> np.void:
+    storeys = [building.storeys for building in scene.buildings]
+    peaks = no_peaks(storeys, len(scene.links))
+    for each, response in zip(parts, responses, strict=True):
+        places = each.part.places
+        link_numbers = list(each.part.link_numbers)
+        for name in STOREYS:
+            peaks[name][places, : max(response.storeys)] = response.peaks[name]
+        for name in (*BASES, *COLLAPSES):
+            peaks[name][places] = response.peaks[name]
+        for name in (*LINKS, *COLUMNS):
+            peaks[name][link_numbers] = response.peaks[name]
+    return peaks
+
+
+def _join_links(scene: Scene, parts: Sequence[PartScene], values: Sequence[np.ndarray]) -> np.ndarray:
+    """Return values of the links of all parts in the order of the scene's links; none where a part has none."""
+    whole = np.full(len(scene.links), np.nan)
+    for each, of_part in zip(parts, values, strict=True):
+        if of_part.size == len(each.part.link_numbers):
+            whole[list(each.part.link_numbers)] = of_part
+    return whole
+
+
+def _join_energies(energies: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Return the sums of the energies of all parts [J]; the residual [-] is that of the part that closes worst."""
+    joined = {name: sum(energy[name] for energy in energies) for name in energies[0]}
+    if "residual" in joined:
+        joined["residual"] = max((energy["residual"] for energy in energies), key=abs)
+    return joined
+
+
+def _join_flags(parts: Sequence[PartScene], responses: Sequence[Response]) -> Iterator[str]:
+    """Yield the flags of all parts, collapses first; of a kind that names no place the worst alone."""
+    placed: list[str] = []
+    worst_by_kind: dict[str, str] = {}
+    for each, response in zip(parts, responses, strict=True):
+        of_places = list_placed_flags(each.scene, response)
+        placed += of_places
+        for flag in list_other_flags(of_places, response):
+            kind = _kind_of(flag)
+            if kind not in worst_by_kind or _severity_of(flag) > _severity_of(worst_by_kind[kind]):
+                worst_by_kind[kind] = flag
+    yield from sorted(placed, key=lambda flag: _kind_of(flag) != COLLAPSED)
+    yield from worst_by_kind.values()
+
+
+def list_placed_flags(scene: Scene, response: Response) -> list[str]:
+    """Return the flags that name buildings, in the names of a scene, from the numbers of its response."""
+    collapses = []
+    for place in response.fallen_buildings:
+        peaks = response.buildings[place]
+        collapses.append(collapse_flag(scene.buildings[place].name, peaks.collapse_storey, peaks.collapse_time))
+    return [*collapses, *flags_of(scene, response.peaks)]
+
+
+def list_other_flags(placed: Iterable[str], response: Response) -> list[str]:
+    """Return the flags of a response of other kinds than those that name buildings."""
+    kinds = {_kind_of(flag) for flag in placed}
+    return [flag for flag in response.flags if _kind_of(flag) not in kinds]
+
+
+def _kind_of(flag: str) -> str:
+    return flag.partition(": ")[0]
+
+
+def _severity_of(flag: str) -> float:
+    """Return the severity of a flag, the least of one whose kind does not compare."""
+    severity = float(getattr(flag, "severity", math.nan))
+    return -math.inf if math.isnan(severity) else severity
+
+
+def join_histories(scene: Scene, parts: Sequence[PartScene], histories: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the history of a scene from those of its parts, which share their output times.
+
+    Energies are sums. It ends where the first of the parts does, at a collapse or at the end of the motion.
+    """
+    count = min(history["time"][1].size for history in histories)
+    axes = _list_axes(scene)
+    joined: dict[str, Any] = {}
+    for name, (dims, values, attrs) in histories[0].items():
+        if name in axes:
+            joined[name] = dims, axes[name], attrs
+        elif dims == ("time",) and name.startswith("energy_"):
+            joined[name] = dims, sum(history[name][1][:count] for history in histories), attrs
+        elif dims == ("time",):
+            joined[name] = dims, values[:count], attrs
+        else:
+            joined[name] = dims, _join_series(name, dims[1:], count, axes, parts, histories), attrs
+    return joined
+
+
+def _list_axes(scene: Scene) -> dict[str, np.ndarray]:
+    """Return the names of buildings and links, and the numbers of storeys and floors, of the history of a scene."""
+    names = [building.name for building in scene.buildings]
+    numbers = np.arange(1, max(building.storeys for building in scene.buildings) + 1)
+    links = [link_label(names, place) for place in link_places(scene.links)]
+    return {
+        "building": np.array(names, object),
+        "storey": numbers,
+        "floor": numbers,
+        "link": np.array(links, object),
+    }
+
+
+def _join_series(
+    name: str,
+    dims: Sequence[str],
+    count: int,
+    axes: Mapping[str, np.ndarray],
+    parts: Sequence[PartScene],
+    histories: Sequence[Mapping[str, Any]],
+) -> np.ndarray:
+    """Return a quantity of buildings or links over time, shape (count, *lengths of the axes)."""
+    whole = np.full((count, *(axes[dim].size for dim in dims)), np.nan)
+    for each, history in zip(parts, histories, strict=True):
+        values = history[name][1][:count]
+        if dims[0] == "link":
+            whole[:, list(each.part.link_numbers)] = values
+        elif len(dims) == 1:
+            whole[:, each.part.places] = values
+        else:
+            whole[:, each.part.places, : values.shape[2]] = values
+    return whole
