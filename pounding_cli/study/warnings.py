@@ -477,7 +477,7 @@ def _warn_unequal_heights(link: CompleteLink, law: LinkLaw, group: Group, root: 
             elif ends.cosine < MIN_COSINE:
                 angle = np.degrees(np.arccos(ends.cosine))
                 message = f"{which} is inclined {angle:.3g} degrees: "
-                message += f"it acts with {100 * ends.cosine**2:.2g} % of what it would level"
+                message += f"along the row it has {100 * ends.cosine**2:.2g} % of the stiffness and damping of a level link"
                 hint = "choose floors nearer in height, or a longer `distance`"
             else:
                 continue
