@@ -476,8 +476,9 @@ def _warn_unequal_heights(link: CompleteLink, law: LinkLaw, group: Group, root: 
                 hint = "write `at: columns` or no floors for where slabs face columns"
             elif ends.cosine < MIN_COSINE:
                 angle = np.degrees(np.arccos(ends.cosine))
+                share = 100 * ends.cosine**2
                 message = f"{which} is inclined {angle:.3g} degrees: "
-                message += f"it acts with {100 * ends.cosine**2:.2g} % of what it would level"
+                message += f"along the row it has {share:.2g} % of the stiffness and damping of a level link"
                 hint = "choose floors nearer in height, or a longer `distance`"
             else:
                 continue

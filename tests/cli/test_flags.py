@@ -69,6 +69,16 @@ KINDS: dict[str, tuple[str, str, str, bool]] = {
     "connector beside a striking link": (
         BEYOND_CONNECTOR, joint("connector", "1 mm", "stiffness: 10 kN/m"), beside("1 mm", CONNECTOR, "pounding"), True,
     ),
+    "connector beside a link that strikes at another floor": (
+        BEYOND_CONNECTOR,
+        beside("1 mm", "{link: connector, stiffness: 10 kN/m, floors: [1]}", "{link: pounding, floors: [2]}"),
+        beside("50 cm", "{link: connector, stiffness: 10 kN/m, floors: [1]}", "{link: pounding, floors: [2]}"), True,
+    ),
+    "connector between floors of different heights": (
+        BEYOND_CONNECTOR,
+        joint("connector", "1 mm", "stiffness: 10 kN/m, floors: [[1, 2]], distance: 2 m"),
+        beside("1 mm", "{link: connector, stiffness: 10 kN/m, floors: [[1, 2]], distance: 2 m}", "pounding"), True,
+    ),
     "damper": (
         "damper closes more than the gap, so the floors would have struck",
         joint("damper", "1 mm", "damping_coefficient: 1 kN s/m"),

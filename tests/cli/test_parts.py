@@ -79,6 +79,16 @@ def test_counts_tell_what_is_solved_by_parts(pound, folder):
     assert "Time histories: 0 solved, 8 reused, 0 failed" in out
 
 
+def test_a_row_says_which_gaps_of_its_parts_stay_open_and_what_its_parts_cost(pound, folder):
+    """Fails if what a part leaves out, or the time that it took, is lost where its row is put together."""
+    (folder / "two.yaml").write_text(STUDY.replace("estimate: all", "estimate: none").replace("4 mm", "50 cm"))
+    assert pound("run", "two.yaml", "-q", "-o", "r.h5")[0] == 0
+    scenes = open_results("r.h5").scene()
+    assert scenes["dropped"].str.contains("links soft-2 | stiff-2: the gap never closes", regex=False).all()
+    assert not scenes["dropped"].str.contains("links stiff-1 | soft-1", regex=False).any()
+    assert (scenes["seconds"] > 0.0).all()
+
+
 def test_buildings_that_nothing_links_are_those_alone(pound, folder):
     """They are in the tables anyway: no scene of the two is solved."""
     (folder / "two.yaml").write_text(
