@@ -14,6 +14,7 @@ SCENE_DIMS = ("case", "analysis", "record")
 BUILDING_DIMS = (*SCENE_DIMS, "building")
 STOREY_DIMS = (*BUILDING_DIMS, "storey")
 FLOOR_DIMS = (*BUILDING_DIMS, "floor")
+LINE_DIMS = (*STOREY_DIMS, "line")
 LINK_DIMS = (*SCENE_DIMS, "link")
 
 ITSELF, NO_DIFFERENCE = "itself", "exact"
@@ -52,6 +53,11 @@ class Variable:
     charts: tuple[str, ...] = ()
     label: str = ""
     always: bool = True
+
+
+def _ratio(value: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """Return value / base, NaN where the base is not above zero."""
+    return np.asarray(value / np.where(base > 0, base, np.nan))
 
 
 _HEIGHT, _BOTH = ("height",), ("height", "sweep")
@@ -102,6 +108,27 @@ RESPONSE_VARIABLES = (
              kind="i", always=False),
     Variable("collapsed0", BUILDING_DIMS, "1", "likewise of the building alone",
              kind="i", alone=True, always=False),
+    Variable("twist", FLOOR_DIMS, "rad", "largest rotation of the floor about the vertical, either way",
+             of="building.twist", difference_scale="twist", charts=_BOTH, always=False),
+    Variable("twist0", FLOOR_DIMS, "rad", "largest rotation of the floor of the building alone",
+             of="building.twist", alone=True, difference_scale="twist", label="twist alone", always=False),
+    Variable("line_V", LINE_DIMS, "N", "largest shear of the frame line, without damping force",
+             of="line.line_shear", difference_scale="V", label="V of the line", always=False),
+    Variable("line_V0", LINE_DIMS, "N", "largest shear of the frame line of the building alone",
+             of="line.line_shear", alone=True, difference_scale="V0", label="V₀ of the line", always=False),
+    Variable("line_V_ratio", LINE_DIMS, "1", "line_V / line_V0",
+             formula=lambda of: _ratio(of["line_V"], of["line_V0"]), label="V/V₀ of the line", always=False),
+    Variable("line_mu", LINE_DIMS, "1", "ductility of the frame line, largest drift over yield drift",
+             of="line.line_ductility", difference_scale="mu", label="μ of the line", always=False),
+    Variable("line_mu0", LINE_DIMS, "1", "ductility of the frame line of the building alone",
+             of="line.line_ductility", alone=True, difference_scale="mu0", label="μ₀ of the line", always=False),
+    Variable("line_mu_ratio", LINE_DIMS, "1", "line_mu / line_mu0",
+             formula=lambda of: _ratio(of["line_mu"], of["line_mu0"]), label="μ/μ₀ of the line", always=False),
+    Variable("line_drift", LINE_DIMS, "m", "largest storey drift at the frame line",
+             of="line.line_drift", difference_scale="drift", label="drift of the line", always=False),
+    Variable("line_drift0", LINE_DIMS, "m", "largest storey drift at the frame line of the building alone",
+             of="line.line_drift", alone=True, difference_scale="drift0", label="drift of the line alone",
+             always=False),
     Variable("impacts", LINK_DIMS, "1", "number of times the link closed",
              of="link.impacts", difference_scale=NO_DIFFERENCE, charts=_BOTH, label="contacts"),
     Variable("peak_force", LINK_DIMS, "N", "largest link force, along its axis where the link is inclined",
@@ -159,11 +186,17 @@ SCENE_VARIABLES = (
     Variable("scene", SCENE_DIMS, "", "digest of the scene", "s"),
 )  # fmt: skip
 
+TWIST_VARIABLES = tuple(each for each in RESPONSE_VARIABLES if "line" in each.dims or each.name in ("twist", "twist0"))
+"""Variables that files have where some building has a plan."""
+
 COLUMN_VARIABLES = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
 """Names of the variables that files have where some link ends on columns."""
 
 INCLINED_VARIABLES = ("inclination", "facing")
 """Names of the variables that files have where some link joins places of different heights."""
+
+PLACED_VARIABLES = ("y", "left_y", "right_y")
+"""Names of the variables that files have where some floor may twist."""
 
 _WHERE = "part of the height of the storey below its floor, 1 at it"
 
@@ -178,6 +211,12 @@ LINK_VARIABLES = (
     Variable("facing", ("case", "link"), "1",
              "1 where its ends are as high as each other, within the slabs; 0 elsewhere: there it crosses no gap",
              always=False),
+    Variable("y", ("case", "link"), "m", "place of its left end along the street, of its right end beside a building "
+             "without a plan", always=False),
+    Variable("left_y", ("case", "link"), "m", "place of its left end across the row, from the centre of mass",
+             always=False),
+    Variable("right_y", ("case", "link"), "m", "place of its right end across the row, from the centre of mass",
+             always=False),
 )  # fmt: skip
 
 # BUILDING_VARIABLES and RECORD_VARIABLES have only those swept axes that change one of them.
@@ -190,6 +229,44 @@ BUILDING_VARIABLES = (
     Variable("period", ("building",), "s", "fundamental period on a fixed base"),
     Variable("base_shear_ratio", ("building",), "1", "yield shear of the lowest storey over the weight, V/W"),
     Variable("slab", ("building",), "m", "thickness of the floor slabs", always=False),
+    Variable(
+        "plan_low", ("building",), "m", "lower edge of the plan along the street; NaN without a plan", always=False
+    ),
+    Variable("plan_high", ("building",), "m", "upper edge of the plan along the street", always=False),
+    Variable("plan_centre", ("building",), "m", "centre of mass along the street", always=False),
+    Variable(
+        "inertia", ("building", "storey"), "kg m2", "rotary inertia of the floor about its centre of mass", always=False
+    ),
+    Variable(
+        "torsional_stiffness",
+        ("building", "storey"),
+        "N m",
+        "of the storey beside its frame lines, about the vertical",
+        always=False,
+    ),
+    Variable(
+        "stiffness_centre",
+        ("building", "storey"),
+        "m",
+        "centre of stiffness along the street, of the lines along the row",
+        always=False,
+    ),
+    Variable(
+        "line_y",
+        ("building", "line"),
+        "m",
+        "place of a line along the row, along the street; NaN of others",
+        always=False,
+    ),
+    Variable(
+        "line_x",
+        ("building", "line"),
+        "m",
+        "place of a line across the row from the centre of mass; NaN of others",
+        always=False,
+    ),
+    Variable("line_stiffness", ("building", "storey", "line"), "N/m", "initial stiffness of a line", always=False),
+    Variable("line_yield_shear", ("building", "storey", "line"), "N", "yield shear of a line", always=False),
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
 )
 
@@ -201,6 +278,12 @@ RECORD_VARIABLES = (
     Variable("record_pga", ("record",), "m/s2", "peak ground acceleration as used", label="peak"),
     Variable("record_arias", ("record",), "m/s", "Arias intensity as used", label="Arias intensity"),
 )
+
+PLAN_VARIABLES = (
+    "plan_low", "plan_high", "plan_centre", "inertia", "torsional_stiffness", "stiffness_centre", "line_y", "line_x",
+    "line_stiffness", "line_yield_shear",
+)  # fmt: skip
+"""Names of the variables of buildings that files have where some building has a plan."""
 
 _STATISTICS = {
     "mean": "mean",
@@ -255,6 +338,7 @@ COORDINATE_VARIABLES = {
     "building": ("", "building, left to right"),
     "storey": ("1", "storey, from 1 at the ground"),
     "floor": ("1", "floor, from 1 at the ground; the top of the storey of that number"),
+    "line": ("1", "frame line, from 1 as the plan lists them; those across the row last"),
     "link": ("", "link between two neighbouring floors"),
     "link_left": ("", "building left of the link"),
     "link_right": ("", "building right of the link"),

@@ -10,6 +10,9 @@ from functools import cached_property
 
 import numpy as np
 
+SAME = 1e-12
+"""Relative difference of two numbers [-] that count as equal, since both were computed."""
+
 
 def _as_storeys(values: np.ndarray, storeys: int, name: str) -> np.ndarray:
     """Return numbers of every storey as an array that nobody changes.  Raises ValueError: there are not so many."""
@@ -99,6 +102,11 @@ class FloorPlan:
         return self.inertia.size
 
     @cached_property
+    def all_lines(self) -> tuple[FrameLine, ...]:
+        """Its lines along the row, and behind them those across it."""
+        return (*self.lines, *self.lines_across)
+
+    @cached_property
     def stiffness(self) -> np.ndarray:
         """Storey stiffnesses along the row, the sums of their lines [N/m], shape (n,)."""
         return np.sum([line.stiffness for line in self.lines], axis=0)
@@ -116,30 +124,26 @@ class FloorPlan:
     @cached_property
     def identity(self) -> str:
         """All that makes the floors twist, in a line."""
-        lines = [
-            (line.place, line.stiffness.tolist(), line.yield_shear.tolist())
-            for line in (*self.lines, *self.lines_across)
-        ]
+        lines = [(line.place, line.stiffness.tolist(), line.yield_shear.tolist()) for line in self.all_lines]
         return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist()))
 
     @property
     def is_eccentric(self) -> bool:
-        """True where the floors twist by themselves, without eccentric links."""
-        size = np.sum([abs(line.place) * line.stiffness for line in self.lines], axis=0)
-        is_centred = np.abs(self.eccentricity * self.stiffness) <= 1e-12 * np.maximum(size, 1e-300)
-        return not bool(np.all(is_centred)) or not _is_symmetric(self.lines)
+        """True where the floors twist by themselves, without eccentric links: some line along the row has not its like
+        on the other side."""
+        return not all(any(self._are_mirrored(line, other) for other in self.lines) for line in self.lines)
 
+    def _are_mirrored(self, line: FrameLine, other: FrameLine) -> bool:
+        """Return whether two lines along the row stand on both sides of the centres of mass and are alike."""
+        distance = abs(line.place + other.place)
+        return (
+            distance <= SAME * max(self.high - self.low, abs(line.place))
+            and np.allclose(line.stiffness, other.stiffness, rtol=SAME, atol=0.0)
+            and np.allclose(line.yield_shear, other.yield_shear, rtol=SAME, atol=0.0)
+        )
 
-def _is_symmetric(lines: tuple[FrameLine, ...]) -> bool:
-    """Return whether every line has one like it on the other side, so that they yield together."""
-    for line in lines:
-        mirrored = [
-            other
-            for other in lines
-            if other.place == -line.place
-            and np.array_equal(other.stiffness, line.stiffness)
-            and np.array_equal(other.yield_shear, line.yield_shear)
-        ]
-        if not mirrored:
-            return False
-    return True
+    @property
+    def yields_as_one(self) -> bool:
+        """True where all lines of a storey yield at one drift, so that without a twist their sum is one storey."""
+        drifts = [line.yield_shear / line.stiffness for line in self.lines]
+        return all(np.allclose(each, drifts[0], rtol=SAME, atol=0.0) for each in drifts)

@@ -63,9 +63,9 @@ def find_twisting(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> t
 
 
 def is_eccentric(building: Building) -> bool:
-    """Return whether the floors of a building twist when it stands alone."""
+    """Return whether a building that stands alone needs its plan: its floors twist, or its lines yield one by one."""
     plan = building.plan
-    return plan is not None and (plan.twists_always or plan.is_eccentric)
+    return plan is not None and (plan.twists_always or plan.is_eccentric or not plan.yields_as_one)
 
 
 def find_eccentric_link(buildings: Sequence[Building], links: Sequence[Link]) -> Link | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -19,6 +19,7 @@ from pounding_cli.laws import link_symbol
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import WRITTEN_LAWS
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.building import Building
 from pounding_cli.model.links import link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
@@ -29,6 +30,7 @@ from pounding_cli.results.responses import (
     TEXTS,
     Responses,
     iter_section_points,
+    max_lines,
     max_storeys,
     solution_key,
     solver_version,
@@ -57,9 +59,10 @@ def build_arrays(plan: Plan, solved: Responses) -> ResultArrays:
         if _has_values(plan, v)
     ]
     facts = _facts(plan, axes)
-    arrays = {v.name: getattr(plan.links, v.name) for v in declared if v in variables.LINK_VARIABLES} | _responses(
-        plan, solved, declared
-    )
+    arrays = {v.name: getattr(plan.links, v.name) for v in declared if v in variables.LINK_VARIABLES}
+    arrays |= _responses(plan, solved, declared)
+    if max_lines(plan):
+        _fill_untwisted(arrays, axes, facts)
     with np.errstate(all="ignore"):
         height = facts["height"]
         missing = [place for place, dim in enumerate((*axes, *STOREY_DIMS)) if dim not in height.dims]
@@ -93,6 +96,8 @@ def _has_values(plan: Plan, v: Variable) -> bool:
         return any(place.is_on_columns for place in plan.links.places)
     if v.name in variables.INCLINED_VARIABLES:
         return bool((plan.links.facing == 0.0).any())
+    if v.name in (*variables.PLACED_VARIABLES, *variables.PLAN_VARIABLES) or v in variables.TWIST_VARIABLES:
+        return max_lines(plan) > 0
     return "link" not in v.dims or bool(plan.links.places)
 
 
@@ -159,6 +164,32 @@ def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray
         "mean_error": total(error) / (~np.isnan(error)).sum(axis=-3),
         "mean_sensitivity": total(change) / total(np.where(np.isnan(change), np.nan, size)),
     }
+
+
+def _fill_untwisted(arrays: Arrays, axes: tuple[str, ...], facts: Mapping[str, Array]) -> None:
+    """Enter what lines and floors come to where a building has a plan but did not twist: each line has the drift of its
+    storey, and its part of the shear."""
+
+    def over_scenes(name: str, dims: tuple[str, ...]) -> np.ndarray:
+        """Return a variable of buildings with all dimensions of the scenes."""
+        missing = [place for place, dim in enumerate((*axes, *dims)) if dim not in facts[name].dims]
+        return np.expand_dims(facts[name].values, missing)
+
+    with np.errstate(invalid="ignore"):
+        stiffness = over_scenes("line_stiffness", variables.LINE_DIMS)
+        is_along = ~np.isnan(over_scenes("line_y", variables.LINE_DIMS))
+        share = np.where(is_along, stiffness / over_scenes("stiffness", STOREY_DIMS)[..., None], 0.0)
+        exists = np.where(np.isnan(stiffness), np.nan, 1.0)
+        has_plan = np.where(np.isnan(over_scenes("plan_low", variables.BUILDING_DIMS)), np.nan, 1.0)[..., None]
+        for suffix in ("", "0"):
+            untwisted = {
+                f"twist{suffix}": 0.0 * arrays[f"drift{suffix}"] * has_plan,
+                f"line_V{suffix}": arrays[f"V{suffix}"][..., None] * share * exists,
+                f"line_mu{suffix}": arrays[f"mu{suffix}"][..., None] * is_along * exists,
+                f"line_drift{suffix}": arrays[f"drift{suffix}"][..., None] * is_along * exists,
+            }
+            for name, values in untwisted.items():
+                arrays[name] = np.where(np.isnan(arrays[name]), values, arrays[name])
 
 
 # Flags
@@ -238,6 +269,8 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
         "case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": names,
         "storey": storeys, "floor": storeys,
     }  # fmt: skip
+    if lines := max_lines(plan):
+        values["line"] = np.arange(1, lines + 1)
     if places:
         left, left_floor, right_floor, *_ = zip(*places, strict=True)
         values |= {
@@ -258,6 +291,8 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the variables of buildings and motions, over the axes that change them."""
     study = plan.study
     storeys = max_storeys(plan)
+    lines = max_lines(plan)
+    building_variables = tuple(v for v in variables.BUILDING_VARIABLES if _has_values(plan, v))
     separations = study.separations()
 
     def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> dict[str, Array]:
@@ -290,7 +325,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
             for values, building in zip(found[name], row, strict=True):
                 known = building.storey_property(name) if isinstance(building, Wall) else getattr(building, name)
                 values[: building.storeys] = known
-        return found
+        return found | (_describe_plans(row, storeys, lines) if lines else {})
 
     def motions(point: Any) -> dict[str, Any]:
         uses = [study.motion_uses(point)[name] for name in plan.records]
@@ -298,7 +333,38 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
             v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in variables.RECORD_VARIABLES
         }
 
-    return over("buildings", variables.BUILDING_VARIABLES, group) | over("records", variables.RECORD_VARIABLES, motions)
+    return over("buildings", building_variables, group) | over("records", variables.RECORD_VARIABLES, motions)
+
+
+def _describe_plans(row: Sequence[Building], storeys: int, lines: int) -> dict[str, np.ndarray]:
+    """Return `variables.PLAN_VARIABLES` of a row of buildings, NaN where there is nothing.
+
+    storeys, lines : most of a building
+    """
+    plan_names = ("plan_low", "plan_high", "plan_centre")
+    found = {name: np.full(len(row), np.nan) for name in plan_names}
+    found |= {name: np.full((len(row), storeys), np.nan) for name in ("inertia", "torsional_stiffness")}
+    found["stiffness_centre"] = np.full((len(row), storeys), np.nan)
+    found |= {name: np.full((len(row), lines), np.nan) for name in ("line_y", "line_x")}
+    found |= {name: np.full((len(row), storeys, lines), np.nan) for name in ("line_stiffness", "line_yield_shear")}
+    for place, building in enumerate(row):
+        plan = building.plan
+        if plan is None:
+            continue
+        found["plan_low"][place] = plan.place + plan.low
+        found["plan_high"][place] = plan.place + plan.high
+        found["plan_centre"][place] = plan.place
+        found["inertia"][place, : plan.storeys] = plan.inertia
+        found["torsional_stiffness"][place, : plan.storeys] = plan.torsional_stiffness
+        found["stiffness_centre"][place, : plan.storeys] = plan.place + plan.eccentricity
+        for number, line in enumerate(plan.all_lines):
+            if number < len(plan.lines):
+                found["line_y"][place, number] = plan.place + line.place
+            else:
+                found["line_x"][place, number] = line.place
+            found["line_stiffness"][place, : plan.storeys, number] = line.stiffness
+            found["line_yield_shear"][place, : plan.storeys, number] = line.yield_shear
+    return found
 
 
 def _is_constant(array: np.ndarray, axis: int) -> bool:
