@@ -15,7 +15,7 @@ import numpy as np
 from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver.response import BASES, COLLAPSES, DONE, LINKS, STOREYS, Response, no_peaks
+from pounding_cli.solver.response import COLUMNS, DONE, LINKS, Response, peaks_type
 
 MAX_REMEMBERED = 4096
 """Largest number of responses that `ApartResponses` holds."""
@@ -80,7 +80,9 @@ def build_apart(scene: Scene) -> ApartScene:
 
 def _build_apart_link(link: Link) -> Link:
     """Return the link with nothing between the ends of another."""
-    return Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
+    return Link.apart(
+        link.left, link.left_floor, link.right_floor, link.left_at, link.right_at, link.left_y, link.right_y
+    )
 
 
 def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: float) -> bool:
@@ -120,9 +122,13 @@ def _open_gaps(scene: Scene, closings: np.ndarray) -> np.ndarray:
 def answer_from_apart(scene: Scene, apart: ApartScene, response: Response) -> Response:
     """Return the response of a scene in which no gap closes, from that of its neighbours with nothing between them."""
     effects = effects_of(scene)
-    peaks = no_peaks(response.storeys, len(scene.links))
-    for name in (*STOREYS, *BASES, *COLLAPSES):
-        peaks[name] = response.peaks[name]
+    names = response.peaks.dtype.names or ()
+    lines = response.peaks["line_drift"].shape[-1] if "line_drift" in names else 0
+    of_scene = peaks_type(len(response.storeys), max(response.storeys), len(scene.links), lines)
+    peaks = np.full(1, np.nan, of_scene)[0]
+    for name in names:
+        if name not in (*LINKS, *COLUMNS):
+            peaks[name] = response.peaks[name]
     for name in LINKS:
         peaks[name] = 0.0
     peaks["max_closing"] = response.peaks["max_closing"][list(apart.link_numbers)]
