@@ -61,6 +61,7 @@ class FloorPlan:
     lines_across : further lines across the row, which may yield
     low, high : edges of the floors, y from the centres of mass [m]
     place : y of the centres of mass along the street [m], the same for all buildings of a row
+    twists_always : whether the floors may turn although nothing is eccentric
 
     Raises
     ------
@@ -74,6 +75,7 @@ class FloorPlan:
     low: float = 0.0
     high: float = 0.0
     place: float = 0.0
+    twists_always: bool = False
 
     def __post_init__(self) -> None:
         storeys = np.size(self.inertia)
