@@ -15,7 +15,7 @@ import numpy as np
 from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver.response import COLUMNS, DONE, LINKS, Response, peaks_type
+from pounding_cli.solver.response import DONE, LINKS, Response, building_names, count_lines, no_peaks
 
 MAX_REMEMBERED = 4096
 """Largest number of responses that `ApartResponses` holds."""
@@ -80,9 +80,10 @@ def build_apart(scene: Scene) -> ApartScene:
 
 def _build_apart_link(link: Link) -> Link:
     """Return the link with nothing between the ends of another."""
-    return Link.apart(
-        link.left, link.left_floor, link.right_floor, link.left_at, link.right_at, link.left_y, link.right_y
-    )
+    apart = Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
+    if link.left_y or link.right_y:
+        return replace(apart, left_y=link.left_y, right_y=link.right_y)
+    return apart
 
 
 def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: float) -> bool:
@@ -97,6 +98,9 @@ def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: fl
         return False
     displacements = np.concatenate([response.peaks[name].ravel() for name in ("displacement_max", "displacement_min")])
     largest = np.nanmax(np.abs(displacements), initial=0.0)  # a wall that moves with the ground has none
+    if count_lines(response.peaks):
+        arm = max((max(abs(link.left_y), abs(link.right_y)) for link in scene.links), default=0.0)
+        largest += arm * np.nanmax(response.peaks["twist"], initial=0.0)
     margin = MAX_CLOSING_ERROR * accuracy * largest
     return bool(np.all(_open_gaps_to_rest(scene, apart, response) > margin))
 
@@ -122,13 +126,9 @@ def _open_gaps(scene: Scene, closings: np.ndarray) -> np.ndarray:
 def answer_from_apart(scene: Scene, apart: ApartScene, response: Response) -> Response:
     """Return the response of a scene in which no gap closes, from that of its neighbours with nothing between them."""
     effects = effects_of(scene)
-    names = response.peaks.dtype.names or ()
-    lines = response.peaks["line_drift"].shape[-1] if "line_drift" in names else 0
-    of_scene = peaks_type(len(response.storeys), max(response.storeys), len(scene.links), lines)
-    peaks = np.full(1, np.nan, of_scene)[0]
-    for name in names:
-        if name not in (*LINKS, *COLUMNS):
-            peaks[name] = response.peaks[name]
+    peaks = no_peaks(response.storeys, len(scene.links), count_lines(response.peaks))
+    for name in building_names(response.peaks):
+        peaks[name] = response.peaks[name]
     for name in LINKS:
         peaks[name] = 0.0
     peaks["max_closing"] = response.peaks["max_closing"][list(apart.link_numbers)]

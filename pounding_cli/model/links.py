@@ -87,18 +87,9 @@ class Link:
 
     @classmethod
     @lru_cache(maxsize=1024)  # the same at every gap of a sweep
-    def apart(
-        cls,
-        left: int,
-        left_floor: int,
-        right_floor: int,
-        left_at: float = 1.0,
-        right_at: float = 1.0,
-        left_y: float = 0.0,
-        right_y: float = 0.0,
-    ) -> Link:
+    def apart(cls, left: int, left_floor: int, right_floor: int, left_at: float = 1.0, right_at: float = 1.0) -> Link:
         """Return the link of two floors with nothing between them; a run records their largest closing."""
-        return cls(left, left_floor, right_floor, Apart(), left_at, right_at, left_y=left_y, right_y=right_y)
+        return cls(left, left_floor, right_floor, Apart(), left_at, right_at)
 
     @property
     def ends(self) -> tuple[LinkEnd, LinkEnd]:
