@@ -9,11 +9,10 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from pounding_cli.batch.solve import Solver
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.links import Link
 from pounding_cli.model.meetings import find_meetings
@@ -24,6 +23,9 @@ from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.file import Items, Map
 from pounding_cli.study.group import Group
 from pounding_cli.study.swept import Point, Swept, sweep_map
+
+if TYPE_CHECKING:
+    from pounding_cli.batch.solve import Solver
 
 SAME_PLACE = 1e-9
 """Distance of two places of a floor that are one [m]."""
