@@ -6,7 +6,7 @@ stands alone and a wall that moves as the ground does, so it is exact."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 SAME_PLACE = 1e-9
 """Distance of two places of a floor that are one [m]."""
 
-Movement = Mapping[int, np.ndarray]
+Movement = dict[int, np.ndarray]
 """By floor, 0 the base, the largest movement to one side [m], shape (analyses, motions)."""
 
 
@@ -129,8 +129,8 @@ def _link_to_walls(group: Group, links: Sequence[Link], places: Sequence[int]) -
         for both in floors:
             for y in sorted(ys):
                 link = Link.apart(left, *both)
-                arms = {"left_y": y} if left else {"right_y": y}
-                to_walls.append(replace(link, whole_law=link.law, **arms))
+                arms = (y, 0.0) if left else (0.0, y)
+                to_walls.append(replace(link, whole_law=link.law, left_y=arms[0], right_y=arms[1]))
     return tuple(to_walls)
 
 

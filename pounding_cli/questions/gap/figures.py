@@ -106,7 +106,8 @@ def _find_closings(evidence: GapEvidence, rows: pd.DataFrame) -> pd.DataFrame:
     keys = ["left", "right", "analysis", *(key for key in PLACE_KEYS if key != "end")]
     facing = rows[[*keys, "height"]].drop_duplicates()
     closings = link.assign(columns=sides).merge(facing, on=keys)
-    largest = closings.groupby(["record", "height"], sort=False, as_index=False)["max_closing"].max()  # of both ends
+    places = closings.groupby(["record", "height"], sort=False)
+    largest: pd.DataFrame = places.agg({"max_closing": "max"}).reset_index()  # of both ends
     return largest.sort_values("height")
 
 
