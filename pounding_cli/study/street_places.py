@@ -39,6 +39,7 @@ class PlaceParser(ValueParser):
 
     form = "m, or [left, right]"
     examples = ("4 m", ["4 m", "-2 m"])
+    quantity = PLACE
 
     def read(self, value: Any) -> PlaceOfLink:
         """Return a place.  Raises PydanticCustomError."""
