@@ -183,7 +183,7 @@ def test_check_tells_plans_and_which_floors_twist_why(tmp_path):
     assert re.search(r"twist of floors +left out in 1: nothing is eccentric", said)
     assert section(said, "twist").count("nothing is eccentric, and buildings run without their plans") == 2
     assert "along the street" not in section(said, "cases")
-    (scene,) = [scene for scene in scenes(path) if scene.links]
+    (scene,) = [scene for _, scene, _ in scenes(path) if scene.links]
     assert [building.plan for building in scene.buildings] == [None, None]
 
 
