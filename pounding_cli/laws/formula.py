@@ -11,7 +11,7 @@ import functools
 import itertools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -369,6 +369,10 @@ class WrittenLaw(LinkLaw):
             c = force.evaluate(0.0, 1.0) - f0
         is_smooth = not force.is_straight
         return k, c, float(self.tension_cut), f0, float(is_smooth), float(self.joins)
+
+    def scale(self, share: float) -> WrittenLaw:
+        """Return the law with so much of its force."""
+        return replace(self, formula=f"{share!r}*({self.formula})")
 
     @functools.cached_property
     def is_damped(self) -> bool:

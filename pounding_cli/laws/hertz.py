@@ -137,6 +137,7 @@ class HertzSpring(LinkLaw):
     """
 
     subtracts_gap = True
+    scaled_parameters = ("hertz_stiffness",)
 
     hertz_stiffness: float = parameter("stiffness k_h of the contact", "N/m^1.5", open_low=True)
 

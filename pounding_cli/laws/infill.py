@@ -119,6 +119,7 @@ class Infill(LinkLaw):
     stiffness_default = "0.2 x mean storey"
     beyond_gap = "infill compressed beyond its thickness"
     behaviour = Behaviour(next_infill_branch)
+    scaled_parameters = ("stiffness", "impact_stiffness")
 
     stiffness: float = parameter("spring of the material s_mat where it is not pressed", "N/m", open_low=True)
     impact_stiffness: float = parameter("what it stiffens to at v = d, s_imp", "N/m", open_low=True)
@@ -331,6 +332,12 @@ class InfillOnColumns(Infill):
     def soften(self, flexibility: float) -> InfillOnColumns:
         """Return the law in series with one more spring."""
         return replace(self, flexibility=self.flexibility + flexibility)
+
+    def scale(self, share: float) -> InfillOnColumns:
+        """Return the law of a part of the infill, on as much of the columns."""
+        part = super().scale(share)
+        assert isinstance(part, InfillOnColumns)
+        return replace(part, flexibility=self.flexibility / share)
 
     @property
     def max_slopes(self) -> tuple[float, float]:

@@ -38,6 +38,7 @@ class Connector(Joint):
     )
     stiffness_default = "0.2 x mean storey"
     beyond_gap = "connector closes more than the gap, so the floors would have struck"
+    scaled_parameters = ("stiffness",)
 
     stiffness: float = parameter("spring s_con", "N/m", open_low=True)
     damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)
@@ -65,6 +66,7 @@ class Damper(Joint):
     example = "{link: damper, gap: 5 cm, damping_coefficient: 2 MN s/m}"
     beyond_gap = "damper closes more than the gap, so the floors would have struck"
     takes_energy = True
+    scaled_parameters = ("damping_coefficient",)
 
     damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
 
@@ -109,6 +111,7 @@ class Viscous(Joint):
     beyond_gap = "viscous damper closes more than the gap, so the floors would have struck"
     takes_energy = True
     behaviour = Behaviour(begin_viscous_flow, viscous_force)
+    scaled_parameters = ("force_at_1_m_s",)
 
     force_at_1_m_s: float = parameter("force c at a rate of 1 m/s", "N", open_low=True)
     exponent: float = parameter("power a of the rate", low=0.1, high=1.0, open_high=False)
@@ -147,6 +150,7 @@ class Maxwell(Joint):
     path_dependent = True
     takes_energy = True
     behaviour = Behaviour(begin_relaxation)
+    scaled_parameters = ("stiffness", "damping_coefficient")
 
     stiffness: float = parameter("spring k of the damper and its brace", "N/m", open_low=True)
     damping_coefficient: float = parameter("dashpot c", "N s/m", open_low=True)
@@ -180,6 +184,7 @@ class Friction(Joint):
     beyond_gap = "friction damper closes more than the gap, so the floors would have struck"
     path_dependent = True
     behaviour = BILINEAR
+    scaled_parameters = ("stiffness", "slip_force")
 
     stiffness: float = parameter("spring k of the damper and its brace before it slips", "N/m", open_low=True)
     slip_force: float = parameter("force Fs at which it slips", "N", open_low=True)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from functools import cache, cached_property
 from typing import Any, ClassVar
 
@@ -164,6 +164,8 @@ class LinkLaw(Law):
     joins : whether a force acts at all closings, not only once the floors meet
     path_dependent : whether its force depends on what happened before, so that only methods that locate events know it
     takes_energy : whether it has a dashpot whatever its damping ratio
+    scaled_parameters : parameters that grow with the part of a link that stands at one of several places; none of a law
+        that cannot be parted
     behaviour : what it does
 
     Raises
@@ -181,6 +183,7 @@ class LinkLaw(Law):
     joins: ClassVar[bool] = False
     path_dependent: ClassVar[bool] = False
     takes_energy: ClassVar[bool] = False
+    scaled_parameters: ClassVar[tuple[str, ...]] = ()
     behaviour: ClassVar[Behaviour]
 
     gap: float = parameter("initial distance d between the floors", "m")
@@ -207,6 +210,17 @@ class LinkLaw(Law):
         flexibility : deformation of that spring per force [m/N], >= 0
         """
         return None
+
+    def scale(self, share: float) -> LinkLaw | None:
+        """Return the law of a part of the link; None where it cannot be parted.
+
+        Parameters
+        ----------
+        share : the part [-], above 0
+        """
+        if not self.scaled_parameters:
+            return None
+        return replace(self, **{name: share * getattr(self, name) for name in self.scaled_parameters})
 
     @property
     def offset(self) -> float:

@@ -92,6 +92,7 @@ class Pounding(LinkLaw):
     )
     subtracts_gap = True
     behaviour = Behaviour(next_pounding_branch)
+    scaled_parameters = ("stiffness",)
 
     stiffness: float = parameter("impact spring s_imp", "N/m", open_low=True)
     damping_ratio: float = parameter("damping ratio xi of the dashpot", high=1.0)

@@ -35,6 +35,7 @@ class Link:
     cosine : of the angle between the link and the horizontal, 0 to 1: the link deforms by the closing times it, and
         its force times it acts on the floors; 1 for a level link [-]
     left_y, right_y : places of its ends across the row, from the centres of mass of floors that twist [m]
+    whole_law : law of the link of which this is a part, at one of several places (`model.twist`); None of a whole link
 
     Raises
     ------
@@ -51,6 +52,7 @@ class Link:
     cosine: float = 1.0
     left_y: float = 0.0
     right_y: float = 0.0
+    whole_law: LinkLaw | None = None
 
     def __post_init__(self) -> None:
         if self.left < 0:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
-from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
+
+if TYPE_CHECKING:
+    from pounding_cli.model.scene import Scene
 
 
 @dataclass(frozen=True)

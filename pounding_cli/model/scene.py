@@ -12,6 +12,7 @@ from functools import cached_property
 
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.model.twist import drop_plans
 from pounding_cli.numbers import pluralize
 from pounding_cli.records.motion import Motion
 
@@ -90,7 +91,7 @@ class Scene:
 
     def alone(self, place: int) -> Scene:
         """The baseline of the building at `place`: the same motion, no neighbours, no links."""
-        return replace(self, buildings=(self.buildings[place],), links=())
+        return replace(self, buildings=drop_plans((self.buildings[place],), ()), links=())
 
 
 class Digests:

@@ -13,6 +13,7 @@ from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Ru
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field, tagged_union, word_or
 from pounding_cli.study.link_specs import RATIO, law_fields, own_parameters
+from pounding_cli.study.plan_spec import PlanSpec
 from pounding_cli.study.quantity import (
     FORCE,
     LENGTH,
@@ -363,6 +364,11 @@ class _BuildingSpec(Model):
             "left out, with a warning",
         )
     )
+    plan: PlanSpec | None = spec_field(
+        None,
+        "plan of the floors: their size and the places of frames and walls, for floors that twist; without it they do "
+        "not",
+    )
     wall: word_or(Literal["fixed"], WallSpec) | None = spec_field(  # type: ignore[valid-type]
         None,
         "a wall in place of a building, without further keys; `fixed`: as high as its neighbours, moving as the ground "
@@ -377,6 +383,8 @@ class _BuildingSpec(Model):
         found = {name: len(value) for name in names if isinstance(value := getattr(self, name), tuple)}
         if isinstance(self.stiffness, StiffnessAtSpec) and isinstance(self.stiffness.mass, tuple):
             found["stiffness.mass"] = len(self.stiffness.mass)
+        if self.plan is not None:
+            found |= {f"plan.{name}": length for name, length in self.plan.list_lengths().items()}
         return found
 
     @property
@@ -385,6 +393,23 @@ class _BuildingSpec(Model):
         if self.wall is not None:
             return 1
         return self.storeys if self.storeys is not None else next(iter(self.lengths.values()), None)
+
+    @property
+    def gives_stiffness_in_plan(self) -> bool:
+        """True where the lines of its plan give the stiffness of its storeys."""
+        return self.plan is not None and self.plan.gives_stiffness
+
+    def _find_plan_issues(self) -> Iterator[SpecIssue]:
+        """Yield what is said both in the plan and beside it."""
+        if self.plan is None:
+            return
+        doubled = ("period", "taper", "stiffness") if self.plan.gives_stiffness else ()
+        if self.plan.gives_yield_shear:
+            doubled = (*doubled, "yield_", "yield_shear")
+        for name in doubled:
+            if name in self.model_fields_set:
+                what = f"'{name.strip('_')}' and the lines of 'plan' both give the same"
+                yield (name.strip("_"),), what, "remove it: the lines add up to it; or write shares in the lines", True
 
     def issues(self) -> Iterator[SpecIssue]:
         if self.wall is not None:
@@ -403,8 +428,9 @@ class _BuildingSpec(Model):
             if self.count is not None and length != self.count:
                 what = f"{name} has {pluralize(length, 'value')} for {pluralize(self.count, 'storey')}"
                 hint = f"write {pluralize(self.count, 'value')} from the ground up"
-                yield tuple(name.split(".")), what, hint
-        if self.period is None and self.stiffness is None:
+                yield tuple(int(key) if key.isdigit() else key for key in name.split(".")), what, hint
+        yield from self._find_plan_issues()
+        if self.period is None and self.stiffness is None and not self.gives_stiffness_in_plan:
             yield (), "this building has neither 'period' nor 'stiffness'", "write e.g. `period: 0.36 s`"
         thinnest = min(self.height) if isinstance(self.height, tuple) else self.height
         if self.slab >= thinnest:

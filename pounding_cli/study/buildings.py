@@ -14,6 +14,7 @@ from pounding_cli.model.separation import CODE_RULES, UBC
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.building_spec import BaseShearSpec, BuildingSpec, StiffnessAtSpec
+from pounding_cli.study.floor_plans import build_plan, sum_stiffness, sum_yield_shear
 from pounding_cli.study.issues import Issue, IssuesFound
 from pounding_cli.study.link_specs import own_parameters
 
@@ -38,11 +39,13 @@ def _build_frame(name: str, spec: Any) -> Building:
     mass = _fill_storeys(spec.mass, spec.count)
     height = _fill_storeys(spec.height, spec.count)
     stiffness = _find_stiffness(spec, mass)
-    period = spec.period if spec.stiffness is None else 2 * np.pi / float(frequencies(mass, stiffness)[0])
+    period = 2 * np.pi / float(frequencies(mass, stiffness)[0]) if spec.period is None else spec.period
     if spec.rayleigh:
         alpha, beta = spec.rayleigh.alpha, spec.rayleigh.beta
     else:
         alpha, beta = rayleigh_factors(mass, stiffness, spec.damping)
+    yield_shear = _find_yield_shear(spec, mass, height, period)
+    plan = None if spec.plan is None else build_plan(spec.plan, mass, stiffness, yield_shear)
     law = storey_laws()[spec.storey_law]
     parameters = {key: getattr(spec, key) for key in own_parameters(law)}
     return Building(
@@ -50,7 +53,7 @@ def _build_frame(name: str, spec: Any) -> Building:
         mass,
         height,
         stiffness,
-        _find_yield_shear(spec, mass, height, period),
+        yield_shear,
         _fill_storeys(spec.hardening, spec.count),
         float(alpha),
         float(beta),
@@ -61,11 +64,14 @@ def _build_frame(name: str, spec: Any) -> Building:
         np.inf if isinstance(spec.collapse, str) else spec.collapse,
         spec.slab,
         0.0 if spec.columns == "none" else spec.columns,
+        plan,
     )
 
 
 def _find_stiffness(spec: Any, mass: np.ndarray) -> np.ndarray:
     """Return the storey stiffnesses [N/m], shape (storeys,)."""
+    if spec.gives_stiffness_in_plan:
+        return sum_stiffness(spec.plan)
     if spec.stiffness is None:
         return _find_finite_stiffness(mass, spec.period, spec.taper)
     if isinstance(spec.stiffness, StiffnessAtSpec):
@@ -85,6 +91,8 @@ def _find_finite_stiffness(mass: np.ndarray, period: float, taper: float) -> np.
 
 def _find_yield_shear(spec: Any, mass: np.ndarray, height: np.ndarray, period: float) -> np.ndarray:
     """Return the storey yield shears [N], shape (storeys,)."""
+    if spec.plan is not None and spec.plan.gives_yield_shear:
+        return sum_yield_shear(spec.plan, spec.count)
     if spec.yield_shear is None:
         shears: np.ndarray = spec.yield_.overstrength * _build_design(spec.yield_).yield_shears(mass, height, period)
         return shears
@@ -142,6 +150,8 @@ def find_code_displacements(spec: Any, building: Building) -> dict[str, np.ndarr
     `distribution`.
     """
     if spec.wall is not None or spec.yield_shear is not None:
+        return {}
+    if spec.plan is not None and spec.plan.gives_yield_shear:
         return {}
     code = spec.yield_
     design = _build_design(code)

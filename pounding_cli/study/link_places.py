@@ -15,6 +15,7 @@ from pounding_cli.numbers import pluralize
 from pounding_cli.study.floor_places import FloorPair, FloorPlace
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, LinkSpec, list_links
+from pounding_cli.study.street_places import StreetSide
 
 # Where neighbours meet
 
@@ -48,6 +49,7 @@ class Side(NamedTuple):
     columns : part of a storey's stiffness and yield shear in the columns that links may end on [-], 0 where it has
         none; None: not known
     column_stiffnesses : of these columns in every storey, 12 E I / L^3 [N/m]; empty where `columns` is None
+    street : its plan along the street; None where its floors do not twist
     """
 
     name: str
@@ -56,6 +58,7 @@ class Side(NamedTuple):
     is_wall: bool
     columns: float | None
     column_stiffnesses: tuple[float, ...]
+    street: StreetSide | None = None
 
     @classmethod
     def of(cls, building: Building) -> Side:
@@ -65,7 +68,8 @@ class Side(NamedTuple):
         if building.columns is not None:
             stiffnesses = tuple((building.columns * building.stiffness).tolist())
         is_wall = isinstance(building, Wall)
-        return cls(building.name, levels, building.has_floor(0), is_wall, building.columns, stiffnesses)
+        moves = building.has_floor(0)
+        return cls(building.name, levels, moves, is_wall, building.columns, stiffnesses, StreetSide.of(building))
 
     @property
     def storeys(self) -> int:

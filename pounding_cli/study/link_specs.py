@@ -21,6 +21,7 @@ from pydantic import (
 
 from pounding_cli.laws import KELVIN_VOIGT, contact_laws, link_laws
 from pounding_cli.laws.pounding import Pounding
+from pounding_cli.numbers import pluralize
 from pounding_cli.study.base import Model, Name, SpecIssue, one_or_many, spec_field, tagged_union
 from pounding_cli.study.floor_places import FloorPair, FloorPairParser
 from pounding_cli.study.issues import KeyPath
@@ -36,6 +37,7 @@ from pounding_cli.study.quantity import (
     quote,
     refuse,
 )
+from pounding_cli.study.street_places import PlaceOfLink, PlaceParser
 
 POUNDING = Pounding.name
 NO_LINK = "none"
@@ -51,7 +53,7 @@ SHARED = ("gap", "stiffness", *LOSSES, "tension_cut")
 MAX_PAIR = 19
 """Largest number of a pair of neighbours."""
 
-PLACES = ("link", "floors", "pair", "at", "distance")
+PLACES = ("link", "floors", "pair", "at", "distance", "places", "shares")
 """Keys that say which link it is and where it stands."""
 
 _DERIVED = {"link": (*SHARED, "impact_stiffness", "dashpot"), "storey": ("stiffness", "yield_shear", "hardening")}
@@ -246,7 +248,26 @@ class LinkSpec(Model):
         "2 m",
     )
 
+    places: one_or_many(Annotated[PlaceOfLink, PlaceParser()], most=20, as_list=True) | None = spec_field(  # type: ignore[valid-type]
+        None,
+        "where it stands along the street, beside a building with a `plan:`: a place, or both ends from the middles of "
+        "their plans; default: both ends of the edge that the neighbours share, half of the link at each",
+        ["-5 m", "5 m"],
+    )
+    shares: tuple[Annotated[float, Quantity("share", "", "50 %", 0.0, 1.0, open_low=True)], ...] | None = spec_field(
+        None, "part of the link at each of `places` [-]; default: equal parts", ["30 %", "70 %"]
+    )
+
     def issues(self) -> Iterator[SpecIssue]:
+        places = self.places or ()
+        if self.shares is not None and self.places is None:
+            yield ("shares",), "'shares' has no effect without 'places'", "write `places:` too, or remove it", True
+        elif self.shares is not None and len(self.shares) != len(places):
+            what = f"'shares' has {pluralize(len(self.shares), 'value')} for {pluralize(len(places), 'place')}"
+            yield ("shares",), what, "write one share for each of `places`", True
+        elif self.shares is not None and abs(sum(self.shares) - 1.0) > 1e-9:
+            what = f"the shares add up to {100 * sum(self.shares):.6g} %"
+            yield ("shares",), what, "let them add up to 100 %", True
         if self.at is not None and self.floors != "all":
             yield (
                 ("floors",),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pounding_cli.errors import Problem
@@ -33,6 +33,7 @@ from pounding_cli.study.link_specs import (
 )
 from pounding_cli.study.own_laws import OwnLaw
 from pounding_cli.study.quantity import LINK_STIFFNESS, StoreyMultiple
+from pounding_cli.study.street_places import WHOLE_AT_CENTRES, find_arms
 
 RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
@@ -439,12 +440,12 @@ def build_links(
         elsewhere = listed.difference(at_meeting_floors, meeting.strikes)
         for ends in (*at_meeting_floors, *sorted(elsewhere)):
             here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
-            built += _build_links_at(pair, ends, here, links, laws, issues)
+            built += _build_links_at(pair, ends, here, links, laws, meeting, issues)
         members = [number for number, link in enumerate(links) if link.spec.pair in (None, pair + 1)]
         at_columns = _choose_links_at_columns(meeting, members, links, laws, issues)
         for ends in meeting.strikes:
             here = [number for number, law in enumerate(laws) if law is not None and ends in floors[pair][number]]
-            built += _build_links_at(pair, ends, sorted({*at_columns, *here}), links, laws, issues)
+            built += _build_links_at(pair, ends, sorted({*at_columns, *here}), links, laws, meeting, issues)
     if issues:
         raise IssuesFound(issues)
     return tuple(built)
@@ -456,9 +457,10 @@ def _build_links_at(
     numbers: Sequence[int],
     links: Sequence[CompleteLink],
     laws: Sequence[LinkLaw | None],
+    meeting: Meeting,
     issues: dict[Issue, None],
 ) -> list[Link]:
-    """Return the links of a case that stand between the same ends.
+    """Return the links of a case that stand between the same ends; parts of one link where it stands at several places.
 
     numbers : of these links among those of the case
     """
@@ -467,7 +469,8 @@ def _build_links_at(
         path = links[number].path
         law = laws[number]
         assert law is not None
-        if law in [laws[other] for other in numbers[:place]]:
+        alike = [other for other in numbers[:place] if laws[other] == law]
+        if any(links[other].spec.places == links[number].spec.places for other in alike):
             message = f"two {law.name} links alike between the same floors"
             issues[Issue(path, message, "give one, or let them differ")] = None
         distance = links[number].spec.distance
@@ -484,10 +487,37 @@ def _build_links_at(
                 issues[_refuse_at_columns(links[number], links[number].title)] = None
                 continue
             law = softened
-        built.append(
-            Link(pair, ends.left_floor, ends.right_floor, law, ends.left_at, ends.right_at, ends.columns, ends.cosine)
+        whole = Link(
+            pair, ends.left_floor, ends.right_floor, law, ends.left_at, ends.right_at, ends.columns, ends.cosine
         )
+        try:
+            built += _part_link(whole, links[number], meeting)
+        except IssuesFound as refused:
+            issues |= {issue: None for issue in refused.issues if isinstance(issue, Issue)}
     return built
+
+
+def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:
+    """Return a link as it stands along the street, or its parts at several places.
+
+    Raises
+    ------
+    IssuesFound : it stands where it cannot, or its law cannot be parted
+    """
+    left, right = meeting.left, meeting.right
+    arms = find_arms(link.spec, link.path, (left.name, right.name), left.street, right.street)
+    if arms is WHOLE_AT_CENTRES:
+        return [whole]
+    if len(arms) == 1:
+        return [replace(whole, left_y=arms[0].left_y, right_y=arms[0].right_y)]
+    parts = []
+    for left_y, right_y, share in arms:
+        law = whole.law.scale(share)
+        if law is None:
+            message = f"link: {link.title} cannot stand at several places, and floors that twist strike at both ends"
+            raise IssuesFound([Issue(link.path, message, "write one place, e.g. `places: 0 m`")])
+        parts.append(replace(whole, law=law, left_y=left_y, right_y=right_y, whole_law=whole.law))
+    return parts
 
 
 def _choose_links_at_columns(

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link, LinkPlace, link_places
 from pounding_cli.model.parts import is_divided
 from pounding_cli.model.scene import Analysis, Digests, Scene
+from pounding_cli.model.twist import drop_plans
 from pounding_cli.study import keep
 from pounding_cli.study.file import Problems
 from pounding_cli.study.group import Group, unique_names
@@ -185,12 +187,14 @@ class _Planner:
         divided_rows = np.zeros(rows, bool)
         for place, case in enumerate(self.cases):
             begun = sweep_map(
-                lambda group, links: Digests(group.buildings, links), self.resolved.group, self.resolved.links[case]
+                lambda group, links: Digests(drop_plans(group.buildings, links), links),
+                self.resolved.group,
+                self.resolved.links[case],
             )
             numbers[..., place, :, :, 0] = self.number_scenes(begun)
             divided_rows[..., place, :, :] = self.find_divided(self.resolved.links[case])
         for place, name in enumerate(spec.group):
-            alone = self.number_scenes(sweep_map(lambda each: Digests((each,), ()), self.resolved.types[name]))
+            alone = self.number_scenes(sweep_map(_begin_alone, self.resolved.types[name]))
             numbers[..., 1 + place] = alone[..., None, :, :]
         if row_filter is not None:
             points = product(*map(range, self.sizes))
@@ -254,14 +258,20 @@ class _Planner:
         shape = (*self.sizes, len(self.cases), len(self.analyses), len(self.records))
         *point, case, analysis, record = map(int, np.unravel_index(row, shape))
         at = tuple(point)
+        links = self.resolved.links[self.cases[case]].at(at)
         return Scene(
-            self.resolved.group.at(at).buildings,
-            self.resolved.links[self.cases[case]].at(at),
+            drop_plans(self.resolved.group.at(at).buildings, links),
+            links,
             self.study.motion(at, self.records[record]),
             self.analyses[analysis],
             self.resolved.tail.at(at),
             self.wants_residual_drift,
         )
+
+
+def _begin_alone(building: Building) -> Digests:
+    """Return the digests of the scenes of a building that stands alone."""
+    return Digests(drop_plans((building,), ()), ())
 
 
 ABSENT: dict[str, Any] = {

@@ -13,6 +13,7 @@ import numpy as np
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
+from pounding_cli.model.twist import merge_links
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.buildings import build_building, find_code_displacements
 from pounding_cli.study.drafts import check_draft, check_draft_names, read_draft, read_impact_draft
@@ -211,6 +212,11 @@ class _Resolver:
         cases = {name: self.sweep_spec("cases", name) for name in self.entries("cases")}
         group = self.check_meetings(group, cases, names)
         meetings = self.map(lambda group: group.meetings, group).merge_equal()
+        has_plans = any(
+            spec is not None and spec.plan is not None
+            for each in building_specs.values()
+            for _, spec in each.iter_values()
+        )
         complete, link_laws, links = {}, {}, {}
         for name, case in cases.items():
             if not case.is_sound:
@@ -225,7 +231,8 @@ class _Resolver:
             multiples = self.map(list_multiples, checked, checked_impact).merge_equal()
             stiffnesses = self.map(evaluate_multiples, multiples, group).merge_equal()
             link_laws[name] = self.map(build_laws, checked, checked_impact, own_laws, stiffnesses, floors)
-            links[name] = self.map(build_links, checked, link_laws[name], floors, meetings)
+            parted = self.map(build_links, checked, link_laws[name], floors, meetings)
+            links[name] = self.map(_merge_links, group, parted) if has_plans else parted
         tail = self.sweep_spec("tail")
         return Resolved(building_specs, types, group, impact, complete, link_laws, links, records, suite, tail)
 
@@ -279,6 +286,11 @@ class _Resolver:
             return build_own_laws(specs, tree)
 
         return sweep_part(self.tree, self.axes, ("laws",), read, self.issues)
+
+
+def _merge_links(group: Group, links: tuple[Link, ...]) -> tuple[Link, ...]:
+    """Return the links of a case, parts of one link as one where no floor twists."""
+    return merge_links(group.buildings, links)
 
 
 def _take_links(links: tuple[CompleteLink, ...], _case: Any, _impact: Any) -> tuple[CompleteLink, ...]:

@@ -381,11 +381,11 @@ def _warn_period(spec: BuildingSpec, building: Building, root: Any, path: KeyPat
     """Note a period that is implausible for so many storeys."""
     storeys = building.storeys
     at: KeyPath = (*path, "period")
-    period = spec.period
+    period = float(building.periods[0]) if spec.period is None else spec.period
     if spec.stiffness is not None:
         at = (*path, "stiffness", "period" if isinstance(spec.stiffness, StiffnessAtSpec) else 0)
-        period = float(building.periods[0])
-    assert period is not None  # a building has one or the other
+    elif spec.period is None:
+        at = (*path, "plan", "lines", 0, "stiffness", 0)
     compared = [(PLAUSIBLE_RANGES["period of a storey"], 1 / storeys)] if storeys > 1 else []
     compared.append((PLAUSIBLE_RANGES["period"], 1.0))
     for fits, share in compared:

@@ -1,0 +1,177 @@
+"""Plans of floors that twist, as a study writes them: pydantic models, and what may be wrong with their keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from pounding_cli.numbers import pluralize
+from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field
+from pounding_cli.study.quantity import FORCE, LENGTH, STIFFNESS, Quantity, quote, refuse
+
+PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
+"""A place across the row [m], from the middle of a plan."""
+
+WIDTH = LENGTH.replace(name="width", example="20 m", high=500.0)
+RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
+
+_SHARE = Quantity("share of the storey", "", "60 %", 0.0, 1.0, open_low=True, percent=True)
+Inertias: Any = one_or_many(Annotated[float, Quantity("rotary inertia", "kg m2", "1e7 kg m2", 0.0, open_low=True)])
+TorsionalStiffnesses: Any = one_or_many(Annotated[float, Quantity("torsional stiffness", "N m", "5e9 N m", 0.0)])
+_SHORT_FORM = ("eccentricity", "frequency_ratio")
+"""Keys in place of `lines`."""
+
+
+def _each_storey(quantity: Quantity, one: Any) -> Any:
+    """Return the type of a list from the ground up, or of something else."""
+    return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
+
+
+def _check_share_or_never(value: Any) -> Any:
+    """Return the word for lines that stay elastic, or a share.  Raises PydanticCustomError."""
+    if value == "never":
+        return value
+    if isinstance(value, str) and not value.strip().endswith("%"):
+        hint = "write the yield shears of the line from the ground up, e.g. `[900 kN, 700 kN]`, a share such as "
+        raise refuse(f"{quote(value)} is not a list of yield shears", f"{hint}`60 %`, or `never`")
+    return _SHARE.read(value)
+
+
+class _LineSpec(Model):
+    """A frame or wall of the plan; lists run from the ground up."""
+
+    stiffness: _each_storey(STIFFNESS, Annotated[float, _SHARE]) = spec_field(  # type: ignore[valid-type]
+        ..., "stiffness of its storeys [N/m], a list, or its share of those of the building", "60 %"
+    )
+    yield_shear: _each_storey(FORCE, Annotated[Any, BeforeValidator(_check_share_or_never)]) | None = spec_field(  # type: ignore[valid-type]
+        None,
+        "yield shears of its storeys [N], a list; `never`: it stays elastic; or its share of those of the building; "
+        "default: its share of the stiffness",
+        "60 %",
+    )
+
+
+class LineSpec(_LineSpec):
+    """A frame or wall along the row; lists run from the ground up."""
+
+    y: Annotated[float, PLACE] = spec_field(..., "its place across the row [m], from the middle of the plan")
+
+
+class AcrossSpec(_LineSpec):
+    """A frame or wall across the row, which resists the twist alone; lists run from the ground up."""
+
+    x: Annotated[float, PLACE] = spec_field(..., "its place along the row [m], from the centre of mass")
+
+
+class PlanSpec(Model):
+    """The plan of a building whose floors may twist."""
+
+    width: Annotated[float, WIDTH] = spec_field(..., "width of the floors across the row, along the street [m]")
+    depth: Annotated[float, LENGTH.replace(name="depth", example="14 m", high=500.0)] | None = spec_field(
+        None, "depth of the floors along the row [m], for their rotary inertia"
+    )
+    shift: Annotated[float, PLACE] = spec_field(
+        "0 m", "how far the middle of the plan stands off along the street [m], the same way as y"
+    )
+    centre_of_mass: Annotated[float, PLACE] = spec_field(
+        "0 m", "y of the centres of mass of the floors [m], from the middle of the plan"
+    )
+    accidental: Annotated[float, RATIO_OF_WIDTH.replace(example="5 %")] = spec_field(
+        "0 %", "how far the centres of mass stand off further, as part of the width [-]; sweep it: `[-5 %, 5 %]`"
+    )
+    inertia: Inertias | None = spec_field(
+        None, "rotary inertia of the floors about their centres of mass [kg m2]; default: m (width^2 + depth^2) / 12"
+    )
+    lines: Annotated[tuple[LineSpec, ...], Field(min_length=1, max_length=30)] | None = spec_field(
+        None, "frames and walls along the row", [{"y": "-8 m", "stiffness": "60 %"}]
+    )
+    across: Annotated[tuple[AcrossSpec, ...], Field(max_length=30)] = spec_field(
+        (), "frames and walls across the row that may yield", [{"x": "-6 m", "stiffness": "60 %"}]
+    )
+    torsional_stiffness: TorsionalStiffnesses | None = spec_field(
+        None, "of what else resists the twist of a storey, such as elastic frames across the row [N m]"
+    )
+    eccentricity: Annotated[float, RATIO_OF_WIDTH] | None = spec_field(
+        None, "instead of `lines`: y of the centre of stiffness from the centre of mass, as part of the width [-]"
+    )
+    frequency_ratio: Annotated[float, Quantity("ratio of frequencies", "", "1.1", 0.05, 20.0)] | None = spec_field(
+        None,
+        "beside `eccentricity`: frequency of the twist over that along the row, each without the other [-]; the "
+        "torsional stiffness follows from it",
+    )
+    twist: Literal["auto", "always"] = spec_field(
+        "auto", "`auto`: floors twist where something is eccentric; `always`: they may turn in any case"
+    )
+
+    def list_lengths(self) -> dict[str, int]:
+        """Return the lengths of its lists, by key."""
+        found = {
+            name: len(value)
+            for name in ("inertia", "torsional_stiffness")
+            if isinstance(value := getattr(self, name), tuple)
+        }
+        for key, lines in (("lines", self.lines or ()), ("across", self.across)):
+            for number, line in enumerate(lines):
+                for name in ("stiffness", "yield_shear"):
+                    value = getattr(line, name)
+                    if isinstance(value, tuple):
+                        found[f"{key}.{number}.{name}"] = len(value)
+        return found
+
+    @property
+    def gives_stiffness(self) -> bool:
+        """True where the lines give the stiffness of the storeys, not shares of it."""
+        return bool(self.lines) and all(isinstance(line.stiffness, tuple) for line in self.lines or ())
+
+    @property
+    def gives_yield_shear(self) -> bool:
+        """True where the lines give the yield shears of the storeys, not shares of them."""
+        values = [line.yield_shear for line in self.lines or ()]
+        return bool(values) and all(isinstance(value, tuple | str) for value in values)
+
+    def issues(self) -> Iterator[SpecIssue]:
+        if self.depth is None and self.inertia is None:
+            hint = "write the depth of the floors along the row, e.g. `depth: 14 m`, or `inertia`"
+            yield (), "'depth' is missing: the rotary inertia of the floors needs it", hint
+        if self.lines is not None:
+            for name in _SHORT_FORM:
+                if getattr(self, name) is not None:
+                    yield (name,), f"'{name}' and 'lines' cannot both be given", "remove one of the two", True
+            yield from self._find_line_issues()
+            return
+        if self.eccentricity is None:
+            hint = "write `lines`, or in short `eccentricity: 10 %` and `frequency_ratio: 1.1`"
+            yield (), "this plan has neither 'lines' nor 'eccentricity'", hint
+        elif self.frequency_ratio is None:
+            hint = "write the frequency of the twist over that along the row, e.g. `frequency_ratio: 1.1`"
+            yield (), "'frequency_ratio' is missing: 'eccentricity' needs it", hint
+        for name in ("across", "torsional_stiffness"):
+            if self.eccentricity is not None and name in self.model_fields_set:
+                hint = "remove it: 'frequency_ratio' sets the torsional stiffness; or write `lines`"
+                yield (name,), f"'{name}' does not apply beside 'eccentricity'", hint, True
+
+    def _find_line_issues(self) -> Iterator[SpecIssue]:
+        """Yield what is wrong with the lines: shares beside numbers, shares that do not add up, places outside."""
+        assert self.lines is not None
+        for name in ("stiffness", "yield_shear"):
+            values = [getattr(line, name) for line in self.lines]
+            given = [value for value in values if value is not None]
+            shares = [value for value in given if isinstance(value, float)]
+            if name == "yield_shear" and given and len(given) < len(values):
+                number = values.index(None)
+                hint = "write it in every line, or in none: each has its share of the stiffness"
+                yield ("lines", number), f"'{name}' is missing, but other lines have it", hint
+            elif shares and len(shares) < len(given):
+                number = next(place for place, value in enumerate(values) if isinstance(value, float))
+                message = f"'{name}' is a share here, but a list of numbers in other lines"
+                yield ("lines", number, name), message, "write shares in all lines, or numbers in all", True
+            elif shares and abs(sum(shares) - 1.0) > 1e-9:
+                message = f"the shares of 'lines' in '{name}' add up to {100 * sum(shares):.6g} %"
+                yield ("lines",), message, f"let the {pluralize(len(shares), 'share')} add up to 100 %", True
+        half = 0.5 * self.width
+        for number, line in enumerate(self.lines):
+            if abs(line.y) > half * (1.0 + 1e-12):
+                message = f"the line stands at {line.y:g} m, outside of the plan"
+                yield ("lines", number, "y"), message, f"write a place from {-half:g} to {half:g} m, or a larger width"
