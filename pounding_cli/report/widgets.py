@@ -72,8 +72,11 @@ def _select_arrays(data: xr.Dataset) -> dict[str, xr.DataArray]:
     variables = [variable for variable in RESPONSE_VARIABLES if variable.charts and variable.name in data]
     arrays = {}
     for variable in sorted(variables, key=lambda variable: not variable.ratio):
-        is_of_links = variable.dims[-1] == "link"
-        values = group_links_by_floor(data, variable.name) if is_of_links else data[variable.name]
+        values = data[variable.name]
+        if variable.dims[-1] == "link":
+            values = group_links_by_floor(data, variable.name)
+        elif variable.dims[-1] == "line":
+            values = stack_lines(values)
         if (values.fillna(0.0) != 0).any():
             arrays[variable.name] = values
     return arrays
@@ -150,6 +153,21 @@ def group_links_by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
         largest[at] = np.fmax(largest[at], values.values[..., number])
     coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": levels}
     return xr.DataArray(largest, coords, (*values.dims[:-1], "pair", "floor"))
+
+
+def stack_lines(values: xr.DataArray) -> xr.DataArray:
+    """Return values of frame lines over `frame line`, such as "corner, line 1", and storey, lines without any left out.
+
+    values : over building, storey and line, and further dimensions before these
+    """
+    further = values.dims[:-3]
+    stacked = values.transpose(*further, "building", "line", "storey")
+    names = [f"{building}, line {line}" for building in values["building"].values for line in values["line"].values]
+    whole = stacked.values.reshape(*stacked.shape[:-3], len(names), -1)
+    is_there = np.isfinite(whole).any(axis=(*range(len(further)), -1))
+    coords = {dim: values[dim] for dim in further} | {"storey": values["storey"]}
+    coords["frame line"] = [name for name, kept in zip(names, is_there, strict=True) if kept]
+    return xr.DataArray(whole[..., is_there, :], coords, (*further, "frame line", "storey"))
 
 
 def round_for_page(value: float) -> float | int | None:

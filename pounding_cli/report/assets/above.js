@@ -30,6 +30,7 @@ function drawAbove(canvas, scene, at, floor, time, glow, ink) {
   pen.rotate(-Math.PI / 2);
   write(pen, ink.soft, 'along the street', 0, 0, 'left');
   pen.restore();
+  write(pen, ink.soft, `floor ${floor} from above`, at.width - 2, 12, 'right');
   scene.buildings.forEach(({ heights, plan, name }, number) => {
     const level = Math.min(floor, heights.length), isHere = level === floor, half = plan.depth / 2, solid = plan.known ? [] : [6, 4];
     const corners = [[-half, plan.low], [half, plan.low], [half, plan.high], [-half, plan.high], [-half, plan.low]];
