@@ -97,11 +97,6 @@ class FloorPlan:
             raise ValueError("plan: low must not be above high")
 
     @property
-    def all_lines(self) -> tuple[FrameLine, ...]:
-        """The lines along the row, and behind them those across it."""
-        return (*self.lines, *self.lines_across)
-
-    @property
     def storeys(self) -> int:
         """Number of storeys n."""
         return self.inertia.size
