@@ -128,7 +128,8 @@ class Layout:
     turns : degrees of freedom of the rotations of the floors of every building, none where they do not twist
     drags : dashpots to the ground of buildings on foundations; their elements stand behind those of the storeys
     lines : building, storey from 0 and number of every frame line; their elements stand behind these dashpots
-    sums : buildings from 0 whose storey shears are sums over lines; they stand behind those of `struck` in `columns`
+    sums : buildings from 0 whose floors twist; their storey shears, sums over lines, stand behind those of `struck` in
+        `columns`, and the drifts of their edges behind these
     struck : columns that links end on; two shears each stand in `columns`, below and above that end
     """
 
@@ -206,6 +207,7 @@ class _Building:
             return
         if f is not None and f.rocks:
             self.foot = self.floors.stop
+        self._first_turn = self.floors.stop + int(self.foot >= 0)
         rocks = self.foot >= 0
         for j, law in enumerate(b.laws):
             mass, height = float(b.mass[j]), float(b.height[j])
@@ -214,6 +216,7 @@ class _Building:
             storey = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
             if b.plan is not None:  # its lines resist
                 storey, limit = _storey(0.0, 0.0), math.inf
+                storey |= {"twists": 1, "mate": self._first_turn + j}
             self._add(
                 mass, storey | {"collapse": limit, "load": load}, drag=b.alpha if f is None else 0.0,
                 below=1.0 if j or self.base >= 0 else 0.0, lean=-height if rocks else 0.0, foot=max(self.foot, 0),
@@ -224,20 +227,22 @@ class _Building:
         if f is not None and rocks:
             self._add(f.inertia, _storey(f.rocking_stiffness, f.rocking_damping), loaded=0.0)
         if b.plan is not None:
-            self._add_turns(b.plan, first + len(self.dofs))
+            self._add_turns(b.plan)
             self._add_lines(b.plan, yields, collapses)
 
-    def _add_turns(self, plan: FloorPlan, first: int) -> None:
-        """The rotations of the floors, from the degree of freedom `first` on; lines across the row that cannot yield
-        stand between them, and P-Delta acts on them by the radii of gyration of what stands above."""
+    def _add_turns(self, plan: FloorPlan) -> None:
+        """The rotations of the floors; lines across the row that cannot yield stand between them, and P-Delta acts on
+        them by the radii of gyration of what stands above."""
         b = self.building
-        self.turns = slice(first, first + b.storeys)
+        self.turns = slice(self._first_turn, self._first_turn + b.storeys)
         square_radius = np.cumsum(plan.inertia[::-1])[::-1] / np.cumsum(b.mass[::-1])[::-1]
         for j, stiffness in enumerate(plan.torsional_stiffness.tolist()):
             load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] * square_radius[j] / b.height[j])
+            storey = _storey(stiffness, b.beta * stiffness)
+            storey |= {"load": load, "twists": 1, "mate": self.floors.start + j}
             self._add(
-                float(plan.inertia[j]), _storey(stiffness, b.beta * stiffness) | {"load": load},
-                drag=b.alpha, below=1.0 if j else 0.0, loaded=0.0,
+                float(plan.inertia[j]), storey, drag=b.alpha, below=1.0 if j else 0.0, loaded=0.0, felt=0.0,
+                unit=float(np.sqrt(b.mass[j] / plan.inertia[j])),
             )  # fmt: skip
 
     def _add_lines(self, plan: FloorPlan, yields: bool, collapses: bool) -> None:
@@ -254,13 +259,15 @@ class _Building:
                 if is_along:
                     weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
                 element = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
-                limit = float(b.collapse_drift[j]) if collapses else math.inf
-                self.lines.append(Line(element | {"collapse": limit}, _moving(weights), j, number))
+                limit = float(b.collapse_drift[j]) if collapses and is_along else math.inf
+                element |= {"collapse": limit, "storey": self.floors.start + j, "mate": turn}
+                element |= {"along": float(is_along), "arm": arm}
+                self.lines.append(Line(element, _moving(weights), j, number))
 
     def _add(self, mass: float, storey: dict[str, Any], **more: float) -> None:
         """A degree of freedom and the element below it; a mass of inf does not move."""
         own = mass if mass < math.inf else 1.0
-        self.dofs.append({"mass": own, "inv_mass": 1.0 / mass, "loaded": 1.0, **more})
+        self.dofs.append({"mass": own, "inv_mass": 1.0 / mass, "loaded": 1.0, "felt": 1.0, "unit": 1.0, **more})
         self.storeys.append(storey)
 
     def end(self, floor: int, at: float, y: float = 0.0) -> Weights:
@@ -319,12 +326,16 @@ def _tie(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> 
 
 
 def _column_shears(
-    struck: Sequence[Columns], floors: Sequence[slice], first_link: int, terms: list[tuple[float, int]]
+    struck: Sequence[Columns], made: Sequence[_Building], first_line: int, terms: list[tuple[float, int]]
 ) -> list[dict[str, Any]]:
     """The shears below and above the end of every link on columns: what the columns have of the storey's shear, and of
     the level forces of all links on them the reaction of a clamped beam at that end; between two links, that of both
-    sides."""
-    made = []
+    sides.
+
+    first_line : element of the first line of all buildings, whose links stand behind these
+    """
+    shears = []
+    first_link = first_line + sum(len(each.lines) for each in made)
     for own in struck:
         for above in (False, True):
             first = len(terms)
@@ -335,9 +346,12 @@ def _column_shears(
                 higher = other.at > own.at if above else other.at >= own.at
                 weight = other.cosine * (1.0 - to_above if higher else -to_above)
                 terms.append((weight if own.on_left else -weight, first_link + other.link))
-            storey = floors[own.building].start + own.storey - 1
-            made.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
-    return made
+            terms += [
+                (own.share, line) for line in _lines_of_storey(made, own.building, own.storey - 1, first_line)
+            ]
+            storey = made[own.building].floors.start + own.storey - 1
+            shears.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
+    return shears
 
 
 def _storey_shears(
@@ -349,19 +363,37 @@ def _storey_shears(
     number : of the building; first_line : element of the first line of all buildings
     """
     building = made[number]
-    assert building.building.plan is not None
-    begin = first_line + sum(len(each.lines) for each in made[:number])
-    along = len(building.building.plan.lines)
     shears = []
     for j in range(building.building.storeys):
         first = len(terms)
-        terms += [
-            (1.0, begin + place)
-            for place, line in enumerate(building.lines)
-            if line.storey == j and line.number < along
-        ]
-        shears.append({"share": 0.0, "storey": building.floors.start + j, "first": first, "last": len(terms)})
+        terms += [(1.0, line) for line in _lines_of_storey(made, number, j, first_line)]
+        shears.append({"share": 1.0, "storey": building.floors.start + j, "first": first, "last": len(terms)})
     return shears
+
+
+def _lines_of_storey(made: Sequence[_Building], number: int, storey: int, first_line: int) -> list[int]:
+    """Return the elements of the lines along the row of a storey from 0 of a building, none where floors do not twist.
+
+    number : of the building; first_line : element of the first line of all buildings
+    """
+    building = made[number]
+    begin = first_line + sum(len(each.lines) for each in made[:number])
+    return [
+        begin + place
+        for place, line in enumerate(building.lines)
+        if line.storey == storey and line.element["along"] > 0.0
+    ]
+
+
+def _edge_drifts(building: _Building) -> list[dict[str, Any]]:
+    """The drifts of the edges of a building whose floors twist: of every storey at the low and at the high one."""
+    plan = building.building.plan
+    assert plan is not None
+    return [
+        {"is_edge": 1, "arm": -edge, "storey": building.floors.start + j}
+        for j in range(building.building.storeys)
+        for edge in (plan.low, plan.high)
+    ]
 
 
 def layout_of(scene: Scene) -> Layout:
@@ -408,9 +440,12 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     cosines = np.array([tie.cosine for tie in ties])
     floors = tuple(each.floors for each in made)
     sums = tuple(number for number, building in enumerate(buildings) if building.plan is not None)
-    shears = _column_shears(struck, floors, n + len(drags) + len(lines), terms)
+    first_line = n + len(drags)
+    shears = _column_shears(struck, made, first_line, terms)
     for number in sums:
-        shears += _storey_shears(number, made, n + len(drags), terms)
+        shears += _storey_shears(number, made, first_line, terms)
+    for number in sums:
+        shears += _edge_drifts(made[number])
     columns = _filled(COLUMN, shears, 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]

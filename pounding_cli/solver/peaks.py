@@ -7,7 +7,7 @@ from numba import njit
 
 from pounding_cli.solver.events import TOUCH, integral, rate_series
 from pounding_cli.solver.options import CALLED, INVERSE, PART
-from pounding_cli.solver.polynomial import highest
+from pounding_cli.solver.polynomial import SLOPE, highest
 
 
 @njit(**PART)
@@ -32,6 +32,8 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
             d.u_max, d.u_min = max(d.u_max, d.u0, d.u1), min(d.u_min, d.u0, d.u1)
             if not _keeps_sign(d.w[0], d.v1, d.dv):
                 _displacement_peak(d, r)
+        if d.felt == 0.0:
+            continue
         largest = max(abs(d.a0), abs(d.a1))
         if largest + d.da > d.a_max:
             d.a_max = max(d.a_max, largest)
@@ -49,7 +51,11 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
         if el.acts and (el.smooth if storey else el.closed):
             _force_peak(el, r, series[el.row])
     for c in range(r.columns):
-        _column_peak(dofs, elements, terms, r, series, columns[c])
+        column = columns[c]
+        if elements[column.storey].twists:
+            _pair_peak(dofs, elements, terms, r, series, column)
+        else:
+            _column_peak(dofs, elements, terms, r, series, column)
 
 
 @njit(**PART)
@@ -138,11 +144,56 @@ def _column_peak(dofs, elements, terms, r, series, column):
     else:
         rate_series(dofs, elements, terms, r, np.int64(column.storey))
         n = integral(r, column.share * el.k, column.share * (el.k * el.v0 + el.f0)) + 1
-    for x in range(column.first, column.last):
-        link = elements[terms[x].dof]
-        if link.closed and link.acts:
-            s = series[link.row]
-            dashpot = link.c if link.drifts and not link.smooth else 0.0
-            for k in range(r.order):
-                p[k] += terms[x].weight * (s.f[k] - dashpot * s.rate[k])
+    _add_forces(elements, terms, r, series, column)
     column.peak = highest(r, n - 1, r.end, column.peak, absolute)
+
+
+@njit(**CALLED)
+def _add_forces(elements, terms, r, series, column):
+    """Add the forces of links, and of lines whose force is smooth, to the polynomial of a shear in r.p [N]."""
+    for x in range(column.first, column.last):
+        el = elements[terms[x].dof]
+        if _adds_force(el):
+            s = series[el.row]
+            for k in range(r.order):
+                r.p[k] += terms[x].weight * s.f[k]
+
+
+@njit(**PART)
+def _adds_force(el):
+    """Whether a link, or a line, adds a force of its own to a shear: straight lines are part of their storey."""
+    return el.smooth if el.drifts else el.closed and el.acts
+
+
+@njit(**CALLED)
+def _pair_peak(dofs, elements, terms, r, series, column):
+    """Largest |drift| of an edge, or |shear| in a storey whose floors twist and in its struck columns: straight in the
+    drift and in the twist of the storey, but for forces of links and of lines whose force is smooth."""
+    el, share = elements[column.storey], column.share
+    mate = elements[el.mate]
+    one, other, constant = 1.0, column.arm, 0.0
+    if column.is_edge == 0:
+        one, other, constant = share * el.k, share * el.coupled_k, share * el.f0
+    start = one * el.v0 + other * mate.v0 + constant
+    is_straight = True
+    for x in range(column.first, column.last):
+        if _adds_force(elements[terms[x].dof]):
+            is_straight = False
+    if is_straight:
+        last = one * el.v1 + other * mate.v1 + constant
+        largest = max(abs(start), abs(last))
+        rises = largest + abs(one) * el.dv + abs(other) * mate.dv > column.peak
+        column.peak = max(column.peak, largest)
+        deviation = abs(one) * el.dr + abs(other) * mate.dr
+        if not rises or _keeps_sign(one * el.r0 + other * mate.r0, one * el.r1 + other * mate.r1, deviation):
+            return
+    p, absolute, at = r.p, r.h > 0.0, np.int64(SLOPE)
+    rate_series(dofs, elements, terms, r, np.int64(column.storey))
+    for k in range(r.order + 1):
+        p[at + k] = one * p[k]
+    rate_series(dofs, elements, terms, r, np.int64(el.mate))
+    for k in range(r.order + 1):
+        p[k] = p[at + k] + other * p[k]
+    n = integral(r, 1.0, start)
+    _add_forces(elements, terms, r, series, column)
+    column.peak = highest(r, n, r.end, column.peak, absolute)

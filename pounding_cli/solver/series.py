@@ -72,6 +72,13 @@ def push_by_storey(dofs, el, i, f, has_lean):
 
 
 @njit(**PART)
+def coupled_force(elements, el):
+    """Return what the lines of a storey whose floors twist add to its force at the start of a step by its mate [N]."""
+    mate = elements[el.mate]
+    return el.coupled_k * mate.v0 + el.coupled_c * mate.r0
+
+
+@njit(**PART)
 def start(dofs, elements, terms, r, series):
     """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
     for i in range(r.n):
@@ -90,14 +97,16 @@ def start(dofs, elements, terms, r, series):
     for i in range(r.n):
         el = elements[i]
         f = line_force(el, el.v0, el.r0)
+        if el.twists:
+            f += coupled_force(elements, el)
         push_by_storey(dofs, el, i, f, r.has_lean)
     for i in range(r.n):
         d = dofs[i]
         a = -d.inv_mass * d.push - d.drag * d.w[0]
         d.push = d.mass * d.loaded * r.g1
-        d.a0 = a + r.g0
+        d.a0 = a + d.felt * r.g0
         d.w[1] = a * r.h
-        d.allowed = 1.0 / (r.tolerance * max(d.scale, r.least))
+        d.allowed = 1.0 / (r.tolerance * max(d.scale, r.least * d.unit))
 
 
 @njit(**PART)
@@ -154,7 +163,20 @@ def _next_velocity(d, k, w, f, after):
 
 
 @njit(**PART)
-def _walk_up(dofs, elements, n, k, part, after, has_lean):
+def _coupled_term(dofs, elements, el, k, part, has_lean):
+    """Order k of what the lines of a storey whose floors twist add to its force by its mate [N]."""
+    mate, below = dofs[el.mate], dofs[elements[el.mate].right]
+    rate = mate.w[k] - mate.below * below.w[k]
+    moved = mate.w[k - 1] - mate.below * below.w[k - 1]
+    if has_lean:
+        foot = dofs[mate.foot]
+        rate += mate.lean * foot.w[k]
+        moved += mate.lean * foot.w[k - 1]
+    return el.coupled_k * part * moved + el.coupled_c * rate
+
+
+@njit(**PART)
+def _walk_up(dofs, elements, n, k, part, after, has_lean, has_lines):
     """Order k of all storeys, from the ground up: a floor is done when the force of the storey above it is. Bases that
     rock come after their floors, whose forces they feel; the weight on a storey acts on the floors alone."""
     size = left = before = own = 0.0
@@ -163,6 +185,8 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
         w, earlier = d.w[k], d.w[k - 1]
         moved, rate = part * (earlier - d.below * before), w - d.below * left
         f = el.stiffness * moved + el.c * rate
+        if has_lines and el.twists:
+            f += _coupled_term(dofs, elements, el, k, part, has_lean)
         if has_lean:
             foot = dofs[d.foot]
             leaned = d.lean * (el.k * part * foot.w[k - 1] + el.c * foot.w[k])
@@ -178,17 +202,19 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
 def expand(dofs, elements, terms, r, series):
     """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
     the highest one. Returns whether they are; the order goes to run.order."""
-    n, h, count, has_lean = r.n, r.h, r.active, r.has_lean
+    n, h, count, has_lean, has_lines = r.n, r.h, r.active, r.has_lean, r.lines > 0
     least = ORDER_FROM_REST if r.still else MIN_ORDER
     most = max(r.max_order, least)
     small, k, size = 0, np.int64(1), 0.0  # for the constant 1 all that takes k would be compiled once more
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
-        if has_lean:  # as constants, so that each is compiled by itself
-            size = max(size, _walk_up(dofs, elements, n, k, part, after, True))
+        if has_lines:  # as constants, so that each is compiled by itself
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, has_lean, True))
+        elif has_lean:
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, True, False))
         else:
-            size = max(size, _walk_up(dofs, elements, n, k, part, after, False))
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, False, False))
         small = small + 1 if size < 1.0 else 0
         k += 1
     r.order = k
