@@ -97,6 +97,11 @@ class FloorPlan:
             raise ValueError("plan: low must not be above high")
 
     @property
+    def all_lines(self) -> tuple[FrameLine, ...]:
+        """The lines along the row, and behind them those across it."""
+        return (*self.lines, *self.lines_across)
+
+    @property
     def storeys(self) -> int:
         """Number of storeys n."""
         return self.inertia.size
@@ -120,6 +125,35 @@ class FloorPlan:
     def eccentricity(self) -> np.ndarray:
         """Places of the centres of stiffness, y from the centres of mass [m], shape (n,)."""
         return np.sum([line.place * line.stiffness for line in self.lines], axis=0) / self.stiffness
+
+    def storey_matrices(self, share: np.ndarray | float = 1.0) -> np.ndarray:
+        """Return the stiffnesses of every storey in drift and twist of the centres of mass, shape (n, 2, 2).
+
+        Parameters
+        ----------
+        share : part of their initial stiffness that lines have where they can yield [-], a number or shape (n,)
+        """
+        matrices = np.zeros((self.storeys, 2, 2))
+        for number, line in enumerate(self.all_lines):
+            stiffness = np.where(np.isfinite(line.yield_shear), share, 1.0) * line.stiffness
+            arms = np.array([1.0, -line.place] if number < len(self.lines) else [0.0, line.place])
+            matrices += stiffness[:, None, None] * np.outer(arms, arms)
+        matrices[:, 1, 1] += self.torsional_stiffness
+        return matrices
+
+    def load_matrices(self, mass: np.ndarray, load_over_height: np.ndarray) -> np.ndarray:
+        """Return what P-Delta takes away from `storey_matrices`, shape (n, 2, 2).
+
+        Parameters
+        ----------
+        mass : of the floors [kg], shape (n,)
+        load_over_height : P / h of every storey [N/m], shape (n,)
+        """
+        square_radius = np.cumsum(self.inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1]
+        matrices = np.zeros((self.storeys, 2, 2))
+        matrices[:, 0, 0] = load_over_height
+        matrices[:, 1, 1] = load_over_height * square_radius
+        return matrices
 
     @cached_property
     def identity(self) -> str:

@@ -156,6 +156,11 @@ class Layout:
         return self.dofs.size
 
     @property
+    def most_lines(self) -> int:
+        """Most frame lines of a building; 0 where no floors twist."""
+        return 1 + max((number for _, _, number in self.lines), default=-1)
+
+    @property
     def of_links(self) -> slice:
         """Where the elements of the links stand."""
         return slice(self.of_lines.stop, self.elements.size)
@@ -249,7 +254,7 @@ class _Building:
         """The storeys of the frame lines: v = (u_j - y theta_j) - (u_j-1 - y theta_j-1), across the row
         x (theta_j - theta_j-1)."""
         b = self.building
-        for number, line in enumerate((*plan.lines, *plan.lines_across)):
+        for number, line in enumerate(plan.all_lines):
             is_along = number < len(plan.lines)
             for j, law in enumerate(b.laws_of_line(line)):
                 below = self.floors.start + j - 1 if j else self.base
@@ -346,9 +351,7 @@ def _column_shears(
                 higher = other.at > own.at if above else other.at >= own.at
                 weight = other.cosine * (1.0 - to_above if higher else -to_above)
                 terms.append((weight if own.on_left else -weight, first_link + other.link))
-            terms += [
-                (own.share, line) for line in _lines_of_storey(made, own.building, own.storey - 1, first_line)
-            ]
+            terms += [(own.share, line) for line in _lines_of_storey(made, own.building, own.storey - 1, first_line)]
             storey = made[own.building].floors.start + own.storey - 1
             shears.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
     return shears
@@ -562,14 +565,17 @@ def records_of(
     dofs, elements, columns = (np.tile(each, (count, 1)) for each in (layout.dofs, layout.elements, layout.columns))
     formulas = _put_links(elements[:, layout.of_links], scenes, layout.masses)
     if initial is not None:
-        for span, u, v in zip(layout.floors, *initial, strict=True):
-            dofs["u0"][:, span], dofs["w"][:, span, 0] = u, v
+        for floors, turns, u, v in zip(layout.floors, layout.turns, *initial, strict=True):
+            count = floors.stop - floors.start
+            dofs["u0"][:, floors], dofs["w"][:, floors, 0] = u[:count], v[:count]
+            if len(u) > count:  # rotations behind the displacements
+                dofs["u0"][:, turns], dofs["w"][:, turns, 0] = u[count:], v[count:]
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
     r, always_smooth = np.zeros(count, RUN), method.name == "dop853"
     r["n"], r["m"], r["drags"], r["lines"] = n, m, layout.drags, len(layout.lines)
     r["columns"] = layout.columns.size if layout.struck or layout.sums else 0
     r["dt"], r["tolerance"] = [scene.motion.dt for scene in scenes], tolerance
-    r["least"] = [_least_acceleration(*each) for each in zip(scenes, dofs, elements, strict=True)]
+    r["least"] = [_least_acceleration(layout, *each) for each in zip(scenes, dofs, elements, strict=True)]
     r["most_h"], r["rest"] = r["dt"] / least_steps, [last_segment(scene) for scene in scenes]
     smooth_tolerance = SMOOTHER * tolerance
     r["smooth_tolerance"] = max(smooth_tolerance, FINEST_SMOOTH)
@@ -582,6 +588,8 @@ def records_of(
         changing = int(np.count_nonzero(layout.elements["state"]))
         room = Room(np.zeros((count, 2 * n + changing), STATE), formulas)
         room.states["scale"] = LEAST_STATE
+        room.states["scale"][:, :n] *= layout.dofs["unit"]
+        room.states["scale"][:, n : 2 * n] *= layout.dofs["unit"]
     has_sliders = bool(layout.elements["slides"].any())
     r["has_sliders"] = has_sliders
     series = np.zeros((count, max(m - n + n * (layout.has_smooth or has_sliders), 1)), SERIES)
@@ -592,7 +600,7 @@ def records_of(
     return Data(dofs, elements, layout.terms, r, series, columns, room, watch)
 
 
-def _least_acceleration(scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:
+def _least_acceleration(layout: Layout, scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:
     """Acceleration [m/s2] below which nothing is resolved: a part of the ground's peak, or on still ground that of the
     start: the largest spring force per mass, or what would turn its largest velocity within a second."""
     if scene.motion.pga > 0:
@@ -600,4 +608,10 @@ def _least_acceleration(scene: Scene, dofs: np.ndarray, elements: np.ndarray) ->
     n = dofs.size
     below = np.concatenate(([0.0], dofs["u0"][:-1])) * dofs["below"]
     pulls = elements["p"][:n, 0] * np.abs(dofs["u0"] - below) * dofs["inv_mass"]
-    return max(float(pulls.max()), float(np.abs(dofs["w"][:, 0]).max()))
+    largest = max(float(pulls.max()), float(np.abs(dofs["w"][:, 0]).max()))
+    if layout.lines:
+        lines = layout.of_lines
+        rows = term_matrix(layout)[lines]
+        pulls = np.abs(elements["p"][lines, 0] * (rows @ dofs["u0"])) @ np.abs(rows) * dofs["inv_mass"]
+        largest = max(largest, float((pulls / dofs["unit"]).max()))
+    return largest
