@@ -2,22 +2,48 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field
-from pounding_cli.study.quantity import FORCE, LENGTH, STIFFNESS, Quantity, quote, refuse
+from pounding_cli.study.quantity import FORCE, LENGTH, PLAUSIBLE_RANGES, STIFFNESS, Quantity, quote, refuse
 
 PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 """A place across the row [m], from the middle of a plan."""
 
-WIDTH = LENGTH.replace(name="width", example="20 m", high=500.0)
+_SIZE = LENGTH.replace(high=500.0, usual=PLAUSIBLE_RANGES["size of a plan"])
+WIDTH = _SIZE.replace(name="width", example="20 m")
+DEPTH = _SIZE.replace(name="depth", example="14 m")
 RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
 
-_SHARE = Quantity("share of the storey", "", "60 %", 0.0, 1.0, open_low=True, percent=True)
+
+@dataclass(frozen=True)
+class _Share(Quantity):
+    """A share of what all lines of a storey have, in place of a list of numbers.
+
+    numbers : how a list of them is written
+    """
+
+    numbers: str = ""
+
+    def read(self, value: Any) -> Any:
+        """Return the share, or one of `words`.  Raises PydanticCustomError: one number is neither share nor list."""
+        is_number = isinstance(value, int | float | str) and not isinstance(value, bool)
+        if not is_number or value in self.words or str(value).strip().endswith("%"):
+            return super().read(value)
+        words = "".join(f", or `{word}`" for word in self.words)
+        hint = f"write a share such as `60 %`, or the numbers of all storeys from the ground up, `{self.numbers}`{words}"
+        raise refuse(f"{quote(value)} is neither a share nor a list", hint)
+
+
+_SHARE = _Share("share of the storey", "", "60 %", 0.0, 1.0, open_low=True, percent=True)
+_SHARE_OF_STIFFNESS = dataclasses.replace(_SHARE, numbers="[200 kN/mm, 150 kN/mm]")
+_SHARE_OF_YIELD_SHEAR = dataclasses.replace(_SHARE, numbers="[900 kN, 700 kN]", words=("never",))
 Inertias: Any = one_or_many(Annotated[float, Quantity("rotary inertia", "kg m2", "1e7 kg m2", 0.0, open_low=True)])
 TorsionalStiffnesses: Any = one_or_many(Annotated[float, Quantity("torsional stiffness", "N m", "5e9 N m", 0.0)])
 _SHORT_FORM = ("eccentricity", "frequency_ratio")
@@ -29,23 +55,13 @@ def _each_storey(quantity: Quantity, one: Any) -> Any:
     return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
 
 
-def _check_share_or_never(value: Any) -> Any:
-    """Return the word for lines that stay elastic, or a share.  Raises PydanticCustomError."""
-    if value == "never":
-        return value
-    if isinstance(value, str) and not value.strip().endswith("%"):
-        hint = "write the yield shears of the line from the ground up, e.g. `[900 kN, 700 kN]`, a share such as "
-        raise refuse(f"{quote(value)} is not a list of yield shears", f"{hint}`60 %`, or `never`")
-    return _SHARE.read(value)
-
-
 class _LineSpec(Model):
     """A frame or wall of the plan; lists run from the ground up."""
 
-    stiffness: _each_storey(STIFFNESS, Annotated[float, _SHARE]) = spec_field(  # type: ignore[valid-type]
+    stiffness: _each_storey(STIFFNESS, Annotated[float, _SHARE_OF_STIFFNESS]) = spec_field(  # type: ignore[valid-type]
         ..., "stiffness of its storeys [N/m], a list, or its share of those of the building", "60 %"
     )
-    yield_shear: _each_storey(FORCE, Annotated[Any, BeforeValidator(_check_share_or_never)]) | None = spec_field(  # type: ignore[valid-type]
+    yield_shear: _each_storey(FORCE, Annotated[float | str, _SHARE_OF_YIELD_SHEAR]) | None = spec_field(  # type: ignore[valid-type]
         None,
         "yield shears of its storeys [N], a list; `never`: it stays elastic; or its share of those of the building; "
         "default: its share of the stiffness",
@@ -56,20 +72,22 @@ class _LineSpec(Model):
 class LineSpec(_LineSpec):
     """A frame or wall along the row; lists run from the ground up."""
 
-    y: Annotated[float, PLACE] = spec_field(..., "its place across the row [m], from the middle of the plan")
+    y: Annotated[float, PLACE] = spec_field(..., "its place across the row [m], from the middle of the plan", "-8 m")
 
 
 class AcrossSpec(_LineSpec):
     """A frame or wall across the row, which resists the twist alone; lists run from the ground up."""
 
-    x: Annotated[float, PLACE] = spec_field(..., "its place along the row [m], from the centre of mass")
+    x: Annotated[float, PLACE] = spec_field(..., "its place along the row [m], from the centre of mass", "-6 m")
 
 
 class PlanSpec(Model):
     """The plan of a building whose floors may twist."""
 
-    width: Annotated[float, WIDTH] = spec_field(..., "width of the floors across the row, along the street [m]")
-    depth: Annotated[float, LENGTH.replace(name="depth", example="14 m", high=500.0)] | None = spec_field(
+    width: Annotated[float, WIDTH] = spec_field(
+        ..., "width of the floors across the row, along the street [m]", "20 m"
+    )
+    depth: Annotated[float, DEPTH] | None = spec_field(
         None, "depth of the floors along the row [m], for their rotary inertia"
     )
     shift: Annotated[float, PLACE] = spec_field(
