@@ -97,11 +97,6 @@ class FloorPlan:
             raise ValueError("plan: low must not be above high")
 
     @property
-    def all_lines(self) -> tuple[FrameLine, ...]:
-        """The lines along the row, and behind them those across it."""
-        return (*self.lines, *self.lines_across)
-
-    @property
     def storeys(self) -> int:
         """Number of storeys n."""
         return self.inertia.size
@@ -157,15 +152,25 @@ class FloorPlan:
 
     @cached_property
     def identity(self) -> str:
-        """All that makes the floors twist, in a line."""
+        """All that makes the floors twist, and the edges whose drifts are looked at, in a line."""
         lines = [(line.place, line.stiffness.tolist(), line.yield_shear.tolist()) for line in self.all_lines]
-        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist()))
+        edges = (self.low, self.high)
+        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist(), edges))
 
     @property
     def is_eccentric(self) -> bool:
         """True where the floors twist by themselves, without eccentric links: some line along the row has not its like
         on the other side."""
-        return not all(any(self._are_mirrored(line, other) for other in self.lines) for line in self.lines)
+        unmatched = list(self.lines)
+        while unmatched:
+            line = unmatched[0]
+            mirrored = next((number for number, other in enumerate(unmatched) if self._are_mirrored(line, other)), None)
+            if mirrored is None:
+                return True
+            del unmatched[mirrored]
+            if mirrored > 0:  # else it stands at the centres of mass
+                del unmatched[0]
+        return False
 
     def _are_mirrored(self, line: FrameLine, other: FrameLine) -> bool:
         """Return whether two lines along the row stand on both sides of the centres of mass and are alike."""

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from pounding_cli.numbers import pluralize
 from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field
 from pounding_cli.study.quantity import FORCE, LENGTH, PLAUSIBLE_RANGES, STIFFNESS, Quantity, quote, refuse
 
@@ -37,7 +36,9 @@ class _Share(Quantity):
         if not is_number or value in self.words or str(value).strip().endswith("%"):
             return super().read(value)
         words = "".join(f", or `{word}`" for word in self.words)
-        hint = f"write a share such as `60 %`, or the numbers of all storeys from the ground up, `{self.numbers}`{words}"
+        hint = (
+            f"write a share such as `60 %`, or the numbers of all storeys from the ground up, `{self.numbers}`{words}"
+        )
         raise refuse(f"{quote(value)} is neither a share nor a list", hint)
 
 
@@ -84,9 +85,7 @@ class AcrossSpec(_LineSpec):
 class PlanSpec(Model):
     """The plan of a building whose floors may twist."""
 
-    width: Annotated[float, WIDTH] = spec_field(
-        ..., "width of the floors across the row, along the street [m]", "20 m"
-    )
+    width: Annotated[float, WIDTH] = spec_field(..., "width of the floors across the row, along the street [m]", "20 m")
     depth: Annotated[float, DEPTH] | None = spec_field(
         None, "depth of the floors along the row [m], for their rotary inertia"
     )
@@ -116,12 +115,17 @@ class PlanSpec(Model):
     )
     frequency_ratio: Annotated[float, Quantity("ratio of frequencies", "", "1.1", 0.05, 20.0)] | None = spec_field(
         None,
-        "beside `eccentricity`: frequency of the twist over that along the row, each without the other [-]; the "
-        "torsional stiffness follows from it",
+        "beside `eccentricity`: first frequency of the twist about the centres of mass over that along the row, each "
+        "without the other [-]; the torsional stiffness follows from it",
     )
     twist: Literal["auto", "always"] = spec_field(
         "auto", "`auto`: floors twist where something is eccentric; `always`: they may turn in any case"
     )
+
+    @property
+    def centre(self) -> float:
+        """y of the centres of mass from the middle of the plan [m]."""
+        return self.centre_of_mass + self.accidental * self.width
 
     def list_lengths(self) -> dict[str, int]:
         """Return the lengths of its lists, by key."""
@@ -153,6 +157,12 @@ class PlanSpec(Model):
         if self.depth is None and self.inertia is None:
             hint = "write the depth of the floors along the row, e.g. `depth: 14 m`, or `inertia`"
             yield (), "'depth' is missing: the rotary inertia of the floors needs it", hint
+        half = 0.5 * self.width
+        if abs(self.centre) >= half:
+            key = "centre_of_mass" if abs(self.centre_of_mass) >= half else "accidental"
+            message = f"the centres of mass stand {self.centre:g} m from the middle of the plan, outside of its "
+            hint = f"let `centre_of_mass` and `accidental` put them between {-half:g} and {half:g} m"
+            yield (key,), f"{message}{self.width:g} m", hint
         if self.lines is not None:
             for name in _SHORT_FORM:
                 if getattr(self, name) is not None:
@@ -183,13 +193,18 @@ class PlanSpec(Model):
                 yield ("lines", number), f"'{name}' is missing, but other lines have it", hint
             elif shares and len(shares) < len(given):
                 number = next(place for place, value in enumerate(values) if isinstance(value, float))
-                message = f"'{name}' is a share here, but a list of numbers in other lines"
+                other = "`never`" if "never" in given else "a list of numbers"
+                message = f"'{name}' is a share here, but {other} in other lines"
                 yield ("lines", number, name), message, "write shares in all lines, or numbers in all", True
             elif shares and abs(sum(shares) - 1.0) > 1e-9:
                 message = f"the shares of 'lines' in '{name}' add up to {100 * sum(shares):.6g} %"
-                yield ("lines",), message, f"let the {pluralize(len(shares), 'share')} add up to 100 %", True
+                yield ("lines",), message, "let them add up to 100 %", True
         half = 0.5 * self.width
         for number, line in enumerate(self.lines):
             if abs(line.y) > half * (1.0 + 1e-12):
                 message = f"the line stands at {line.y:g} m, outside of the plan"
                 yield ("lines", number, "y"), message, f"write a place from {-half:g} to {half:g} m, or a larger width"
+        for number, line in enumerate(self.across):
+            if self.depth is not None and abs(line.x) > self.depth:
+                message = f"the line stands {line.x:g} m from the centre of mass, outside of the plan"
+                yield ("across", number, "x"), message, f"write a place within its depth of {self.depth:g} m"

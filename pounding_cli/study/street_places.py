@@ -124,15 +124,17 @@ def find_arms(
     low, high = find_shared_edge(left, right)
     if link.places is None:
         if low >= high:
-            hint = "let the plans overlap along the street (`shift:`), write `places:`, or leave the link out"
-            message = f"{names[0]} and {names[1]} share no edge: their plans end {low - high:.4g} m apart"
+            hint = "let the plans overlap along the street (`shift:`), write where both ends stand, e.g. "
+            hint += "`places: [[2 m, -3 m]]`, or leave the link out"
+            apart = f"their plans end {low - high:.4g} m apart" if low > high else "one ends where the other begins"
+            message = f"{names[0]} and {names[1]} share no edge: along the street {apart}"
             raise IssuesFound([Issue(path, message, hint)])
         places: tuple[PlaceOfLink, ...] = (PlaceOfLink(low, low), PlaceOfLink(high, high))
         shares: tuple[float, ...] = (0.5, 0.5)
     else:
         places = link.places
         shares = link.shares or (1.0 / len(places),) * len(places)
-    arms = []
+    arms: list[LinkArms] = []
     for number, (place, share) in enumerate(zip(places, shares, strict=True)):
         ends = []
         for name, y, side in zip(names, (place.left, place.right), (left, right), strict=True):
@@ -147,5 +149,8 @@ def find_arms(
                 hint = f"write a place from {side.low - origin:g} to {side.high - origin:g} m"
                 raise IssuesFound([Issue((*path, "places", number), message, hint)])
             ends.append(along_street - side.centre)
+        if any((each.left_y, each.right_y) == (ends[0], ends[1]) for each in arms):
+            hint = "remove it, and let its share go to the other"
+            raise IssuesFound([Issue((*path, "places", number), f"the place {place} stands here twice", hint)])
         arms.append(LinkArms(ends[0], ends[1], share))
     return tuple(arms)
