@@ -112,7 +112,7 @@ def draw_from_above(evidence: Evidence) -> Figure:
     handles, labels = zip(*_list_handles(outlines, [mark for _, marks in shown for mark in marks]), strict=True)
     figure.legend(
         handles, labels, loc="outside lower left",
-        ncols=max(2, int(width / 2.0)), fontsize=8, handlelength=2.2, columnspacing=1.4,
+        ncols=2 if width < 8.0 else 3, fontsize=8, handlelength=2.2, columnspacing=1.4,
     )  # fmt: skip
     finish(figure, f"From above: {evidence.title}", _build_caption(evidence, outlines, groups))
     return figure

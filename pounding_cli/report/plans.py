@@ -193,7 +193,7 @@ def read_marks(evidence: Evidence, case: str, outlines: Sequence[PlanOutline]) -
     for number in np.flatnonzero(data["kind"].values != ""):
         link = data.isel(link=number)
         left = evidence.group.index(str(link["link_left"].item()))
-        ends = _find_ends(link, outlines[left], outlines[left + 1])
+        ends = find_link_ends(link, outlines[left], outlines[left + 1])
         is_whole = bool(np.isnan(link["y"].item()))
         place = (left, str(link["kind"].item()), *ends, float(link["gap"].item()), is_whole)
         floors.setdefault(place, []).append(_name_floors(link))
@@ -203,7 +203,7 @@ def read_marks(evidence: Evidence, case: str, outlines: Sequence[PlanOutline]) -
     ]
 
 
-def _find_ends(link: xr.Dataset, left: PlanOutline, right: PlanOutline) -> tuple[float, float]:
+def find_link_ends(link: xr.Dataset, left: PlanOutline, right: PlanOutline) -> tuple[float, float]:
     """Return the places of both ends of a link along the street [m], rounded to a micrometre.
 
     Where floors do not twist it is drawn in the middle of the edge that they share.
