@@ -193,7 +193,7 @@ ROWS: Mapping[str, Twisting] = {
     "infill": Twisting(links=(at(INFILL),)),
     "connector": Twisting(links=(*edges_meet(), at(Connector(0.004, 3e7, 0.1)))),
     "damper": Twisting(links=(*edges_meet(), at(Damper(0.004, 2e6)))),
-    "viscous": Twisting(links=(*edges_meet(), at(Viscous(0.004, 1e5, 0.5, 1e-9))), duration=0.6),
+    "viscous": Twisting(links=(*edges_meet(), at(Viscous(0.004, 1e5, 0.8, 1e-9))), duration=0.6),
     "maxwell": Twisting(links=(*edges_meet(), at(Maxwell(0.004, 1e8, 2e6)))),
     "friction": Twisting(links=(*edges_meet(), at(Friction(0.004, 1e8, 1e5)))),
 }  # fmt: skip
