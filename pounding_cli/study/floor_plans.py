@@ -61,16 +61,15 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
     inertia = _find_inertia(plan, mass)
     torsional_stiffness = _fill(plan.torsional_stiffness or 0.0, mass.size)
     across = tuple(
-        _build_line(f"across {number}", line.x, line, stiffness, yield_shear)
+        _build_line(f"across {number}", line.x, line.stiffness, line.yield_shear, stiffness, yield_shear)
         for number, line in enumerate(plan.across, 1)
     )
     if plan.lines is None:
         lines, torsional_stiffness = _build_short_form(plan, centre, mass, inertia, stiffness, yield_shear)
     else:
-        lines = tuple(
-            _build_line(str(number), line.y - centre, line, stiffness, yield_shear)
-            for number, line in enumerate(plan.lines, 1)
-        )
+        places = [line.y - centre for line in plan.lines]
+        parts = zip(places, plan.fill_rest("stiffness"), plan.fill_rest("yield_shear"), strict=True)
+        lines = tuple(_build_line(str(number), *part, stiffness, yield_shear) for number, part in enumerate(parts, 1))
     half = 0.5 * plan.width
     built = FloorPlan(
         inertia, lines, torsional_stiffness, across, -half - centre, half - centre, plan.shift + centre,
@@ -102,14 +101,28 @@ def _find_inertia(plan: PlanSpec, mass: np.ndarray) -> np.ndarray:
     return mass * (plan.width**2 + plan.depth**2) / 12.0
 
 
-def _build_line(name: str, place: float, line: Any, stiffness: np.ndarray, yield_shear: np.ndarray) -> FrameLine:
-    """Return a line; stiffness, yield_shear : of the storeys of the building, shape (storeys,)."""
-    own_stiffness = _take_share(line.stiffness, stiffness)
-    if line.yield_shear is None:
-        return FrameLine(name, place, own_stiffness, yield_shear * (own_stiffness / stiffness))
-    if line.yield_shear == "never":
-        return FrameLine(name, place, own_stiffness, _take_never(line.yield_shear, stiffness.size))
-    return FrameLine(name, place, own_stiffness, _take_share(line.yield_shear, yield_shear))
+def _build_line(
+    name: str,
+    place: float,
+    stiffness: Any,
+    yield_shear: Any,
+    whole_stiffness: np.ndarray,
+    whole_yield_shear: np.ndarray,
+) -> FrameLine:
+    """Return a line.
+
+    Parameters
+    ----------
+    place : from the centres of mass [m]
+    stiffness, yield_shear : of its storeys, or its shares; yield_shear None for its share of the stiffness
+    whole_stiffness, whole_yield_shear : of the storeys of the building, shape (storeys,)
+    """
+    own_stiffness = _take_share(stiffness, whole_stiffness)
+    if yield_shear is None:
+        return FrameLine(name, place, own_stiffness, whole_yield_shear * (own_stiffness / whole_stiffness))
+    if yield_shear == "never":
+        return FrameLine(name, place, own_stiffness, _take_never(yield_shear, own_stiffness.size))
+    return FrameLine(name, place, own_stiffness, _take_share(yield_shear, whole_yield_shear))
 
 
 def _take_never(value: Any, storeys: int) -> np.ndarray:
