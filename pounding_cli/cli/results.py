@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _FEW = 12
 """Lines of one kind that `pound compare` shows without --all."""
-_PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
+_PLACES = ("case", "analysis", "record", "building", "storey", "floor", "line", "link")
 """What figures over a sweep may fix besides swept keys."""
 
 

@@ -52,7 +52,8 @@ def merge_links(buildings: Sequence[Building], links: Sequence[Link]) -> tuple[L
 
 @functools.lru_cache(maxsize=256)  # scenes of a study share buildings and links
 def find_twisting(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> tuple[bool, ...]:
-    """Return of every building of a row whether its floors twist."""
+    """Return of every building of a row whether its floors twist; links that can exert no force pass nothing on."""
+    links = tuple(link for link in links if link.law.can_act)
     twists = [False] * len(buildings)
     for part in find_parts(buildings, links):
         members = range(part.first, part.end)
