@@ -435,7 +435,7 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
             continue
         place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
         ratio = float(np.nanmax(means))
-        noun = response.noun.replace("storey shears", "shears of lines") if by_line else response.noun
+        noun = f"{response.noun.replace('storey shears', 'shears')} of the lines" if by_line else response.noun
         if ratio <= 1 + MIN_CHANGE:
             sentences.append(f"Nowhere in the sweep do the {noun} of {shown.main_building} rise.")
             continue
