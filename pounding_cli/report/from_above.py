@@ -204,8 +204,8 @@ def _draw_centres(ax: Axes, placed: Placed, inch: float) -> None:
         text, (x, 0.5 * (mean + outline.centre)), xytext=(9, 0), textcoords="offset points", va="center", fontsize=7.5
     )
     if distance > 0.2 * inch:  # the arrow shows between the marks
-        ends = {"xy": (x, mean), "xytext": (x, outline.centre)}
-        ax.annotate("", **ends, arrowprops={"arrowstyle": "<->", "lw": 0.8, "shrinkA": 5, "shrinkB": 5})
+        arrow = {"arrowstyle": "<->", "lw": 0.8, "shrinkA": 5, "shrinkB": 5}
+        ax.annotate("", (x, mean), xytext=(x, outline.centre), arrowprops=arrow)
 
 
 def _name_plan(ax: Axes, placed: Placed, low: float, evidence: Evidence) -> None:

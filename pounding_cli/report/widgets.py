@@ -165,7 +165,7 @@ def stack_lines(values: xr.DataArray) -> xr.DataArray:
     names = [f"{building}, line {line}" for building in values["building"].values for line in values["line"].values]
     whole = stacked.values.reshape(*stacked.shape[:-3], len(names), -1)
     is_there = np.isfinite(whole).any(axis=(*range(len(further)), -1))
-    coords = {dim: values[dim] for dim in further} | {"storey": values["storey"]}
+    coords: dict[Any, Any] = {dim: values[dim] for dim in further} | {"storey": values["storey"]}
     coords["frame line"] = [name for name, kept in zip(names, is_there, strict=True) if kept]
     return xr.DataArray(whole[..., is_there, :], coords, (*further, "frame line", "storey"))
 
