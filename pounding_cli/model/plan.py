@@ -149,12 +149,13 @@ class FloorPlan:
 
     @cached_property
     def identity(self) -> str:
-        """All that makes the floors twist, in a line."""
+        """All that makes the floors twist, in a line, and the edges whose drifts are looked at."""
         lines = [
             (line.place, line.stiffness.tolist(), line.yield_shear.tolist())
             for line in (*self.lines, *self.lines_across)
         ]
-        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist()))
+        numbers = (self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist())
+        return repr((*numbers, self.low, self.high))
 
     @property
     def is_eccentric(self) -> bool:
