@@ -10,6 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
+from pounding_cli.model.stiffness import frequencies
+
 SAME = 1e-12
 """Relative difference of two numbers [-] that count as equal, since both were computed."""
 
@@ -149,6 +151,35 @@ class FloorPlan:
         matrices[:, 0, 0] = load_over_height
         matrices[:, 1, 1] = load_over_height * square_radius
         return matrices
+
+    def frequency_ratio(self, mass: np.ndarray) -> float:
+        """Return the first frequency of the twist about the centres of mass over that along the row, each without the
+        other [-].
+
+        mass : of the floors [kg], shape (n,)
+        """
+        matrices = self.storey_matrices()
+        along = frequencies(mass, matrices[:, 0, 0])[0]
+        return float(frequencies(self.inertia, matrices[:, 1, 1])[0] / along)
+
+    def periods(self, mass: np.ndarray) -> np.ndarray:
+        """Return the natural periods of the fixed-base building whose floors move and turn [s], longest first,
+        shape (2 n,).
+
+        mass : of the floors [kg], shape (n,)
+        """
+        n = self.storeys
+        stiffness = np.zeros((n, 2, n, 2))
+        for j, storey in enumerate(self.storey_matrices()):
+            stiffness[j, :, j, :] += storey
+            if j > 0:
+                stiffness[j - 1, :, j - 1, :] += storey
+                stiffness[j, :, j - 1, :] -= storey
+                stiffness[j - 1, :, j, :] -= storey
+        root = np.sqrt(np.column_stack((mass, self.inertia)).ravel())
+        squares = np.linalg.eigvalsh(stiffness.reshape(2 * n, 2 * n) / np.outer(root, root))
+        with np.errstate(divide="ignore"):  # what is as good as free has no period
+            return np.asarray(2 * np.pi / np.sqrt(np.maximum(squares, 0.0)))
 
     @cached_property
     def identity(self) -> str:

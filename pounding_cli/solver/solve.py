@@ -218,10 +218,13 @@ class SceneRun:
             "dropped": effects.dropped,
         }
         if status not in outcome.OUTCOMES:
-            final = tuple((np.full(count, nan), np.full(count, nan)) for count in storeys)
+            final, final_turns = (
+                tuple((np.full(span.stop - span.start, nan), np.full(span.stop - span.start, nan)) for span in spans)
+                for spans in (layout.floors, layout.turns)
+            )
             no_energy = dict.fromkeys(energy, nan)
             peaks = no_peaks(storeys, len(scene.links), layout.most_lines)
-            return Response(peaks, **facts, energy=no_energy, final=final)
+            return Response(peaks, **facts, energy=no_energy, final=final, final_turns=final_turns)
         peaks = peaks.copy()
         flags = outcome.flags_of(scene, peaks)
         if status == COLLAPSED:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -61,16 +62,17 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
     inertia = _find_inertia(plan, mass)
     torsional_stiffness = _fill(plan.torsional_stiffness or 0.0, mass.size)
     across = tuple(
-        _build_line(f"across {number}", line.x, line, stiffness, yield_shear)
+        _build_line(f"across {number}", line.x, line.stiffness, line.yield_shear, stiffness, yield_shear)
         for number, line in enumerate(plan.across, 1)
     )
     if plan.lines is None:
-        lines, torsional_stiffness = _build_short_form(plan, centre, mass, inertia, stiffness, yield_shear)
+        nominal, torsional_stiffness = _build_short_form(plan, mass, inertia, stiffness, yield_shear)
+        moved = plan.centre_of_mass - centre
+        lines = tuple(replace(line, place=line.place + moved) for line in nominal)
     else:
-        lines = tuple(
-            _build_line(str(number), line.y - centre, line, stiffness, yield_shear)
-            for number, line in enumerate(plan.lines, 1)
-        )
+        places = [line.y - centre for line in plan.lines]
+        parts = zip(places, plan.fill_rest("stiffness"), plan.fill_rest("yield_shear"), strict=True)
+        lines = tuple(_build_line(str(number), *part, stiffness, yield_shear) for number, part in enumerate(parts, 1))
     half = 0.5 * plan.width
     built = FloorPlan(
         inertia, lines, torsional_stiffness, across, -half - centre, half - centre, plan.shift + centre,
@@ -102,14 +104,28 @@ def _find_inertia(plan: PlanSpec, mass: np.ndarray) -> np.ndarray:
     return mass * (plan.width**2 + plan.depth**2) / 12.0
 
 
-def _build_line(name: str, place: float, line: Any, stiffness: np.ndarray, yield_shear: np.ndarray) -> FrameLine:
-    """Return a line; stiffness, yield_shear : of the storeys of the building, shape (storeys,)."""
-    own_stiffness = _take_share(line.stiffness, stiffness)
-    if line.yield_shear is None:
-        return FrameLine(name, place, own_stiffness, yield_shear * (own_stiffness / stiffness))
-    if line.yield_shear == "never":
-        return FrameLine(name, place, own_stiffness, _take_never(line.yield_shear, stiffness.size))
-    return FrameLine(name, place, own_stiffness, _take_share(line.yield_shear, yield_shear))
+def _build_line(
+    name: str,
+    place: float,
+    stiffness: Any,
+    yield_shear: Any,
+    whole_stiffness: np.ndarray,
+    whole_yield_shear: np.ndarray,
+) -> FrameLine:
+    """Return a line.
+
+    Parameters
+    ----------
+    place : from the centres of mass [m]
+    stiffness, yield_shear : of its storeys, or its shares; yield_shear None for its share of the stiffness
+    whole_stiffness, whole_yield_shear : of the storeys of the building, shape (storeys,)
+    """
+    own_stiffness = _take_share(stiffness, whole_stiffness)
+    if yield_shear is None:
+        return FrameLine(name, place, own_stiffness, whole_yield_shear * (own_stiffness / whole_stiffness))
+    if yield_shear == "never":
+        return FrameLine(name, place, own_stiffness, _take_never(yield_shear, own_stiffness.size))
+    return FrameLine(name, place, own_stiffness, _take_share(yield_shear, whole_yield_shear))
 
 
 def _take_never(value: Any, storeys: int) -> np.ndarray:
@@ -124,7 +140,6 @@ def _take_share(value: Any, whole: np.ndarray) -> np.ndarray:
 
 def _build_short_form(
     plan: PlanSpec,
-    centre: float,
     mass: np.ndarray,
     inertia: np.ndarray,
     stiffness: np.ndarray,
@@ -133,9 +148,7 @@ def _build_short_form(
     """Return two equal lines about the centre of stiffness, and the torsional stiffness beside them [N m].
 
     They stand as far apart as frames spread evenly across the width resist the twist, or closer where the plan ends or
-    the ratio of frequencies asks for less.
-
-    centre : y of the centre of mass from the middle of the plan [m]
+    the ratio of frequencies asks for less. Their places are from the centres of mass without what is accidental.
 
     Raises
     ------
@@ -143,6 +156,7 @@ def _build_short_form(
     """
     assert plan.eccentricity is not None
     assert plan.frequency_ratio is not None
+    centre = plan.centre_of_mass
     eccentricity = plan.eccentricity * plan.width
     written = f"an eccentricity of {100 * plan.eccentricity:.4g} %"
     to_edge = 0.5 * plan.width - abs(centre + eccentricity)

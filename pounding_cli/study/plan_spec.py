@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
@@ -19,6 +19,31 @@ _SIZE = LENGTH.replace(high=500.0, usual=PLAUSIBLE_RANGES["size of a plan"])
 WIDTH = _SIZE.replace(name="width", example="20 m")
 DEPTH = _SIZE.replace(name="depth", example="14 m")
 RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
+ACCIDENTAL = RATIO_OF_WIDTH.replace(example="5 %")
+
+
+REST = "rest"
+"""Word for the share that all others leave."""
+
+
+def find_fault_in_shares(shares: Sequence[float | str]) -> tuple[str, str]:
+    """Return what is wrong with shares that must add up to the whole, and what to write; "" where nothing is."""
+    numbers = [share for share in shares if isinstance(share, float)]
+    total = sum(numbers)
+    missing = len(shares) - len(numbers)
+    if missing > 1:
+        return f"have `{REST}` {missing} times", "write it once: it stands for what all others leave"
+    if missing == 1 and total > 1.0 - 1e-9:
+        return f"beside `{REST}` add up to {100 * total:.6g} %", "let them add up to less than 100 %"
+    if missing == 0 and abs(total - 1.0) > 1e-9:
+        return f"add up to {100 * total:.6g} %", f"let them add up to 100 %, or write `{REST}` for one of them"
+    return "", ""
+
+
+def fill_rest(shares: Sequence[float | str]) -> tuple[float, ...]:
+    """Return shares with a number in place of `rest` [-]."""
+    left = 1.0 - sum(share for share in shares if isinstance(share, float))
+    return tuple(share if isinstance(share, float) else left for share in shares)
 
 
 @dataclass(frozen=True)
@@ -45,6 +70,8 @@ class _Share(Quantity):
 _SHARE = _Share("share of the storey", "", "60 %", 0.0, 1.0, open_low=True, percent=True)
 _SHARE_OF_STIFFNESS = dataclasses.replace(_SHARE, numbers="[200 kN/mm, 150 kN/mm]")
 _SHARE_OF_YIELD_SHEAR = dataclasses.replace(_SHARE, numbers="[900 kN, 700 kN]", words=("never",))
+_PART_OF_STIFFNESS = dataclasses.replace(_SHARE_OF_STIFFNESS, words=(REST,))
+_PART_OF_YIELD_SHEAR = dataclasses.replace(_SHARE_OF_YIELD_SHEAR, words=(REST, "never"))
 Inertias: Any = one_or_many(Annotated[float, Quantity("rotary inertia", "kg m2", "1e7 kg m2", 0.0, open_low=True)])
 TorsionalStiffnesses: Any = one_or_many(Annotated[float, Quantity("torsional stiffness", "N m", "5e9 N m", 0.0)])
 _SHORT_FORM = ("eccentricity", "frequency_ratio")
@@ -73,6 +100,17 @@ class _LineSpec(Model):
 class LineSpec(_LineSpec):
     """A frame or wall along the row; lists run from the ground up."""
 
+    stiffness: _each_storey(STIFFNESS, Annotated[float | str, _PART_OF_STIFFNESS]) = spec_field(  # type: ignore[valid-type]
+        ...,
+        "stiffness of its storeys [N/m], a list, or its share of those of the building; `rest`: what other lines leave",
+        "60 %",
+    )
+    yield_shear: _each_storey(FORCE, Annotated[float | str, _PART_OF_YIELD_SHEAR]) | None = spec_field(  # type: ignore[valid-type]
+        None,
+        "yield shears of its storeys [N], a list; `never`: it stays elastic; or its share of those of the building, "
+        "`rest` for what other lines leave; default: its share of the stiffness",
+        "60 %",
+    )
     y: Annotated[float, PLACE] = spec_field(..., "its place across the row [m], from the middle of the plan", "-8 m")
 
 
@@ -80,6 +118,11 @@ class AcrossSpec(_LineSpec):
     """A frame or wall across the row, which resists the twist alone; lists run from the ground up."""
 
     x: Annotated[float, PLACE] = spec_field(..., "its place along the row [m], from the centre of mass", "-6 m")
+
+
+def _is_share(value: Any) -> bool:
+    """Return whether a line has a share of its storeys, not numbers."""
+    return isinstance(value, float) or value == REST
 
 
 class PlanSpec(Model):
@@ -95,14 +138,16 @@ class PlanSpec(Model):
     centre_of_mass: Annotated[float, PLACE] = spec_field(
         "0 m", "y of the centres of mass of the floors [m], from the middle of the plan"
     )
-    accidental: Annotated[float, RATIO_OF_WIDTH.replace(example="5 %")] = spec_field(
-        "0 %", "how far the centres of mass stand off further, as part of the width [-]; sweep it: `[-5 %, 5 %]`"
+    accidental: Annotated[float, ACCIDENTAL] = spec_field(
+        "0 %",
+        "how far the centres of mass stand off further, while the lines stay, as part of the width [-]; `+-5 %` runs "
+        "-5 %, 0 % and 5 %, as an unknown value of the sweep",
     )
     inertia: Inertias | None = spec_field(
         None, "rotary inertia of the floors about their centres of mass [kg m2]; default: m (width^2 + depth^2) / 12"
     )
     lines: Annotated[tuple[LineSpec, ...], Field(min_length=1, max_length=30)] | None = spec_field(
-        None, "frames and walls along the row", [{"y": "-8 m", "stiffness": "60 %"}]
+        None, "frames and walls along the row", [{"y": "-8 m", "stiffness": "60 %"}, {"y": "8 m", "stiffness": "40 %"}]
     )
     across: Annotated[tuple[AcrossSpec, ...], Field(max_length=30)] = spec_field(
         (), "frames and walls across the row that may yield", [{"x": "-6 m", "stiffness": "60 %"}]
@@ -111,7 +156,9 @@ class PlanSpec(Model):
         None, "of what else resists the twist of a storey, such as elastic frames across the row [N m]"
     )
     eccentricity: Annotated[float, RATIO_OF_WIDTH] | None = spec_field(
-        None, "instead of `lines`: y of the centre of stiffness from the centre of mass, as part of the width [-]"
+        None,
+        "instead of `lines`: y of the centre of stiffness from the centre of mass, without what is accidental, as part "
+        "of the width [-]",
     )
     frequency_ratio: Annotated[float, Quantity("ratio of frequencies", "", "1.1", 0.05, 20.0)] | None = spec_field(
         None,
@@ -151,7 +198,15 @@ class PlanSpec(Model):
     def gives_yield_shear(self) -> bool:
         """True where the lines give the yield shears of the storeys, not shares of them."""
         values = [line.yield_shear for line in self.lines or ()]
-        return bool(values) and all(isinstance(value, tuple | str) for value in values)
+        return bool(values) and not any(value is None or _is_share(value) for value in values)
+
+    def fill_rest(self, name: str) -> tuple[Any, ...]:
+        """Return what the lines along the row have at a key, with a share in place of `rest`.
+
+        name : "stiffness" or "yield_shear"
+        """
+        values = tuple(getattr(line, name) for line in self.lines or ())
+        return fill_rest(values) if REST in values else values
 
     def issues(self) -> Iterator[SpecIssue]:
         if self.depth is None and self.inertia is None:
@@ -186,25 +241,26 @@ class PlanSpec(Model):
         for name in ("stiffness", "yield_shear"):
             values = [getattr(line, name) for line in self.lines]
             given = [value for value in values if value is not None]
-            shares = [value for value in given if isinstance(value, float)]
+            shares = [value for value in given if _is_share(value)]
             if name == "yield_shear" and given and len(given) < len(values):
                 number = values.index(None)
                 hint = "write it in every line, or in none: each has its share of the stiffness"
                 yield ("lines", number), f"'{name}' is missing, but other lines have it", hint
             elif shares and len(shares) < len(given):
-                number = next(place for place, value in enumerate(values) if isinstance(value, float))
+                number = next(place for place, value in enumerate(values) if _is_share(value))
                 other = "`never`" if "never" in given else "a list of numbers"
                 message = f"'{name}' is a share here, but {other} in other lines"
                 yield ("lines", number, name), message, "write shares in all lines, or numbers in all", True
-            elif shares and abs(sum(shares) - 1.0) > 1e-9:
-                message = f"the shares of 'lines' in '{name}' add up to {100 * sum(shares):.6g} %"
-                yield ("lines",), message, "let them add up to 100 %", True
+            elif shares:
+                message, hint = find_fault_in_shares(shares)
+                if message:
+                    yield ("lines",), f"the shares of 'lines' in '{name}' {message}", hint, True
         half = 0.5 * self.width
         for number, line in enumerate(self.lines):
             if abs(line.y) > half * (1.0 + 1e-12):
                 message = f"the line stands at {line.y:g} m, outside of the plan"
                 yield ("lines", number, "y"), message, f"write a place from {-half:g} to {half:g} m, or a larger width"
-        for number, line in enumerate(self.across):
-            if self.depth is not None and abs(line.x) > self.depth:
-                message = f"the line stands {line.x:g} m from the centre of mass, outside of the plan"
+        for number, across in enumerate(self.across):
+            if self.depth is not None and abs(across.x) > self.depth:
+                message = f"the line stands {across.x:g} m from the centre of mass, outside of the plan"
                 yield ("across", number, "x"), message, f"write a place within its depth of {self.depth:g} m"

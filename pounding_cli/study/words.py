@@ -103,8 +103,8 @@ def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float
     for reader in _parsers_at(model, path):
         try:
             found = reader.read(given)
-            if reader.quantity is not None and not isinstance(found, int | float):
-                found = reader.quantity.read(given)  # its number, of a place along the street
+            if reader.quantity is not None and not isinstance(found, int | float | str):
+                found = reader.quantity.read(given)  # of which the reader makes more than a number
             break
         except PydanticCustomError:
             continue
