@@ -727,3 +727,8 @@ def test_a_row_without_a_shared_edge_is_refused(pound):
     code, _, err = pound("gap", "far.yaml")
     assert code == 2
     assert "far.yaml:24:8: no two neighbours share an edge along the street" in err
+    Path("near.yaml").write_text(f"{beside}group: [plain, corner, soft]\ncases: {{near: {{link: none}}}}\n")
+    code, out, _ = pound("gap", "near.yaml")
+    assert code == 0
+    assert "corner and soft share no edge along the street, so that they need no gap." in " ".join(out.split())
+    assert "plain and corner share an edge along the street, from its low end at -10 m to its" in " ".join(out.split())
