@@ -166,7 +166,8 @@ def key_words(key: str) -> str:
         else:
             words.append(f"{step.replace('_', ' ')} of storey {int(below) + 1}")
     *above, last = words
-    numbered = [each for each in above if each[-1].isdigit()]
+    is_place = last.startswith(("place", "share"))  # of which every link may have some
+    numbered = [each for each in above if each[-1].isdigit() and (is_place or not each.startswith("link "))]
     words_of_key = " of ".join([last, *reversed(numbered)])
     is_named = section in ("buildings", "cases") and words_of_key != rest[0]
     return f"{words_of_key} of {rest[0]}" if is_named else words_of_key

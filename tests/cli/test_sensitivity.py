@@ -363,6 +363,7 @@ def test_keys_of_a_plan_are_named_in_words(folder):
         ("buildings.A.plan.lines.1.y", "place of line 2 of A"),
         ("buildings.A.plan.lines.0.stiffness.2", "stiffness of storey 3 of line 1 of A"),
         ("cases.near.places", "place of near"), ("cases.near.links.1.places.0", "place 1 of link 2 of near"),
+        ("cases.near.links.1.stiffness", "stiffness of near"),
     ],
 )  # fmt: skip
 def test_keys_in_words(key, expected):

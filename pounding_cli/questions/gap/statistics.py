@@ -62,9 +62,10 @@ def build_point_table(
     points = list_points(plan)
     swept = build_swept_frame(plan.axes, [points[number] for number in rows["point"]])
     frame = pd.concat([swept, rows[list(names)].astype({"analysis": object, "rule": object})], axis=1)
-    declared = [*COLUMNS_BY_TABLE[name], *further, *list_swept_columns(plan.axes)]
+    declared = [*COLUMNS_BY_TABLE[name], *further]
     unit = plan.study.unit("gap")
-    return build_table(name, frame, declared, {column.name: unit for column in declared if is_length(column)})
+    units = {column.name: unit for column in declared if is_length(column)}
+    return build_table(name, frame, [*declared, *list_swept_columns(plan.axes)], units)
 
 
 def compute_statistics(
