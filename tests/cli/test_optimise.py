@@ -12,6 +12,7 @@ import yaml
 import pounding_cli
 from pounding_cli import open_results
 from pounding_cli.numbers import format_number
+from pounding_cli.questions.optimise.words import list_notes
 from pounding_cli.questions.reports import build_report
 from pounding_cli.results.results import ResultTables
 from pounding_cli.study import load_study_file
@@ -704,7 +705,16 @@ def test_notes_stand_where_they_belong(shared_folder, words, raising, other):
 def test_a_key_at_either_end_of_its_range_is_named(results, value, is_at_end):
     edit = {"value": [value, np.nan], "range_from": [0.001, np.nan], "range_to": [0.009, np.nan], "good_from": value}
     notes = build_report(change(results, optimise=lambda frame: frame.assign(**edit))).answer.notes
-    assert any("cases.near.gap is best at the end of its range" in note for note in notes) == is_at_end
+    assert any("cases.near.gap is best at the end of its range: a better value may lie" in note for note in notes) == (
+        is_at_end
+    )
+    if is_at_end:
+        of_place = edit | {"key": ["cases.near.places", "impact.restitution"]}
+        beyond = (
+            "cases.near.places is best at the end of its range: a better place may lie beyond, if both floors reach"
+        )
+        notes = list_notes(change(results, optimise=lambda frame: frame.assign(**of_place)))
+        assert any(beyond in note for note in notes)
 
 
 def test_more_keys_than_are_drawn_are_counted(results):
