@@ -14,6 +14,7 @@ SCENE_DIMS = ("case", "analysis", "record")
 BUILDING_DIMS = (*SCENE_DIMS, "building")
 STOREY_DIMS = (*BUILDING_DIMS, "storey")
 FLOOR_DIMS = (*BUILDING_DIMS, "floor")
+LINE_DIMS = (*STOREY_DIMS, "line")
 LINK_DIMS = (*SCENE_DIMS, "link")
 
 ITSELF, NO_DIFFERENCE = "itself", "exact"
@@ -29,11 +30,11 @@ class Variable:
     of : field of a response that it is read from, such as "building.shear"; "" where it follows from others
     alone : True for the value of the building alone, under the same motion
     ratio : (value, value of the building alone) that it is the ratio of; its statistics over the motions are kept too
-    formula : the values of variables that responses have, by name -> its own; shapes (rows, dimensions after
-        SCENE_DIMS)
+    formula : the values of variables before it by name, and the heights of storeys as "height" -> its own; shapes
+        (swept axes, SCENE_DIMS, its own dimensions after these), of lengths 1 where they do not change
     difference_scale : what a difference is relative to when two files are compared: ITSELF, the largest of another
-        variable in the scene, or NO_DIFFERENCE (none is allowed); "" for one that follows from others and is
-        not compared
+        variable in the scene (of rotations of floors [rad] a length [m], as plans are wider than 1 m: twist may be
+        rounding), or NO_DIFFERENCE (none is allowed); "" for one that follows from others and is not compared
     charts : charts of the page that offer it: "height" (storey by storey, link by link), "sweep"
     label : what pages and figures call it; its name unless given
     always : whether every file has it; not so where it came later, or where only some studies have it
@@ -57,23 +58,25 @@ class Variable:
 _HEIGHT, _BOTH = ("height",), ("height", "sweep")
 
 RESPONSE_VARIABLES = (
-    Variable("V", STOREY_DIMS, "N", "largest storey shear, without damping force",
+    Variable("V", STOREY_DIMS, "N",
+             "largest storey shear, without damping force; of floors that twist that of all lines together",
              of="building.shear", difference_scale=ITSELF, charts=_BOTH),
     Variable("V0", STOREY_DIMS, "N", "largest storey shear of the building alone",
              of="building.shear", alone=True, difference_scale=ITSELF, label="V₀"),
     Variable("V_ratio", STOREY_DIMS, "1", "V / V0", ratio=("V", "V0"), charts=_BOTH, label="V/V₀"),
-    Variable("mu", STOREY_DIMS, "1", "ductility, largest drift over yield drift",
+    Variable("mu", STOREY_DIMS, "1",
+             "ductility, largest drift over yield drift; of floors that twist in the line where it is largest",
              of="building.ductility", difference_scale=ITSELF, charts=_BOTH, label="μ"),
     Variable("mu0", STOREY_DIMS, "1", "ductility of the building alone",
              of="building.ductility", alone=True, difference_scale=ITSELF, label="μ₀"),
     Variable("mu_ratio", STOREY_DIMS, "1", "mu / mu0",
              ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀"),
-    Variable("drift", STOREY_DIMS, "m", "largest storey drift",
+    Variable("drift", STOREY_DIMS, "m", "largest storey drift; of floors that twist at their centre of mass",
              of="building.drift", difference_scale=ITSELF, charts=_BOTH),
     Variable("drift0", STOREY_DIMS, "m", "largest storey drift of the building alone",
              of="building.drift", alone=True, difference_scale=ITSELF, label="drift alone"),
     Variable("drift_ratio", STOREY_DIMS, "1", "drift / height of the storey",
-             charts=_BOTH, always=False),
+             formula=lambda of: of["drift"] / of["height"], charts=_BOTH, always=False),
     Variable("residual_drift", STOREY_DIMS, "m", "storey drift at rest, long after the motion",
              of="building.residual_drift", difference_scale="drift", charts=_BOTH),
     Variable("acceleration", FLOOR_DIMS, "m/s2", "largest total floor acceleration",
@@ -102,6 +105,52 @@ RESPONSE_VARIABLES = (
              kind="i", always=False),
     Variable("collapsed0", BUILDING_DIMS, "1", "likewise of the building alone",
              kind="i", alone=True, always=False),
+    Variable("edge_drift_low", STOREY_DIMS, "m", "largest storey drift at the lower edge of the plan along the street",
+             of="building.edge_drift_low", difference_scale="drift", label="drift, low edge", always=False),
+    Variable("edge_drift_high", STOREY_DIMS, "m", "largest storey drift at the upper edge of the plan along the street",
+             of="building.edge_drift_high", difference_scale="drift", label="drift, high edge", always=False),
+    Variable("edge_drift_low0", STOREY_DIMS, "m", "edge_drift_low of the building alone",
+             of="building.edge_drift_low", alone=True, difference_scale="drift0", label="drift alone, low edge",
+             always=False),
+    Variable("edge_drift_high0", STOREY_DIMS, "m", "edge_drift_high of the building alone",
+             of="building.edge_drift_high", alone=True, difference_scale="drift0", label="drift alone, high edge",
+             always=False),
+    Variable("edge_drift", STOREY_DIMS, "m",
+             "largest storey drift at either edge of the plan; that of the storey where floors do not twist",
+             formula=lambda of: np.maximum(of["edge_drift_low"], of["edge_drift_high"]), charts=_BOTH,
+             label="edge drift", always=False),
+    Variable("edge_drift0", STOREY_DIMS, "m", "edge_drift of the building alone",
+             formula=lambda of: np.maximum(of["edge_drift_low0"], of["edge_drift_high0"]), label="edge drift alone",
+             always=False),
+    Variable("edge_drift_ratio", STOREY_DIMS, "1", "edge_drift / height of the storey",
+             formula=lambda of: of["edge_drift"] / of["height"], charts=_BOTH, label="edge drift ratio", always=False),
+    Variable("twist", FLOOR_DIMS, "rad", "largest rotation of the floor about the vertical, either way",
+             of="building.twist", difference_scale="displacement", charts=_BOTH, always=False),
+    Variable("twist0", FLOOR_DIMS, "rad", "largest rotation of the floor of the building alone",
+             of="building.twist", alone=True, difference_scale="drift0", label="twist alone", always=False),
+    Variable("line_V", LINE_DIMS, "N", "largest shear of the frame line, without damping force",
+             of="line.line_shear", difference_scale="V", label="V of the line", charts=_BOTH, always=False),
+    Variable("line_V0", LINE_DIMS, "N", "largest shear of the frame line of the building alone",
+             of="line.line_shear", alone=True, difference_scale="V0", label="V₀ of the line", always=False),
+    Variable("line_V_ratio", LINE_DIMS, "1", "V / V0 of the line",
+             ratio=("line_V", "line_V0"), label="V/V₀ of the line", charts=_BOTH, always=False),
+    Variable("line_mu", LINE_DIMS, "1", "ductility of the frame line, largest drift over yield drift",
+             of="line.line_ductility", difference_scale="mu", label="μ of the line", charts=_BOTH, always=False),
+    Variable("line_mu0", LINE_DIMS, "1", "ductility of the frame line of the building alone",
+             of="line.line_ductility", alone=True, difference_scale="mu0", label="μ₀ of the line", always=False),
+    Variable("line_mu_ratio", LINE_DIMS, "1", "mu / mu0 of the line",
+             ratio=("line_mu", "line_mu0"), label="μ/μ₀ of the line", charts=_BOTH, always=False),
+    Variable("line_drift", LINE_DIMS, "m", "largest storey drift at the frame line, in its plane",
+             of="line.line_drift", difference_scale="drift", label="drift of the line", charts=_BOTH, always=False),
+    Variable("line_drift0", LINE_DIMS, "m", "largest storey drift at the frame line of the building alone",
+             of="line.line_drift", alone=True, difference_scale="drift0", label="drift of the line alone",
+             always=False),
+    Variable("line_drift_ratio", LINE_DIMS, "1", "drift of the line / height of the storey",
+             formula=lambda of: of["line_drift"] / of["height"][..., None], label="drift ratio of the line",
+             always=False),
+    Variable("line_residual_drift", LINE_DIMS, "m", "drift of the line at rest, long after the motion",
+             of="line.line_residual_drift", difference_scale="drift", label="residual drift of the line",
+             always=False),
     Variable("impacts", LINK_DIMS, "1", "number of times the link closed",
              of="link.impacts", difference_scale=NO_DIFFERENCE, charts=_BOTH, label="contacts"),
     Variable("peak_force", LINK_DIMS, "N", "largest link force, along its axis where the link is inclined",
@@ -159,11 +208,22 @@ SCENE_VARIABLES = (
     Variable("scene", SCENE_DIMS, "", "digest of the scene", "s"),
 )  # fmt: skip
 
+LINE_VARIABLES = tuple(each for each in RESPONSE_VARIABLES if each.dims == LINE_DIMS)
+"""Variables of frame lines; the table of lines and expressions call them without `line_`."""
+
+TWIST_VARIABLES = tuple(
+    each for each in RESPONSE_VARIABLES if each.dims == LINE_DIMS or each.name.startswith(("edge_drift", "twist"))
+)
+"""Variables that files have where some building has a plan."""
+
 COLUMN_VARIABLES = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
 """Names of the variables that files have where some link ends on columns."""
 
 INCLINED_VARIABLES = ("inclination", "facing")
 """Names of the variables that files have where some link joins places of different heights."""
+
+PLACED_VARIABLES = ("y", "left_y", "right_y")
+"""Names of the variables that files have where some floor may twist."""
 
 _WHERE = "part of the height of the storey below its floor, 1 at it"
 
@@ -178,6 +238,12 @@ LINK_VARIABLES = (
     Variable("facing", ("case", "link"), "1",
              "1 where its ends are as high as each other, within the slabs; 0 elsewhere: there it crosses no gap",
              always=False),
+    Variable("y", ("case", "link"), "m", "place of its left end along the street, of its right end beside a building "
+             "without a plan", always=False),
+    Variable("left_y", ("case", "link"), "m", "place of its left end across the row, from the centre of mass",
+             always=False),
+    Variable("right_y", ("case", "link"), "m", "place of its right end across the row, from the centre of mass",
+             always=False),
 )  # fmt: skip
 
 # BUILDING_VARIABLES and RECORD_VARIABLES have only those swept axes that change one of them.
@@ -190,6 +256,44 @@ BUILDING_VARIABLES = (
     Variable("period", ("building",), "s", "fundamental period on a fixed base"),
     Variable("base_shear_ratio", ("building",), "1", "yield shear of the lowest storey over the weight, V/W"),
     Variable("slab", ("building",), "m", "thickness of the floor slabs", always=False),
+    Variable(
+        "plan_low", ("building",), "m", "lower edge of the plan along the street; NaN without a plan", always=False
+    ),
+    Variable("plan_high", ("building",), "m", "upper edge of the plan along the street", always=False),
+    Variable("plan_centre", ("building",), "m", "centre of mass along the street", always=False),
+    Variable(
+        "inertia", ("building", "storey"), "kg m2", "rotary inertia of the floor about its centre of mass", always=False
+    ),
+    Variable(
+        "torsional_stiffness",
+        ("building", "storey"),
+        "N m",
+        "of the storey beside its frame lines, about the vertical",
+        always=False,
+    ),
+    Variable(
+        "stiffness_centre",
+        ("building", "storey"),
+        "m",
+        "centre of stiffness along the street, of the lines along the row",
+        always=False,
+    ),
+    Variable(
+        "line_y",
+        ("building", "line"),
+        "m",
+        "place of a line along the row, along the street; NaN of others",
+        always=False,
+    ),
+    Variable(
+        "line_x",
+        ("building", "line"),
+        "m",
+        "place of a line across the row from the centre of mass; NaN of others",
+        always=False,
+    ),
+    Variable("line_stiffness", ("building", "storey", "line"), "N/m", "initial stiffness of a line", always=False),
+    Variable("line_yield_shear", ("building", "storey", "line"), "N", "yield shear of a line", always=False),
     Variable("separation", ("building",), "m", "separation by the code from the building to the right"),
 )
 
@@ -201,6 +305,12 @@ RECORD_VARIABLES = (
     Variable("record_pga", ("record",), "m/s2", "peak ground acceleration as used", label="peak"),
     Variable("record_arias", ("record",), "m/s", "Arias intensity as used", label="Arias intensity"),
 )
+
+PLAN_VARIABLES = (
+    "plan_low", "plan_high", "plan_centre", "inertia", "torsional_stiffness", "stiffness_centre", "line_y", "line_x",
+    "line_stiffness", "line_yield_shear",
+)  # fmt: skip
+"""Names of the variables of buildings that files have where some building has a plan."""
 
 _STATISTICS = {
     "mean": "mean",
@@ -214,8 +324,8 @@ _STATISTICS = {
 
 STATISTIC_VARIABLES = tuple(
     Variable(
-        f"{ratio.name}_{name}", ("case", "analysis", *ratio.dims[-2:]), "1",
-        f"{words} over the records of {ratio.name}", "i" if name == "count" else "f",
+        f"{ratio.name}_{name}", ("case", "analysis", *ratio.dims[len(SCENE_DIMS) :]), "1",
+        f"{words} over the records of {ratio.name}", "i" if name == "count" else "f", always=ratio.always,
     )
     for ratio in RESPONSE_VARIABLES if ratio.ratio for name, words in _STATISTICS.items()
 )  # fmt: skip
@@ -238,7 +348,8 @@ VARIABLES = {
     )
 }
 
-RATIO_VARIABLES = tuple(v.name for v in RESPONSE_VARIABLES if v.ratio)
+RATIO_VARIABLES = tuple(v.name for v in RESPONSE_VARIABLES if v.ratio and v not in LINE_VARIABLES)
+LINE_RATIO_VARIABLES = tuple(v.name for v in LINE_VARIABLES if v.ratio)
 
 ALONE_VARIABLES = {
     v.name: w.name
@@ -255,6 +366,7 @@ COORDINATE_VARIABLES = {
     "building": ("", "building, left to right"),
     "storey": ("1", "storey, from 1 at the ground"),
     "floor": ("1", "floor, from 1 at the ground; the top of the storey of that number"),
+    "line": ("1", "frame line, from 1 as the plan lists them; those across the row last"),
     "link": ("", "link between two neighbouring floors"),
     "link_left": ("", "building left of the link"),
     "link_right": ("", "building right of the link"),

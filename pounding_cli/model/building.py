@@ -254,6 +254,11 @@ class Building:
         return self.mass.size
 
     @property
+    def lines(self) -> int:
+        """Number of frame lines of its plan, those across the row too; 0 without a plan."""
+        return 0 if self.plan is None else len(self.plan.all_lines)
+
+    @property
     def elevation(self) -> np.ndarray:
         """Floor elevations above the base [m], shape (n,)."""
         return np.cumsum(self.height)

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.law import LinkLaw
@@ -115,6 +115,16 @@ class Link:
         return self.law.gap
 
     @property
+    def share(self) -> float:
+        """Part of a whole link that this is [-]; 1 of a whole one."""
+        if self.whole_law is None:
+            return 1.0
+        names = self.law.scaled_parameters
+        if names:
+            return float(getattr(self.law, names[0]) / getattr(self.whole_law, names[0]))
+        return sum(self.law.max_slopes) / sum(self.whole_law.max_slopes)
+
+    @property
     def inclination(self) -> float:
         """Angle between the link and the horizontal [rad]."""
         return math.acos(self.cosine)
@@ -198,21 +208,29 @@ def link_places(links: Sequence[Link]) -> tuple[LinkPlace, ...]:
 
 
 def _names_by_law(links: Sequence[Link]) -> list[str]:
-    """Return a name for each link that stands beside another between the same ends, "" for the rest."""
-    numbers_by_ends: dict[tuple[LinkEnd, LinkEnd], list[int]] = {}
+    """Return a name for each link that stands beside another between the same ends, "" for the rest.
+
+    Parts of one link at several places share the name of its law, and are numbered: `place 1`, `connector place 2`.
+    """
+    wholes_by_ends: dict[tuple[LinkEnd, LinkEnd], dict[Any, list[int]]] = {}
     for number, link in enumerate(links):
-        numbers_by_ends.setdefault(link.ends, []).append(number)
+        whole = number if link.whole_law is None else link.whole_law
+        wholes_by_ends.setdefault(link.ends, {}).setdefault(whole, []).append(number)
     names = [""] * len(links)
-    for numbers in numbers_by_ends.values():
-        striking = [number for number in numbers if links[number].law.subtracts_gap]
-        unnamed = striking[0] if striking else numbers[0]
+    for wholes in wholes_by_ends.values():
+        groups = list(wholes.values())
+        striking = [numbers for numbers in groups if links[numbers[0]].law.subtracts_gap]
+        unnamed = striking[0] if striking else groups[0]
         count: Counter[str] = Counter()
-        for number in numbers:
-            if number == unnamed:
-                continue
-            kind = links[number].kind
-            count[kind] += 1
-            names[number] = kind if count[kind] == 1 else f"{kind} {count[kind]}"
+        for numbers in groups:
+            name = ""
+            if numbers is not unnamed:
+                kind = links[numbers[0]].kind
+                count[kind] += 1
+                name = kind if count[kind] == 1 else f"{kind} {count[kind]}"
+            for place, number in enumerate(numbers, 1):
+                part = "" if links[number].whole_law is None else f"place {place}"
+                names[number] = " ".join(filter(None, (name, part)))
     return names
 
 

@@ -10,6 +10,11 @@ from functools import cached_property
 
 import numpy as np
 
+from pounding_cli.model.stiffness import frequencies
+
+SAME = 1e-12
+"""Relative difference of two numbers [-] that count as equal, since both were computed."""
+
 
 def _as_storeys(values: np.ndarray, storeys: int, name: str) -> np.ndarray:
     """Return numbers of every storey as an array that nobody changes.  Raises ValueError: there are not so many."""
@@ -94,14 +99,14 @@ class FloorPlan:
             raise ValueError("plan: low must not be above high")
 
     @property
-    def all_lines(self) -> tuple[FrameLine, ...]:
-        """The lines along the row, and behind them those across it."""
-        return (*self.lines, *self.lines_across)
-
-    @property
     def storeys(self) -> int:
         """Number of storeys n."""
         return self.inertia.size
+
+    @cached_property
+    def all_lines(self) -> tuple[FrameLine, ...]:
+        """Its lines along the row, and behind them those across it."""
+        return (*self.lines, *self.lines_across)
 
     @cached_property
     def stiffness(self) -> np.ndarray:
@@ -147,33 +152,68 @@ class FloorPlan:
         matrices[:, 1, 1] = load_over_height * square_radius
         return matrices
 
+    def frequency_ratio(self, mass: np.ndarray) -> float:
+        """Return the first frequency of the twist about the centres of mass over that along the row, each without the
+        other [-].
+
+        mass : of the floors [kg], shape (n,)
+        """
+        matrices = self.storey_matrices()
+        along = frequencies(mass, matrices[:, 0, 0])[0]
+        return float(frequencies(self.inertia, matrices[:, 1, 1])[0] / along)
+
+    def periods(self, mass: np.ndarray) -> np.ndarray:
+        """Return the natural periods of the fixed-base building whose floors move and turn [s], longest first,
+        shape (2 n,).
+
+        mass : of the floors [kg], shape (n,)
+        """
+        n = self.storeys
+        stiffness = np.zeros((n, 2, n, 2))
+        for j, storey in enumerate(self.storey_matrices()):
+            stiffness[j, :, j, :] += storey
+            if j > 0:
+                stiffness[j - 1, :, j - 1, :] += storey
+                stiffness[j, :, j - 1, :] -= storey
+                stiffness[j - 1, :, j, :] -= storey
+        root = np.sqrt(np.column_stack((mass, self.inertia)).ravel())
+        squares = np.linalg.eigvalsh(stiffness.reshape(2 * n, 2 * n) / np.outer(root, root))
+        with np.errstate(divide="ignore"):  # what is as good as free has no period
+            return np.asarray(2 * np.pi / np.sqrt(np.maximum(squares, 0.0)))
+
     @cached_property
     def identity(self) -> str:
-        """All that makes the floors twist, in a line."""
-        lines = [
-            (line.place, line.stiffness.tolist(), line.yield_shear.tolist())
-            for line in (*self.lines, *self.lines_across)
-        ]
-        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist()))
+        """All that makes the floors twist, and the edges whose drifts are looked at, in a line."""
+        lines = [(line.place, line.stiffness.tolist(), line.yield_shear.tolist()) for line in self.all_lines]
+        edges = (self.low, self.high)
+        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist(), edges))
 
     @property
     def is_eccentric(self) -> bool:
-        """True where the floors twist by themselves, without eccentric links."""
-        size = np.sum([abs(line.place) * line.stiffness for line in self.lines], axis=0)
-        is_centred = np.abs(self.eccentricity * self.stiffness) <= 1e-12 * np.maximum(size, 1e-300)
-        return not bool(np.all(is_centred)) or not _is_symmetric(self.lines)
+        """True where the floors twist by themselves, without eccentric links: some line along the row has not its like
+        on the other side."""
+        unmatched = list(self.lines)
+        while unmatched:
+            line = unmatched[0]
+            mirrored = next((number for number, other in enumerate(unmatched) if self._are_mirrored(line, other)), None)
+            if mirrored is None:
+                return True
+            del unmatched[mirrored]
+            if mirrored > 0:  # else it stands at the centres of mass
+                del unmatched[0]
+        return False
 
+    def _are_mirrored(self, line: FrameLine, other: FrameLine) -> bool:
+        """Return whether two lines along the row stand on both sides of the centres of mass and are alike."""
+        distance = abs(line.place + other.place)
+        return (
+            distance <= SAME * max(self.high - self.low, abs(line.place))
+            and np.allclose(line.stiffness, other.stiffness, rtol=SAME, atol=0.0)
+            and np.allclose(line.yield_shear, other.yield_shear, rtol=SAME, atol=0.0)
+        )
 
-def _is_symmetric(lines: tuple[FrameLine, ...]) -> bool:
-    """Return whether every line has one like it on the other side, so that they yield together."""
-    for line in lines:
-        mirrored = [
-            other
-            for other in lines
-            if other.place == -line.place
-            and np.array_equal(other.stiffness, line.stiffness)
-            and np.array_equal(other.yield_shear, line.yield_shear)
-        ]
-        if not mirrored:
-            return False
-    return True
+    @property
+    def yields_as_one(self) -> bool:
+        """True where all lines of a storey yield at one drift, so that without a twist their sum is one storey."""
+        drifts = [line.yield_shear / line.stiffness for line in self.lines]
+        return all(np.allclose(each, drifts[0], rtol=SAME, atol=0.0) for each in drifts)

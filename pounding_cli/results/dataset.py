@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -19,6 +19,7 @@ from pounding_cli.laws import link_symbol
 from pounding_cli.laws.apart import Apart
 from pounding_cli.laws.formula import WRITTEN_LAWS
 from pounding_cli.laws.law import LinkLaw
+from pounding_cli.model.building import Building
 from pounding_cli.model.links import link_label
 from pounding_cli.model.scene import Analysis
 from pounding_cli.model.wall import Wall
@@ -29,12 +30,13 @@ from pounding_cli.results.responses import (
     TEXTS,
     Responses,
     iter_section_points,
+    max_lines,
     max_storeys,
     solution_key,
     solver_version,
 )
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag
-from pounding_cli.variables import RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
+from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
@@ -57,24 +59,29 @@ def build_arrays(plan: Plan, solved: Responses) -> ResultArrays:
         if _has_values(plan, v)
     ]
     facts = _facts(plan, axes)
-    arrays = {v.name: getattr(plan.links, v.name) for v in declared if v in variables.LINK_VARIABLES} | _responses(
-        plan, solved, declared
-    )
+    arrays = {v.name: getattr(plan.links, v.name) for v in declared if v in variables.LINK_VARIABLES}
+    arrays |= _responses(plan, solved, declared)
+    if max_lines(plan):
+        _fill_untwisted(arrays, axes, facts)
     with np.errstate(all="ignore"):
-        height = facts["height"]
-        missing = [place for place, dim in enumerate((*axes, *STOREY_DIMS)) if dim not in height.dims]
-        arrays["drift_ratio"] = arrays["drift"] / np.expand_dims(height.values, missing)
+        height = _spread_fact(facts["height"], axes, STOREY_DIMS)
         for v in declared:
             if v.ratio:
                 value, base = (arrays[name] for name in v.ratio)
                 arrays[v.name] = value / np.where(base > 0, base, np.nan)
             elif v.formula is not None:
-                arrays[v.name] = v.formula(arrays)
+                arrays[v.name] = v.formula({**arrays, "height": height})
         # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
         errors = solved.values["error_estimate"][plan.numbers[..., 1:]] + arrays["error_estimate"][..., None]
-        for name in RATIO_VARIABLES:
-            measures = _statistics(arrays[name], errors[..., None], arrays["sensitivity"][..., None, None])
-            arrays |= {f"{name}_{measure}": array for measure, array in measures.items()}
+        for name in (*RATIO_VARIABLES, *LINE_RATIO_VARIABLES):
+            if name not in arrays:
+                continue
+            sizes = arrays[name].shape[arrays["status"].ndim + 1 :]  # and lines, which stand side by side
+            ratios = arrays[name].reshape(*arrays[name].shape[: -len(sizes)], -1)
+            measures = _statistics(ratios, errors[..., None], arrays["sensitivity"][..., None, None])
+            arrays |= {
+                f"{name}_{measure}": array.reshape(*array.shape[:-1], *sizes) for measure, array in measures.items()
+            }
     _flag(plan, solved, arrays)
     found = facts | {name: Array((*axes, *VARIABLES[name].dims), array) for name, array in arrays.items()}
     for name, each in found.items():
@@ -93,6 +100,8 @@ def _has_values(plan: Plan, v: Variable) -> bool:
         return any(place.is_on_columns for place in plan.links.places)
     if v.name in variables.INCLINED_VARIABLES:
         return bool((plan.links.facing == 0.0).any())
+    if v.name in (*variables.PLACED_VARIABLES, *variables.PLAN_VARIABLES) or v in variables.TWIST_VARIABLES:
+        return max_lines(plan) > 0
     return "link" not in v.dims or bool(plan.links.places)
 
 
@@ -159,6 +168,38 @@ def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray
         "mean_error": total(error) / (~np.isnan(error)).sum(axis=-3),
         "mean_sensitivity": total(change) / total(np.where(np.isnan(change), np.nan, size)),
     }
+
+
+def _spread_fact(fact: Array, axes: tuple[str, ...], dims: tuple[str, ...]) -> np.ndarray:
+    """Return a variable of buildings over the swept axes and some dimensions, of length 1 where it does not change."""
+    missing = [place for place, dim in enumerate((*axes, *dims)) if dim not in fact.dims]
+    return np.expand_dims(fact.values, missing)
+
+
+def _fill_untwisted(arrays: Arrays, axes: tuple[str, ...], facts: Mapping[str, Array]) -> None:
+    """Enter what lines, edges and floors come to where floors do not twist: lines along the row and edges have the
+    drift of their storey, and lines their part of its shear. Buildings without a plan have edges, too, but no lines."""
+    with np.errstate(invalid="ignore"):
+        stiffness = _spread_fact(facts["line_stiffness"], axes, variables.LINE_DIMS)
+        is_along = ~np.isnan(_spread_fact(facts["line_y"], axes, variables.LINE_DIMS))
+        of_storey = _spread_fact(facts["stiffness"], axes, STOREY_DIMS)[..., None]
+        share = np.where(is_along, stiffness / of_storey, 0.0)
+        line = np.where(np.isnan(stiffness), np.nan, is_along)
+        is_twistable = ~np.isnan(_spread_fact(facts["plan_low"], axes, variables.BUILDING_DIMS))[..., None]
+        for suffix in ("", "0"):
+            drift = arrays[f"drift{suffix}"]
+            untwisted = {
+                f"twist{suffix}": 0.0 * np.where(is_twistable, drift, np.nan),
+                f"edge_drift_low{suffix}": drift,
+                f"edge_drift_high{suffix}": drift,
+                f"line_V{suffix}": arrays[f"V{suffix}"][..., None] * share * np.where(np.isnan(line), np.nan, 1.0),
+                f"line_mu{suffix}": arrays[f"mu{suffix}"][..., None] * line,
+                f"line_drift{suffix}": drift[..., None] * line,
+            }
+            if not suffix:
+                untwisted["line_residual_drift"] = arrays["residual_drift"][..., None] * line
+            for name, values in untwisted.items():
+                arrays[name] = np.where(np.isnan(arrays[name]), values, arrays[name])
 
 
 # Flags
@@ -238,6 +279,8 @@ def _coordinates(plan: Plan) -> dict[str, Array]:
         "case": plan.cases, "analysis": plan.analyses, "record": plan.records, "building": names,
         "storey": storeys, "floor": storeys,
     }  # fmt: skip
+    if lines := max_lines(plan):
+        values["line"] = np.arange(1, lines + 1)
     if places:
         left, left_floor, right_floor, *_ = zip(*places, strict=True)
         values |= {
@@ -258,6 +301,8 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
     """Return the variables of buildings and motions, over the axes that change them."""
     study = plan.study
     storeys = max_storeys(plan)
+    lines = max_lines(plan)
+    building_variables = tuple(v for v in variables.BUILDING_VARIABLES if _has_values(plan, v))
     separations = study.separations()
 
     def over(section: str, declared: tuple[Variable, ...], value: Callable[[Any], dict[str, Any]]) -> dict[str, Array]:
@@ -290,7 +335,7 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
             for values, building in zip(found[name], row, strict=True):
                 known = building.storey_property(name) if isinstance(building, Wall) else getattr(building, name)
                 values[: building.storeys] = known
-        return found
+        return found | (_describe_plans(row, storeys, lines) if lines else {})
 
     def motions(point: Any) -> dict[str, Any]:
         uses = [study.motion_uses(point)[name] for name in plan.records]
@@ -298,7 +343,38 @@ def _facts(plan: Plan, axes: tuple[str, ...]) -> dict[str, Array]:
             v.name: [getattr(use, v.name.removeprefix("record_")) for use in uses] for v in variables.RECORD_VARIABLES
         }
 
-    return over("buildings", variables.BUILDING_VARIABLES, group) | over("records", variables.RECORD_VARIABLES, motions)
+    return over("buildings", building_variables, group) | over("records", variables.RECORD_VARIABLES, motions)
+
+
+def _describe_plans(row: Sequence[Building], storeys: int, lines: int) -> dict[str, np.ndarray]:
+    """Return `variables.PLAN_VARIABLES` of a row of buildings, NaN where there is nothing.
+
+    storeys, lines : most of a building
+    """
+    plan_names = ("plan_low", "plan_high", "plan_centre")
+    found = {name: np.full(len(row), np.nan) for name in plan_names}
+    found |= {name: np.full((len(row), storeys), np.nan) for name in ("inertia", "torsional_stiffness")}
+    found["stiffness_centre"] = np.full((len(row), storeys), np.nan)
+    found |= {name: np.full((len(row), lines), np.nan) for name in ("line_y", "line_x")}
+    found |= {name: np.full((len(row), storeys, lines), np.nan) for name in ("line_stiffness", "line_yield_shear")}
+    for place, building in enumerate(row):
+        plan = building.plan
+        if plan is None:
+            continue
+        found["plan_low"][place] = plan.place + plan.low
+        found["plan_high"][place] = plan.place + plan.high
+        found["plan_centre"][place] = plan.place
+        found["inertia"][place, : plan.storeys] = plan.inertia
+        found["torsional_stiffness"][place, : plan.storeys] = plan.torsional_stiffness
+        found["stiffness_centre"][place, : plan.storeys] = plan.place + plan.eccentricity
+        for number, line in enumerate(plan.all_lines):
+            if number < len(plan.lines):
+                found["line_y"][place, number] = plan.place + line.place
+            else:
+                found["line_x"][place, number] = line.place
+            found["line_stiffness"][place, : plan.storeys, number] = line.stiffness
+            found["line_yield_shear"][place, : plan.storeys, number] = line.yield_shear
+    return found
 
 
 def _is_constant(array: np.ndarray, axis: int) -> bool:

@@ -19,9 +19,11 @@ from pounding_cli.solver.response import (
     COLLAPSES,
     COLUMNS,
     DONE,
+    LINES,
     LINKS,
     OUTCOMES,
     STOREYS,
+    TURNS,
     Flag,
     Response,
     peaks_type,
@@ -38,7 +40,7 @@ SCALARS = (
 )  # fmt: skip
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links", "residual")
 
-PARTS = {"building.": (*STOREYS, *BASES, *COLLAPSES), "link.": LINKS, "columns.": COLUMNS}
+PARTS = {"building.": (*STOREYS, *BASES, *COLLAPSES, *TURNS), "line.": LINES, "link.": LINKS, "columns.": COLUMNS}
 """What names in `Responses.values` begin with -> the peaks of a response."""
 
 Row = tuple[str, bytes]
@@ -46,10 +48,10 @@ Row = tuple[str, bytes]
 
 
 @lru_cache(maxsize=1024)
-def row_type(buildings: int, storeys: int, links: int) -> np.dtype:
+def row_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.dtype:
     """The numbers of a scene: SCALARS, ENERGIES, and its peaks."""
     names = (*SCALARS, *(f"energy_{name}" for name in ENERGIES))
-    peaks = peaks_type(buildings, storeys, links)
+    peaks = peaks_type(buildings, storeys, links, lines)
     return np.dtype([*((name, "f8") for name in names), *((name, peaks[name]) for name in peaks.names or ())])
 
 
@@ -59,7 +61,9 @@ def encode_response(response: Response) -> Row:
     texts = [
         each if isinstance(each, str) else "\n".join(map(str, each)) for each in (getattr(r, name) for name in TEXTS)
     ]
-    size = len(r.storeys), max(r.storeys), r.peaks["impacts"].size
+    size = [len(r.storeys), max(r.storeys), r.peaks["impacts"].size]
+    if "line_drift" in (r.peaks.dtype.names or ()):
+        size.append(r.peaks["line_drift"].shape[-1])
     numbers = [*(getattr(r, name) for name in SCALARS), *(r.energy.get(name, np.nan) for name in ENERGIES)]
     return json.dumps([texts, size]), np.array(numbers, float).tobytes() + r.peaks.tobytes()
 
@@ -108,8 +112,9 @@ class Responses:
     is_known : whether a scene was solved, shape (scenes + 1,)
     texts : TEXTS by name, "" of a scene that was not solved, shape (scenes + 1,)
     values : "building.drift" (scenes + 1, buildings, storeys), a building alone at place 0; "building.sway" (scenes +
-        1, buildings); "link.impacts", "columns.demand" (scenes + 1, links of `plan.links`); "error_estimate",
-        "energy_input", ... (scenes + 1,); NaN where there is nothing
+        1, buildings); "line.line_shear" (scenes + 1, buildings, storeys, lines); "link.impacts", "columns.demand"
+        (scenes + 1, links of `plan.links`); "error_estimate", "energy_input", ... (scenes + 1,); NaN where there is
+        nothing
     """
 
     def __init__(self, plan: Plan) -> None:
@@ -117,7 +122,8 @@ class Responses:
         self.plan = plan
         self.is_known = np.zeros(count, bool)
         self.texts = {name: np.full(count, "", object) for name in TEXTS}
-        self._whole = np.full(count, np.nan, row_type(len(plan.buildings), max_storeys(plan), len(plan.links.places)))
+        size = (len(plan.buildings), max_storeys(plan), len(plan.links.places), max_lines(plan))
+        self._whole = np.full(count, np.nan, row_type(*size))
         prefixes = {name: prefix for prefix, names in PARTS.items() for name in names}
         self.values = {prefixes.get(name, "") + name: self._whole[name] for name in self._whole.dtype.names}
         self._order = _orders(plan)
@@ -130,11 +136,12 @@ class Responses:
             alike.setdefault(tuple(size), []).append(number)
             for name, text in zip(TEXTS, texts, strict=True):
                 self.texts[name][number] = sys.intern(text)  # many say the same
-        for (buildings, storeys, links), at in alike.items():
-            records = np.frombuffer(b"".join(rows[number][1] for number in at), row_type(buildings, storeys, links))
+        for (buildings, storeys, links, *lines), at in alike.items():
+            of_rows = row_type(buildings, storeys, links, *lines)
+            records = np.frombuffer(b"".join(rows[number][1] for number in at), of_rows)
             self.is_known[at] = True
             order = self._order[at]
-            place = (at, slice(buildings), slice(storeys))
+            place = (at, slice(buildings), slice(storeys), slice(sum(lines)))
             for name in records.dtype.names or ():
                 whole = self._whole[name]
                 values = records[name]
@@ -175,6 +182,15 @@ def max_storeys(plan: Plan) -> int:
     """Return the number of storeys of the highest building at any point of the sweep."""
     return max(
         plan.study.building(point, place).storeys
+        for place, name in enumerate(plan.study.spec.group)
+        for point in iter_section_points(plan, "buildings", name)
+    )
+
+
+def max_lines(plan: Plan) -> int:
+    """Return the number of frame lines of the building with most of them at any point of the sweep; 0 without plans."""
+    return max(
+        plan.study.building(point, place).lines
         for place, name in enumerate(plan.study.spec.group)
         for point in iter_section_points(plan, "buildings", name)
     )

@@ -117,6 +117,15 @@ class Meeting:
         left_level = self.left.level(link.left_floor, link.left_at)
         return self.right.level(link.right_floor, link.right_at) - left_level
 
+    def find_street_place(self, link: Link) -> float:
+        """Return the place of the left end of a link along the street [m], of its right end where the left building has
+        no plan; NaN where neither has one."""
+        if self.left.street is not None:
+            return self.left.street.centre + link.left_y
+        if self.right.street is not None:
+            return self.right.street.centre + link.right_y
+        return math.nan
+
     def has_facing_ends(self, link: Link | LinkEnds) -> bool:
         """Return whether the ends of a link are as high as each other, within the slabs of both buildings."""
         return abs(self.find_rise(link)) <= self.reach

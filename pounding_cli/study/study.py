@@ -20,6 +20,7 @@ from pounding_cli.reading import shorten_path
 from pounding_cli.records.motion import Motion
 from pounding_cli.study import keep, warnings
 from pounding_cli.study.axes import Axis, read_axes, with_middles
+from pounding_cli.study.both_sides import with_both_sides
 from pounding_cli.study.buildings import find_separation
 from pounding_cli.study.changes import Change, apply_changes
 from pounding_cli.study.display import describe_study, find_unit
@@ -93,6 +94,15 @@ class Study:
             _names_residual_drift(self.tree.get(name)) for name in find_section_names(type(self.spec))
         )
 
+    @property
+    def has_plans(self) -> bool:
+        """True if a building of the group has a plan at some point of the sweep."""
+        return any(
+            spec.plan is not None
+            for name in self.spec.group
+            for _, spec in self.resolved.building_specs[name].iter_values()
+        )
+
     def with_axes(self, axes: Sequence[Axis], tree: Map | None = None) -> Study:
         """Return the study with other axes; title, units and warnings stay.
 
@@ -116,7 +126,7 @@ class Study:
         InputError : it is not sound
         """
         problems = Problems(self.file)
-        tree = with_middles(tree, problems)
+        tree = with_middles(with_both_sides(tree, problems), problems)
         axes = read_axes(tree, problems)
         problems.check()
         return self.with_axes(axes, tree)
@@ -240,7 +250,7 @@ def build_study(path: Path, text: str, tree: Map, model: type[StudySpec], change
         text, tree = apply_changes(text, tree, changes, file, model)
     reader = MotionReader(path.resolve().parent)
     problems = Problems(file)
-    tree = with_middles(tree, problems)
+    tree = with_middles(with_both_sides(tree, problems), problems)
     axes = read_axes(tree, problems)
     from_data = isinstance(tree.mark[0], str)
     spec, resolved = _resolve_tree(tree, axes, reader, file, model, problems)
