@@ -284,12 +284,22 @@ def wall_numbers(solved: Solved) -> Iterator[tuple[str, str]]:
 
 
 def find_line_ratios(solved: Solved) -> Iterator[tuple[str, str]]:
-    """Yield the largest mu/mu0 of every frame line of `end`, where it is set back by a third to either side."""
+    """Yield the largest mu/mu0 of every frame line of `end`, where it is set back by a third to either side, and of its
+    storeys if floors do not twist."""
     ratios = open_results(solved.file).dataset["line_mu_ratio"].sel(building="end", analysis="inelastic", case="gap")
     means = ratios.mean("record").max("storey")
     for line, name in LINES_OF_END.items():
         low, high = (means.sel({"buildings.end.plan.shift": shift, "line": line}).item() for shift in (-6.0, 6.0))
         yield f"mu/mu0 of the {name}", f"{low:.2f} with a shift of -6 m; {high:.2f} with 6 m"
+    study = yaml.safe_load(solved.study.read_text(encoding="utf-8"))
+    del study["sweep"]
+    for building in study["buildings"].values():
+        del building["plan"]
+    path = solved.file.with_name("without-plans.yaml")
+    path.write_text(yaml.safe_dump(study), encoding="utf-8")
+    storeys = Solved(path, "run", path.parent).table("storey").query("building == 'end' and analysis == 'inelastic'")
+    largest = storeys.groupby("storey")["mu_ratio"].mean().max()
+    yield "mu/mu0 of its storeys without `plan:`", f"{largest:.2f}"
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,7 @@ SMALL_ECCENTRICITY = 0.004
 CaseGroup = tuple[list[str], list[LinkMark]]
 """Cases whose links stand alike, and the places of their links."""
 
+_FLOOR = "0.96"
 _LINE = "#0072B2"
 _ACROSS = "#7A7A7A"
 _SHARED = "#E69F00"
@@ -123,7 +124,7 @@ def _place_plans(outlines: Sequence[PlanOutline], marks: Sequence[LinkMark]) -> 
     room = LEAST_GAP * sum(outline.width for outline in outlines) / len(outlines)
     placed: list[Placed] = []
     for number, outline in enumerate(outlines):
-        gaps = [mark.gap for mark in marks if mark.left == number - 1]
+        gaps = [gap for mark in marks if mark.left == number - 1 for gap in mark.gaps]
         left = placed[-1].right + max(room, *gaps) if placed and gaps else placed[-1].right + room if placed else 0.0
         placed.append(Placed(outline, left, left + outline.depth))
     return placed
@@ -160,7 +161,7 @@ def _draw_plan(ax: Axes, placed: Placed, inch: float) -> None:
     is_guess = bool(outline.depth_source) or not (outline.has_plan or outline.is_wall)
     ax.add_patch(
         Rectangle(
-            (placed.left, outline.low), outline.depth, outline.width, facecolor="0.85" if outline.is_wall else "0.96",
+            (placed.left, outline.low), outline.depth, outline.width, facecolor="0.85" if outline.is_wall else _FLOOR,
             edgecolor="0.25", lw=1.0, ls=(0, (5, 3)) if is_guess else "-", hatch="////" if outline.is_wall else None,
             label=outline.name,
         )
@@ -172,9 +173,11 @@ def _draw_plan(ax: Axes, placed: Placed, inch: float) -> None:
         ends = [placed.left, placed.right]
         ax.plot(ends, [line.place] * 2, color=_LINE, lw=_thickness(line.share), solid_capstyle="butt", zorder=2.2)
         is_above = line.place + 0.2 * inch <= outline.high
+        away = 2.5 + 0.5 * _thickness(line.share)
         ax.annotate(
-            f"{line.name}: {format_shares(line)}", (placed.left, line.place), xytext=(4, 4 if is_above else -4),
-            textcoords="offset points", va="bottom" if is_above else "top", fontsize=7.5, color=_LINE,
+            f"{line.name}: {format_shares(line)}", (placed.left, line.place), xytext=(4, away if is_above else -away),
+            textcoords="offset points", va="bottom" if is_above else "top", fontsize=7.5, color=_LINE, zorder=5,
+            bbox={"facecolor": _FLOOR, "edgecolor": "none", "pad": 0.6},
         )  # fmt: skip
     if outline.has_plan:
         _draw_centres(ax, placed, inch)
@@ -267,8 +270,8 @@ def _head_lines(marks: Sequence[LinkMark], evidence: Evidence) -> list[str]:
     if not marks:
         return []
     unit = evidence.unit("gap")
-    gaps = dict.fromkeys(unit.text(mark.gap, 3) for mark in marks)
-    lines = [f"gap {' and '.join(gaps)}"]
+    gaps = dict.fromkeys(unit.text(gap, 3) for mark in marks for gap in mark.gaps)
+    lines = [f"gap {join_limited(gaps, 20)}"]
     places: dict[tuple[str, tuple[str, ...]], list[float]] = {}
     for mark in marks:
         places.setdefault((mark.kind, mark.floors), []).append(mark.left_place)

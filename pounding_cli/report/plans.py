@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -89,7 +89,7 @@ class LinkMark:
     left : number of the left neighbour
     left_place, right_place : where its ends stand along the street [m]
     floors : as texts, from the ground up
-    gap : [m]
+    gaps : of the cases that it stands for [m]
     is_whole : True where the floors do not twist, so that the links stand for the whole edge
     """
 
@@ -98,7 +98,7 @@ class LinkMark:
     left_place: float
     right_place: float
     floors: tuple[str, ...]
-    gap: float
+    gaps: tuple[float, ...]
     is_whole: bool
 
 
@@ -195,11 +195,11 @@ def read_marks(evidence: Evidence, case: str, outlines: Sequence[PlanOutline]) -
         left = evidence.group.index(str(link["link_left"].item()))
         ends = find_link_ends(link, outlines[left], outlines[left + 1])
         is_whole = bool(np.isnan(link["y"].item()))
-        place = (left, str(link["kind"].item()), *ends, float(link["gap"].item()), is_whole)
+        place = (left, str(link["kind"].item()), *ends, (float(link["gap"].item()),), is_whole)
         floors.setdefault(place, []).append(_name_floors(link))
     return [
-        LinkMark(left, kind, first, second, tuple(dict.fromkeys(names)), gap, is_whole)
-        for (left, kind, first, second, gap, is_whole), names in floors.items()
+        LinkMark(left, kind, first, second, tuple(dict.fromkeys(names)), gaps, is_whole)
+        for (left, kind, first, second, gaps, is_whole), names in floors.items()
     ]
 
 
@@ -239,9 +239,11 @@ def find_shared_edge(left: PlanOutline, right: PlanOutline) -> tuple[float, floa
 
 
 def join_floors(floors: Sequence[str]) -> str:
-    """Return floors in words: "floor 3", "floors 1 to 3", "floors 1, 3"."""
+    """Return floors in words: "floor 3", "floors 1 to 3", "base and floors 1, 3"."""
+    if floors[0] == "base":
+        return f"base and {join_floors(floors[1:])}" if floors[1:] else "base"
     if len(floors) == 1:
-        return floors[0] if floors[0] == "base" else f"floor {floors[0]}"
+        return f"floor {floors[0]}"
     numbers = [int(floor) for floor in floors if floor.isdecimal()]
     is_row = len(numbers) == len(floors) and np.all(np.diff(numbers) == 1)
     if is_row and len(floors) > 2:
@@ -250,11 +252,19 @@ def join_floors(floors: Sequence[str]) -> str:
 
 
 def group_cases(evidence: Evidence, outlines: Sequence[PlanOutline]) -> list[tuple[list[str], list[LinkMark]]]:
-    """Return the cases whose links stand alike, together with the places of their links."""
+    """Return the cases whose links stand alike, but for their gaps, together with the places of their links."""
     groups: dict[tuple[LinkMark, ...], list[str]] = {}
+    gaps: dict[tuple[LinkMark, ...], list[tuple[float, ...]]] = {}
     for case in evidence.plotted_cases:
-        groups.setdefault(tuple(read_marks(evidence, case, outlines)), []).append(case)
-    return [(cases, list(marks)) for marks, cases in groups.items()]
+        marks = read_marks(evidence, case, outlines)
+        alike = tuple(replace(mark, gaps=()) for mark in marks)
+        groups.setdefault(alike, []).append(case)
+        known = gaps.setdefault(alike, [()] * len(marks))
+        gaps[alike] = [(*before, *mark.gaps) for before, mark in zip(known, marks, strict=True)]
+    return [
+        (cases, [replace(mark, gaps=tuple(dict.fromkeys(each))) for mark, each in zip(alike, gaps[alike], strict=True)])
+        for alike, cases in groups.items()
+    ]
 
 
 def describe_outlines(outlines: Iterable[PlanOutline]) -> str:

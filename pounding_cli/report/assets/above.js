@@ -53,9 +53,10 @@ function drawAbove(canvas, scene, at, floor, time, glow, ink) {
     pen.globalAlpha = 1;
     pen.font = '600 12.5px system-ui, sans-serif';
     if (pen.measureText(name).width < plan.depth * at.pixels * 1.2) write(pen, ink.ink, name, at.middles[number], at.height - 22, 'center', '600 12.5px');
-    if (plan.depth * at.pixels < 60) return;
     const turn = `${(1e3 * scene.turned(number, level, time)).toFixed(2).replace('-', '−')} mrad`;
-    write(pen, ink.soft, isHere ? (plan.turns ? turn : 'does not twist') : `roof: floor ${level}`, at.middles[number], at.height - 6);
+    const text = isHere ? (plan.turns ? turn : 'does not twist') : `roof: floor ${level}`;
+    pen.font = '12px system-ui, sans-serif';
+    if (pen.measureText(text).width < plan.depth * at.pixels * 1.1) write(pen, ink.soft, text, at.middles[number], at.height - 6);
   });
   scene.links.forEach((link, number) => {
     if (link.floor !== floor && link.right_floor !== floor) return;
