@@ -194,6 +194,10 @@ def test_check_tells_plans_and_which_floors_twist_why(tmp_path):
     shifted = section(check(path, STUDY.replace("width: 14 m,", "width: 14 m, shift: 6 m,")), "twist")
     assert "plain: its links to corner act 1.5 m off its centre of mass" in shifted
 
+    uneven = STUDY.replace("2 cm}", "2 cm, places: [-3 m, 3 m], shares: [30 %, rest]}")
+    uneven = section(check(path, uneven), "twist")
+    assert "plain: its links to corner act 1.2 m off its centre of mass" in uneven
+
     apart = STUDY.replace("[corner, plain]", "[corner, plain, plain]").replace("2 cm}", "2 cm, pair: 2}")
     said = check(path, apart)
     assert "plain-1, plain-2: nothing is eccentric, run without their plans" in section(said, "twist")
