@@ -129,7 +129,7 @@ class Layout:
     drags : dashpots to the ground of buildings on foundations; their elements stand behind those of the storeys
     lines : building, storey from 0 and number of every frame line; their elements stand behind these dashpots
     sums : buildings from 0 whose floors twist; their storey shears, sums over lines, stand behind those of `struck` in
-        `columns`, and the drifts of their edges behind these
+        `columns`
     struck : columns that links end on; two shears each stand in `columns`, below and above that end
     """
 
@@ -221,7 +221,7 @@ class _Building:
             storey = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
             if b.plan is not None:  # its lines resist
                 storey, limit = _storey(0.0, 0.0), math.inf
-                storey |= {"twists": 1, "mate": self._first_turn + j}
+                storey |= {"twists": self._twists(j), "mate": self._first_turn + j}
             self._add(
                 mass, storey | {"collapse": limit, "load": load}, drag=b.alpha if f is None else 0.0,
                 below=1.0 if j or self.base >= 0 else 0.0, lean=-height if rocks else 0.0, foot=max(self.foot, 0),
@@ -235,6 +235,10 @@ class _Building:
             self._add_turns(b.plan)
             self._add_lines(b.plan, yields, collapses)
 
+    def _twists(self, storey: int) -> int:
+        """Return 1 for a storey from 0 whose floors twist, 2 for the highest one."""
+        return 2 if storey + 1 == self.building.storeys else 1
+
     def _add_turns(self, plan: FloorPlan) -> None:
         """The rotations of the floors; lines across the row that cannot yield stand between them, and P-Delta acts on
         them by the radii of gyration of what stands above."""
@@ -244,7 +248,7 @@ class _Building:
         for j, stiffness in enumerate(plan.torsional_stiffness.tolist()):
             load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] * square_radius[j] / b.height[j])
             storey = _storey(stiffness, b.beta * stiffness)
-            storey |= {"load": load, "twists": 1, "mate": self.floors.start + j}
+            storey |= {"load": load, "twists": self._twists(j), "mate": self.floors.start + j}
             self._add(
                 float(plan.inertia[j]), storey, drag=b.alpha, below=1.0 if j else 0.0, loaded=0.0, felt=0.0,
                 unit=float(np.sqrt(b.mass[j] / plan.inertia[j])),
@@ -361,16 +365,19 @@ def _storey_shears(
     number: int, made: Sequence[_Building], first_line: int, terms: list[tuple[float, int]]
 ) -> list[dict[str, Any]]:
     """The shears of the storeys of a building whose floors twist, from the ground up: the sums of its lines along the
-    row.
+    row; and the places of its edges, whose drifts are looked at with them.
 
     number : of the building; first_line : element of the first line of all buildings
     """
     building = made[number]
+    plan = building.building.plan
+    assert plan is not None
     shears = []
     for j in range(building.building.storeys):
         first = len(terms)
         terms += [(1.0, line) for line in _lines_of_storey(made, number, j, first_line)]
-        shears.append({"share": 1.0, "storey": building.floors.start + j, "first": first, "last": len(terms)})
+        shear = {"share": 1.0, "storey": building.floors.start + j, "first": first, "last": len(terms)}
+        shears.append(shear | {"is_sum": 1, "low": -plan.low, "high": -plan.high})
     return shears
 
 
@@ -385,17 +392,6 @@ def _lines_of_storey(made: Sequence[_Building], number: int, storey: int, first_
         begin + place
         for place, line in enumerate(building.lines)
         if line.storey == storey and line.element["along"] > 0.0
-    ]
-
-
-def _edge_drifts(building: _Building) -> list[dict[str, Any]]:
-    """The drifts of the edges of a building whose floors twist: of every storey at the low and at the high one."""
-    plan = building.building.plan
-    assert plan is not None
-    return [
-        {"is_edge": 1, "arm": -edge, "storey": building.floors.start + j}
-        for j in range(building.building.storeys)
-        for edge in (plan.low, plan.high)
     ]
 
 
@@ -447,8 +443,6 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     shears = _column_shears(struck, made, first_line, terms)
     for number in sums:
         shears += _storey_shears(number, made, first_line, terms)
-    for number in sums:
-        shears += _edge_drifts(made[number])
     columns = _filled(COLUMN, shears, 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]

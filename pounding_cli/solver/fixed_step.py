@@ -111,9 +111,10 @@ def _end(dofs, elements, terms, r, columns, room, h):
     for c in range(r.columns):
         column = columns[c]
         el = elements[column.storey]
-        if column.is_edge:
-            column.peak = max(column.peak, abs(el.v1 + column.arm * elements[el.mate].v1))
-            continue
+        if column.is_sum:
+            twist = elements[el.mate].v1
+            column.peak_low = max(column.peak_low, abs(el.v1 + column.low * twist))
+            column.peak_high = max(column.peak_high, abs(el.v1 + column.high * twist))
         f = column.share * (el.k * el.v1 + el.f0)
         for x in range(column.first, column.last):
             link = elements[terms[x].dof]

@@ -132,16 +132,13 @@ def _put_lines(peaks: np.ndarray, layout: Layout, data: Data, drift_at_rest: np.
     first = 2 * len(layout.struck)
     for b in layout.sums:
         storeys = layout.buildings[b].storeys
-        peaks["shear"][:, b, :storeys] = data.columns["peak"][:, first : first + storeys]
+        sums = data.columns[:, first : first + storeys]
+        peaks["shear"][:, b, :storeys] = sums["peak"]
+        peaks["edge_drift_low"][:, b, :storeys] = sums["peak_low"]
+        peaks["edge_drift_high"][:, b, :storeys] = sums["peak_high"]
         turns = data.dofs[:, layout.turns[b]]
         peaks["twist"][:, b, :storeys] = np.maximum(turns["u_max"], -turns["u_min"])
         first += storeys
-    for b in layout.sums:
-        storeys = layout.buildings[b].storeys
-        edges = data.columns["peak"][:, first : first + 2 * storeys]
-        peaks["edge_drift_low"][:, b, :storeys] = edges[:, ::2]
-        peaks["edge_drift_high"][:, b, :storeys] = edges[:, 1::2]
-        first += 2 * storeys
 
 
 def stored_in_lines(layout: Layout, deformation: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

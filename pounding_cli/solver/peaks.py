@@ -52,10 +52,25 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
             _force_peak(el, r, series[el.row])
     for c in range(r.columns):
         column = columns[c]
-        if elements[column.storey].twists:
-            _pair_peak(dofs, elements, terms, r, series, column)
-        else:
+        el = elements[column.storey]
+        if not el.twists:
             _column_peak(dofs, elements, terms, r, series, column)
+            continue
+        mate = elements[el.mate]
+        if column.is_sum and not r.smooth:
+            one, other, constant = el.k, el.coupled_k, el.f0
+            column.peak, rises = _ends_of_pair(el, mate, one, other, constant, column.peak)
+            if rises:
+                column.peak = _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, column.peak)
+        else:
+            _shear_peak(dofs, elements, terms, r, series, column)
+        if column.is_sum:
+            column.peak_low, rises = _ends_of_pair(el, mate, 1.0, column.low, 0.0, column.peak_low)
+            if rises:
+                column.peak_low = _peak_of_pair(dofs, elements, terms, r, el, 1.0, column.low, 0.0, column.peak_low)
+            column.peak_high, rises = _ends_of_pair(el, mate, 1.0, column.high, 0.0, column.peak_high)
+            if rises:
+                column.peak_high = _peak_of_pair(dofs, elements, terms, r, el, 1.0, column.high, 0.0, column.peak_high)
 
 
 @njit(**PART)
@@ -165,35 +180,46 @@ def _adds_force(el):
     return el.smooth if el.drifts else el.closed and el.acts
 
 
+@njit(**PART)
+def _ends_of_pair(el, mate, one, other, constant, peak):
+    """Raise the largest |one x drift + other x twist + constant| of a storey whose floors twist to the step's ends;
+    return it, and whether it may rise above them inside."""
+    first, last = one * el.v0 + other * mate.v0 + constant, one * el.v1 + other * mate.v1 + constant
+    rises = max(abs(first), abs(last)) + abs(one) * el.dv + abs(other) * mate.dv > peak
+    if rises:
+        peak = max(peak, abs(first), abs(last))
+        rate, last_rate = one * el.r0 + other * mate.r0, one * el.r1 + other * mate.r1
+        rises = not _keeps_sign(rate, last_rate, abs(one) * el.dr + abs(other) * mate.dr)
+    return peak, rises
+
+
 @njit(**CALLED)
-def _pair_peak(dofs, elements, terms, r, series, column):
-    """Largest |drift| of an edge, or |shear| in a storey whose floors twist and in its struck columns: straight in the
-    drift and in the twist of the storey, but for forces of links and of lines whose force is smooth."""
-    el, share = elements[column.storey], column.share
-    mate = elements[el.mate]
-    one, other, constant = 1.0, column.arm, 0.0
-    if column.is_edge == 0:
-        one, other, constant = share * el.k, share * el.coupled_k, share * el.f0
-    start = one * el.v0 + other * mate.v0 + constant
-    is_straight = True
-    for x in range(column.first, column.last):
-        if _adds_force(elements[terms[x].dof]):
-            is_straight = False
-    if is_straight:
-        last = one * el.v1 + other * mate.v1 + constant
-        largest = max(abs(start), abs(last))
-        rises = largest + abs(one) * el.dv + abs(other) * mate.dv > column.peak
-        column.peak = max(column.peak, largest)
-        deviation = abs(one) * el.dr + abs(other) * mate.dr
-        if not rises or _keeps_sign(one * el.r0 + other * mate.r0, one * el.r1 + other * mate.r1, deviation):
-            return
-    p, absolute, at = r.p, r.h > 0.0, np.int64(SLOPE)
-    rate_series(dofs, elements, terms, r, np.int64(column.storey))
+def _pair_series(dofs, elements, terms, r, el, one, other, constant):
+    """Coefficients of one x drift + other x twist + constant of a storey, into r.p; returns their degree."""
+    p, at = r.p, np.int64(SLOPE)
+    start = one * el.v0 + other * elements[el.mate].v0 + constant
+    rate_series(dofs, elements, terms, r, np.int64(elements[el.mate].mate))
     for k in range(r.order + 1):
         p[at + k] = one * p[k]
     rate_series(dofs, elements, terms, r, np.int64(el.mate))
     for k in range(r.order + 1):
         p[k] = p[at + k] + other * p[k]
-    n = integral(r, 1.0, start)
+    return integral(r, 1.0, start)
+
+
+@njit(**CALLED)
+def _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, peak):
+    """The same inside the step."""
+    absolute = r.h > 0.0
+    n = _pair_series(dofs, elements, terms, r, el, one, other, constant)
+    return highest(r, n, r.end, peak, absolute)
+
+
+@njit(**CALLED)
+def _shear_peak(dofs, elements, terms, r, series, column):
+    """Largest |shear| of a storey whose floors twist, or of its struck columns: straight in drift and twist but for
+    forces of links and of lines whose force is smooth."""
+    el, share, absolute = elements[column.storey], column.share, r.h > 0.0
+    n = _pair_series(dofs, elements, terms, r, el, share * el.k, share * el.coupled_k, share * el.f0)
     _add_forces(elements, terms, r, series, column)
     column.peak = highest(r, n, r.end, column.peak, absolute)

@@ -74,7 +74,7 @@ ELEMENT = _dtype(
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
     # yields: 1 for a storey whose work is kept; eased: 1 for a contact that DOP853 steps (`events.FROM_REST`)
     # holds: 1 for a slider that sticks; slides: 1 for a slider; drifts: 1 for what counts as a storey
-    # twists: 1 for a storey whose floors twist, of their drift and of their twist
+    # twists: 1 for a storey whose floors twist, of their drift and of their twist; 2 for the highest of a building
     i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased holds slides"
     " drifts twists",
     # v = u_left - hold u_right - offset + further terms, first to last; hold: 0 where the right end is the ground
@@ -85,10 +85,10 @@ ELEMENT = _dtype(
 TERM = _dtype(f8="weight", u8="dof")
 """Further term of an element; of a struck column the weight of a link's force in its shear."""
 
-COLUMN = _dtype(f8="share arm peak", i8="is_edge", u8="storey first last")
-"""What is looked at beside the elements: the shear in struck columns, and of storeys that are sums over lines: a share
-of the storey's shear, and terms of the forces of links and of lines; of an edge (is_edge) its drift, that of the storey
-plus `arm` times its twist."""
+COLUMN = _dtype(f8="share peak low high peak_low peak_high", i8="is_sum", u8="storey first last")
+"""What is looked at beside the elements: the shear in struck columns, and of whole storeys that are sums over lines
+(is_sum): a share of the storey's shear, and terms of the forces of links and of lines. Of these storeys the drifts of
+both edges too, those of the storey plus `low` and `high` times its twist."""
 
 SERIES = _dtype(
     # of a link that acts: deformation, rate, force, and two that a cubic force needs

@@ -163,20 +163,7 @@ def _next_velocity(d, k, w, f, after):
 
 
 @njit(**PART)
-def _coupled_term(dofs, elements, el, k, part, has_lean):
-    """Order k of what the lines of a storey whose floors twist add to its force by its mate [N]."""
-    mate, below = dofs[el.mate], dofs[elements[el.mate].right]
-    rate = mate.w[k] - mate.below * below.w[k]
-    moved = mate.w[k - 1] - mate.below * below.w[k - 1]
-    if has_lean:
-        foot = dofs[mate.foot]
-        rate += mate.lean * foot.w[k]
-        moved += mate.lean * foot.w[k - 1]
-    return el.coupled_k * part * moved + el.coupled_c * rate
-
-
-@njit(**PART)
-def _walk_up(dofs, elements, n, k, part, after, has_lean, has_lines):
+def _walk_up(dofs, elements, n, k, part, after, has_lean):
     """Order k of all storeys, from the ground up: a floor is done when the force of the storey above it is. Bases that
     rock come after their floors, whose forces they feel; the weight on a storey acts on the floors alone."""
     size = left = before = own = 0.0
@@ -185,8 +172,6 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean, has_lines):
         w, earlier = d.w[k], d.w[k - 1]
         moved, rate = part * (earlier - d.below * before), w - d.below * left
         f = el.stiffness * moved + el.c * rate
-        if has_lines and el.twists:
-            f += _coupled_term(dofs, elements, el, k, part, has_lean)
         if has_lean:
             foot = dofs[d.foot]
             leaned = d.lean * (el.k * part * foot.w[k - 1] + el.c * foot.w[k])
@@ -196,6 +181,45 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean, has_lines):
             size = max(size, _next_velocity(dofs[i - 1], k, left, own - d.below * f, after))
         left, before, own = w, earlier, f
     return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
+
+
+@njit(**CALLED)
+def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
+    """The same where floors twist: a storey has a drift and a twist, whose forces are those of its lines together."""
+    size = left = before = own = left_turn = before_turn = own_turn = 0.0
+    last = np.int64(-1)
+    for i in range(n):
+        d, el = dofs[i], elements[i]
+        if el.twists and el.mate < np.uint64(i):  # a twist, which comes with its drift
+            continue
+        w, earlier = d.w[k], d.w[k - 1]
+        moved, rate = part * (earlier - d.below * before), w - d.below * left
+        f = el.stiffness * moved + el.c * rate
+        leaned = leaned_rate = 0.0
+        if has_lean:
+            foot = dofs[d.foot]
+            leaned, leaned_rate = d.lean * part * foot.w[k - 1], d.lean * foot.w[k]
+        if el.twists:
+            turn, mate = dofs[el.mate], elements[el.mate]
+            w_turn, earlier_turn = turn.w[k], turn.w[k - 1]
+            turned = part * (earlier_turn - turn.below * before_turn)
+            turned_rate = w_turn - turn.below * left_turn
+            f += el.coupled_k * turned + el.coupled_c * turned_rate
+            f_turn = mate.stiffness * turned + mate.c * turned_rate
+            f_turn += el.coupled_k * (moved + leaned) + el.coupled_c * (rate + leaned_rate)
+            if turn.below != 0.0:
+                size = max(size, _next_velocity(dofs[el.mate - np.uint64(1)], k, left_turn, own_turn - f_turn, after))
+            left_turn, before_turn, own_turn = w_turn, earlier_turn, f_turn
+            if el.twists > 1:
+                size = max(size, _next_velocity(turn, k, left_turn, own_turn, after))
+        if has_lean:
+            lean_force = el.k * leaned + el.c * leaned_rate
+            foot.push += d.lean * (f + el.load * moved + lean_force)
+            f += lean_force
+        if last >= 0:
+            size = max(size, _next_velocity(dofs[last], k, left, own - d.below * f, after))
+        left, before, own, last = w, earlier, f, i
+    return max(size, _next_velocity(dofs[last], k, left, own, after))
 
 
 @njit(**PART)
@@ -209,12 +233,12 @@ def expand(dofs, elements, terms, r, series):
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
-        if has_lines:  # as constants, so that each is compiled by itself
-            size = max(size, _walk_up(dofs, elements, n, k, part, after, has_lean, True))
-        elif has_lean:
-            size = max(size, _walk_up(dofs, elements, n, k, part, after, True, False))
+        if has_lines:
+            size = max(size, _walk_up_twisting(dofs, elements, n, k, part, after, has_lean))
+        elif has_lean:  # as constants, so that each is compiled by itself
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, True))
         else:
-            size = max(size, _walk_up(dofs, elements, n, k, part, after, False, False))
+            size = max(size, _walk_up(dofs, elements, n, k, part, after, False))
         small = small + 1 if size < 1.0 else 0
         k += 1
     r.order = k
