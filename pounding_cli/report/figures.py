@@ -92,18 +92,20 @@ def response(evidence: Evidence, building: str) -> Figure:
 
 @styled
 def frame_lines(evidence: Evidence, building: str) -> Figure:
-    """Return the ductility demands of the frame lines of a building over those alone, their shears where all is elastic.
+    """Return the ratios of the frame lines of one building to those of the building alone, a panel for each line.
 
-    A panel for each line.
+    They are those of the ductility demands, or of the shears where all is elastic.
     """
-    analysis, ratio = (
-        ("inelastic", "line_mu_ratio") if "inelastic" in evidence.analyses else ("elastic", "line_V_ratio")
-    )
+    is_inelastic = "inelastic" in evidence.analyses
+    analysis = "inelastic" if is_inelastic else "elastic"
+    ratio = "line_mu_ratio" if is_inelastic else "line_V_ratio"
     values = evidence.data[ratio].sel(analysis=analysis, building=building)
     lines = find_frame_lines(evidence, building)
     panels = [(values.sel(line=line), column_of(ratio).label) for line in lines]
     caption = f"Ratios of the frame lines of {building} to {building} alone under the same motion"
-    titles = [f"Line {line}, {analysis}" for line in lines]
+    is_along = np.isfinite(evidence.data["line_y"].sel(building=building, line=lines).values)
+    ways = np.where(is_along, "", " across the row")
+    titles = [f"Line {line}{way}, {analysis}" for line, way in zip(lines, ways, strict=True)]
     return _draw_over_height(evidence, building, panels, caption, titles=titles)
 
 

@@ -191,6 +191,9 @@ def test_every_frame_line_has_a_panel_over_the_height(made):
     results = pounding_cli.open_results(made / "street.h5")
     pictures = {picture.name: picture for picture in list_profiles(find_nominal(results))}
     assert {name for name in pictures if name.endswith("-lines")} == {"corner-lines", "soft-lines"}
+    titles = [ax.get_title(loc="left") for ax in pictures["corner-lines"].draw().axes]
+    assert "Line 2, inelastic" in titles
+    assert "Line 3 across the row, inelastic" in titles
     axes = [ax for ax in pictures["soft-lines"].draw().axes if ax.get_title(loc="left").startswith("Line")]
     assert [ax.get_title(loc="left") for ax in axes] == ["Line 1, inelastic", "Line 2, inelastic"]
     ratios = results.data["line_mu_ratio"].sel(case="touch", building="soft", analysis="inelastic", record="elcentro")
