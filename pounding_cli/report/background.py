@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 _TITLES = {
-    "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
+    "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "line": "Frame lines", "link": "Links",
     "struck": "Struck columns", "scene": "Outcomes", "flagged": "Flags", "records": "Motions", "buildings": "Buildings",
 }  # fmt: skip
 """The tables of scenes that a report has, and what they are called."""
@@ -67,7 +67,7 @@ def build_background(results: ResultTables, shown: Evidence, is_sampled: bool) -
     tables = [results.answer(name) for name in results.answers]
     for name in ("records",) if is_sampled else tuple(_TITLES):
         frame = results.table(name)
-        if len(frame) or name not in ("struck", "flagged"):
+        if len(frame) or name not in ("line", "struck", "flagged"):
             tables.append(table_of_results(results, name, frame))
     where = (
         "All rows with all digits, in SI units: `tables/` beside this page, `pound show FILE.h5 TABLE --format csv`."

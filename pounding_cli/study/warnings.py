@@ -455,7 +455,7 @@ def _warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, dou
     if spec.inertia is not None and wrong.size:
         storey = int(wrong[0])
         at = (*path, "inertia", storey) if isinstance(spec.inertia, tuple) else (*path, "inertia")
-        usual = building.mass[storey] * spec.width**2 / np.array([9.0, 4.0])
+        usual = float(building.mass[storey]) * spec.width**2 / np.array([9.0, 4.0])
         message = f"floor {storey + 1} turns as if its mass stood {radius[storey] * spec.width:.3g} m from its centre"
         message += f", on a plan {spec.width:g} m wide"
         units = units_of_size("kg m2")

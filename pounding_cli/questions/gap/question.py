@@ -34,7 +34,8 @@ if TYPE_CHECKING:
 class Gap(StudyQuestion):
     """The required separations of all neighbours over the motions.
 
-    Raises InputError: a rate of contact without an intensity, or without its hazard curve.
+    Raises InputError: a rate of contact without an intensity, or without its hazard curve; no neighbours that face each
+    other.
 
     apart : the study with nothing between its buildings; swept keys of links are left out, those of buildings and
         motions stay
@@ -52,6 +53,10 @@ class Gap(StudyQuestion):
         self.intensity_axis: int | None = None
         self.intensities = np.zeros(0)
         self.hazard: Hazard | None = None
+        if not any(links for _, links in self.links.iter_values()):
+            message = "no two neighbours share an edge along the street, so no gap between them can close"
+            self.problems.at(study.tree, ("group",), message, "let their plans overlap along the street (`shift:`)")
+            self.problems.check()
         if self.spec.hazard is not None:
             self._read_hazard()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -231,13 +232,19 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
 
 def _iter_street_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     """Yield where floors that twist share an edge, and how codes count their twist."""
+    frame = results.answer(GAP_TABLE).frame
+    known = set(zip(frame["left"], frame["right"], strict=True))
+    for left, right in pairwise(results.names("building")):
+        if (left, right) not in known and "plan_low" in results.arrays:
+            yield f"{left} and {right} share no edge along the street, so that they need no gap."
     if "end" not in exact or not exact["end"].any():
         return
-    for (left, right), rows in exact[exact["end"].isin([LOW_END, HIGH_END])].groupby(["left", "right"], sort=False):
+    at_ends = exact[exact["end"].isin([LOW_END, HIGH_END])]
+    for pair, rows in at_ends.groupby(["left", "right"], sort=False):
         low, high = (_format_places(rows.loc[rows["end"] == end, "y"]) for end in (LOW_END, HIGH_END))
         yield (
-            f"{left} and {right} share an edge along the street, whose low end is at {low} m and whose high end is at "
-            f"{high} m. Gaps and distances are those of the edges, not of the centres of mass."
+            f"{' and '.join(map(str, pair))} share an edge along the street, from its low end at {low} m to its high end "
+            f"at {high} m. Gaps and distances are those of the edges, not of the centres of mass."
         )
     evaluated = set(results.answer(GAP_TABLE).frame["rule"])
     rules = [each for each in evaluated if each.startswith("UBC")]

@@ -50,6 +50,11 @@ def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.
     return np.where(is_along, shown.values(name, building=building, **places), np.nan)
 
 
+def format_length(value: float) -> str:
+    """Return a length in metres as it is written."""
+    return f"{round(value, 2) + 0.0:g} m".replace("-", "−")
+
+
 def replace_by_lines(results: ResultTables, storey: pd.DataFrame) -> pd.DataFrame:
     """Return rows of storeys, those of floors that twist replaced by rows of their frame lines along the row.
 
@@ -137,12 +142,7 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
 
 def _format_line_place(row: Row) -> str:
     """Return the place of a frame line: along the street, or of one across the row from the centre of mass."""
-    return f"y {_format_length(row['y'])}" if np.isfinite(row["y"]) else f"across, x {_format_length(row['x'])}"
-
-
-def _format_length(value: float) -> str:
-    """Return a length in metres as it is written."""
-    return f"{round(value, 2) + 0.0:g} m".replace("-", "−")
+    return f"y {format_length(row['y'])}" if np.isfinite(row["y"]) else f"across, x {format_length(row['x'])}"
 
 
 def _with_alone(name: str, label: str) -> Column:
@@ -232,7 +232,7 @@ def _build_place_table(shown: Evidence) -> Table:
                     "pair": f"{force['left']}|{force['right']}",
                     "contacts": here.groupby("record", sort=False)["impacts"].sum().mean(),
                     "peak_force": force["peak_force"],
-                    "force_floors": _format_floors(force),
+                    "force_floors": _format_floors(force) if force["peak_force"] > 0 else "",
                     "max_closing": closing["max_closing"],
                     "closing_floors": _format_floors(closing),
                     "is_blow": shown.results.is_contact(force["kind"]) and force["peak_force"] > 0,

@@ -22,6 +22,7 @@ from pounding_cli.questions.run.twist import (
     CONTACT_MARK,
     does_twist,
     does_twist_anywhere,
+    format_length,
     line_values,
     list_twist_tables,
 )
@@ -378,6 +379,8 @@ def _describe_open_gaps(shown: Evidence) -> str:
     closing = float(shown.values("max_closing")[case, analysis, motion, link])
     gap = float(shown.values("gap")[case, link])
     where = [f"case {shown.cases[case]}", shown.names("link")[link]]
+    if "y" in results.arrays and np.isfinite(shown.values("y")[case, link]):
+        where.append(f"y {format_length(float(shown.values('y')[case, link]))} along the street")
     where += [shown.names("record")[motion]] if len(shown.names("record")) > 1 else []
     return (
         "The floors never touch: every building responds as it does alone. The closest approach closes "
@@ -435,7 +438,7 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
             continue
         place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
         ratio = float(np.nanmax(means))
-        noun = response.noun.replace("storey shears", "shears of lines") if by_line else response.noun
+        noun = f"{response.noun.replace('storey shears', 'shears')} of the lines" if by_line else response.noun
         if ratio <= 1 + MIN_CHANGE:
             sentences.append(f"Nowhere in the sweep do the {noun} of {shown.main_building} rise.")
             continue
