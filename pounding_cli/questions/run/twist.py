@@ -50,6 +50,14 @@ def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.
     return np.where(is_along, shown.values(name, building=building, **places), np.nan)
 
 
+def keep_lines_along(results: ResultTables, name: str) -> np.ndarray:
+    """Return a variable of frame lines over all its dimensions, NaN of lines across the row."""
+    array = results.arrays[name]
+    line_y = results.arrays["line_y"]
+    shape = [size if dim in line_y.dims else 1 for dim, size in zip(array.dims, array.shape, strict=True)]
+    return np.where(np.isfinite(line_y.values.reshape(shape)), array.values, np.nan)
+
+
 def format_length(value: float) -> str:
     """Return a length in metres as it is written."""
     return f"{round(value, 2) + 0.0:g} m".replace("-", "−")
@@ -114,8 +122,11 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
     """Yield a row for every frame line of a building: the largest means over the motions of all storeys, the same
     storey alone, and the storeys of the largest ratios."""
     place = {"case": case, "analysis": analysis, "building": building}
+    is_known = _find_known_motions(shown, place)
+    if not is_known.any():
+        return
     means = {
-        name: shown.values(f"line_{name}", **place).mean(axis=0)
+        name: shown.values(f"line_{name}", **place)[is_known].mean(axis=0)
         for name in ("V", "V0", "mu", "mu0", "drift", "drift0", "drift_ratio")
     }
     means |= {name: shown.values(f"line_{name}_mean", **place) for name in ("V_ratio", "mu_ratio")}
@@ -136,8 +147,13 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
             row |= {name: by_storey[storey] if known else np.nan, f"{name}_storey": storey + 1}
             if f"{name}0" in means:
                 row[f"{name}_alone"] = means[f"{name}0"][storey, number]
-        if np.isfinite(row["V"]):
-            yield row
+        yield row
+
+
+def _find_known_motions(shown: Evidence, place: dict[str, str]) -> np.ndarray:
+    """Return under which motions a building in a case and analysis has numbers, with its neighbours and alone."""
+    drifts = [shown.values(name, **place) for name in ("drift", "drift0")]
+    return np.logical_and.reduce([np.isfinite(drift).any(axis=1) for drift in drifts])
 
 
 def _format_line_place(row: Row) -> str:
@@ -176,15 +192,18 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
     rows = []
     for case, analysis, building in product(shown.cases, shown.analyses, twisting):
         place = {"case": case, "analysis": analysis, "building": building}
+        is_known = _find_known_motions(shown, place)
+        if not is_known.any():
+            continue
         height = shown.values("height", building=building)
         row: dict[str, Any] = {**place, "case": shown.mark_case(case)}
         for name in ("edge_drift_low", "drift", "edge_drift_high", "twist"):
             scale = 1.0 if name == "twist" else height
             for state in ("", "0"):
-                mean = (shown.values(f"{name}{state}", **place) / scale).mean(axis=0)
-                row[f"{name}{state}"] = np.nanmax(mean) if np.isfinite(mean).any() else np.nan
-        if np.isfinite(row["twist"]):
-            rows.append(row)
+                row[f"{name}{state}"] = np.nanmax(
+                    shown.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
+                )
+        rows.append(row)
     drift = column_of("edge_drift_ratio").unit
     twist = column_of("twist").unit
 
