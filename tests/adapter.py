@@ -145,6 +145,11 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
     )  # fmt: skip
 
 
+def solve_scene(scene: pound.Scene, accuracy: float = 1e-6, **settings: Any) -> pound.Response:
+    """Return the response of a scene, with its numbers by building."""
+    return solver.solve(scene, accuracy, **settings)
+
+
 def _flat(arrays: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([array.ravel() for array in arrays])
 

@@ -219,6 +219,7 @@ def test_floors_that_do_not_twist(balanced):
     [
         ("mu in line 2 of corner", "line == 2", "mu"),
         ("V in line 1 of corner storey 2", "line == 1 and storey == 2", "V"),
+        ("V_ratio in line 1 of corner storey 2", "line == 1 and storey == 2", "V_ratio"),
         ("drift_ratio in line 2 of corner", "line == 2", "drift_ratio"),
         ("edge_drift in corner storey 1", "building == 'corner' and storey == 1", "edge_drift"),
         ("edge_drift_ratio", "storey > 0", "edge_drift_ratio"),
@@ -353,8 +354,9 @@ def test_a_drift_of_an_edge_that_is_hardly_plausible(results):
 
 
 def test_motions_without_numbers_are_left_out_of_tables_of_lines(results):
-    lines = list_tables(change(results, "drift", (0, 0, 1, 0, 0), np.nan))[2].frame
-    row = lines.query("case == 'touching' and analysis == 'inelastic' and line == 2").iloc[0]
+    table = list_tables(change(results, "drift", (0, 0, 1, 0, 0), np.nan))[2]
+    assert "mean of those of 2 motions that have numbers" in table.caption
+    row = table.frame.query("case == 'touching' and analysis == 'inelastic' and line == 2").iloc[0]
     line = results.line().query("`impact.restitution` == 0.5 and case == 'touching' and analysis == 'inelastic'")
     assert row["V"] == line.query("line == 2 and record == 'taft'")["V"].max()
 

@@ -115,7 +115,8 @@ def _build_line_table(shown: Evidence, twisting: list[str]) -> Table:
     frame = pd.DataFrame(rows)
     if len(frame):
         columns = [column for column in columns if column.name not in frame or frame[column.name].notna().any()]
-    return Table("", frame, columns, f"Frame lines of floors that twist: largest of all storeys{_over_motions(shown)}")
+    caption = f"Frame lines of floors that twist: largest of all storeys{_over_motions(shown, frame)}"
+    return Table("", frame, columns, caption)
 
 
 def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Iterator[dict[str, Any]]:
@@ -139,7 +140,7 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
     across = shown.values("line_x", building=building)
     for number in np.flatnonzero(np.isfinite(along) | np.isfinite(across)).tolist():
         row: dict[str, Any] = {"case": shown.mark_case(case), "analysis": analysis, "building": building}
-        row |= {"line": number + 1, "y": along[number], "x": across[number]}
+        row |= {"line": number + 1, "y": along[number], "x": across[number], "motions": int(is_known.sum())}
         for name in ("V", "V_ratio", "mu", "mu_ratio", "drift_ratio"):
             by_storey = means[name][:, number]
             known = np.isfinite(by_storey).any()
@@ -196,7 +197,7 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
         if not is_known.any():
             continue
         height = shown.values("height", building=building)
-        row: dict[str, Any] = {**place, "case": shown.mark_case(case)}
+        row: dict[str, Any] = {**place, "case": shown.mark_case(case), "motions": int(is_known.sum())}
         for name in ("edge_drift_low", "drift", "edge_drift_high", "twist"):
             scale = 1.0 if name == "twist" else height
             for state in ("", "0"):
@@ -222,11 +223,12 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
         build_column("edge_drift_high", "high edge", drift),
         build_column("twist", "twist", twist),
     ]
+    frame = pd.DataFrame(rows)
     caption = (
         "Drift of floors that twist at the edges of the plan and at the centre of mass: largest of all storeys"
-        f"{_over_motions(shown)}"
+        f"{_over_motions(shown, frame)}"
     )
-    return Table("", pd.DataFrame(rows), columns, caption)
+    return Table("", frame, columns, caption)
 
 
 # Contact by place
@@ -249,7 +251,7 @@ def _build_place_table(shown: Evidence) -> Table:
                 dict(zip(keys, place, strict=True))
                 | {
                     "pair": f"{force['left']}|{force['right']}",
-                    "contacts": here.groupby("record", sort=False)["impacts"].sum().mean(),
+                    "contacts": here.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
                     "peak_force": force["peak_force"],
                     "force_floors": _format_floors(force) if force["peak_force"] > 0 else "",
                     "max_closing": closing["max_closing"],
@@ -298,8 +300,13 @@ def _format_floors(link: Any) -> str:
     return f"floors {link['floor']}|{link['right_floor']}"
 
 
-def _over_motions(shown: Evidence) -> str:
-    """Return what the means are over, and the point of a sweep, as they stand in captions."""
+def _over_motions(shown: Evidence, frame: pd.DataFrame) -> str:
+    """Return what the means are over, and the point of a sweep, as they stand in captions.
+
+    frame : with a column `motions`, their number
+    """
     motions = len(shown.names("record"))
-    mean = f", mean of {motions} motions" if motions > 1 else ""
+    is_complete = len(frame) == 0 or frame["motions"].min() == motions
+    mean = f"mean of {motions} motions" if is_complete else f"mean of those of {motions} motions that have numbers"
+    mean = f", {mean}" if motions > 1 else ""
     return f"{mean}{f', at {shown.label}' if shown.label else ''}"
