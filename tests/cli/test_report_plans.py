@@ -68,7 +68,7 @@ def picture(made):
 @pytest.fixture(scope="module")
 def panels(picture):
     """Its panels, by the cases that each stands for."""
-    return {ax.get_title(loc="left"): ax for ax in picture.draw().axes}
+    return {title: ax for ax in picture.draw().axes if (title := ax.get_title(loc="left"))}
 
 
 def rectangles(ax) -> dict[str, Rectangle]:
@@ -220,6 +220,9 @@ def test_the_player_gets_plans_and_turns(made):
     assert series[first + 2 : first + 5] == pytest.approx(twist[:, 1].T)
     assert np.abs(series[first : first + 5]).max() > 1e-5
     assert len(series) == first + 5 + len(touch["links"])
+    number = list(history.links).index("corner|soft floor 2, place 1")
+    at_place = history.displacement[:, :2, 1] - np.array([-5 - 1, -5 - 3]) * twist[:, :2, 1]
+    assert at_place[:, 0] - at_place[:, 1] == pytest.approx(history.closing[:, number], abs=1e-8)
     assert [link["places"] for link in touch["links"][:2]] == [(-5, -5), (10, 10)]
     corner = touch["buildings"][0]["plan"]
     assert (corner["low"], corner["high"], corner["centre"], corner["known"]) == (-10, 10, 1, False)
