@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
+from pounding_cli.model.effects import effects_of
 from pounding_cli.model.twist import find_twisting
 from pounding_cli.study.data import building_of
 from tests.adapter import scenes
@@ -142,6 +143,25 @@ def test_edges_tell_buildings_apart():
         for width in (12.0, 20.0)
     )
     assert narrow.digest != wide.digest
+
+
+@pytest.mark.parametrize("key", ["lines", "across"])
+def test_a_building_yields_where_one_of_its_lines_does(tmp_path, key):
+    """Fails if lines stay elastic because the sum of their storey, of which another line never yields, does."""
+    lines = "lines: [{y: -6 m, %s}, {y: 6 m, %s}]" % ((NUMBERS,) * 2)
+    yielding = NUMBERS.replace("never", "[2e5, 2e5, 2e5]")
+    if key == "lines":
+        plan = lines.replace(NUMBERS, yielding, 1)
+    else:
+        plan = f"twist: always, {lines}, across: [{{x: 5 m, {yielding}}}]"
+    path = tmp_path / "study.yaml"
+    corner = STUDY[STUDY.index("    period: 0.4 s") : STUDY.index("  plain")]
+    study = STUDY.replace(corner, f"    plan: {{width: 20 m, depth: 12 m, {plan}}}\n").replace(
+        "[elastic]", "[inelastic]"
+    )
+    path.write_text(study.replace("period: 0.5 s,", "period: 0.5 s, yield_shear: never,"))
+    for _, scene, _ in scenes(path):
+        assert ("yielding storeys" in effects_of(scene).kept) == (scene.buildings[0].name == "corner")
 
 
 def check(path, study):
