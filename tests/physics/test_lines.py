@@ -176,7 +176,7 @@ def test_energy_of_a_start() -> None:
     """Floors that are let go displaced and turned. Fails if what they hold at first is not counted."""
     scene = replace(house(np.zeros(101), "elastic"), residual_drift=False)
     start = ([np.array([0.01, 0.02, 1e-3, 2e-3])], [np.array([0.1, 0.0, 0.0, 0.05])])
-    found = solve_scene(scene, initial=start)
+    found = solve_scene(scene, 1e-10, initial=start)
     assert abs(found.energy["residual"]) < 1e-10
     assert found.energy["input"] > 1e3
 
