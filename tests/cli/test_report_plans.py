@@ -11,6 +11,7 @@ from matplotlib.patches import Rectangle
 
 import pounding_cli
 from pounding_cli.report.evidence import find_nominal
+from pounding_cli.report.figures import list_profiles
 from pounding_cli.report.from_above import MOST_PANELS, list_plan_sections
 from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 from pounding_cli.report.widgets import build_explorer_data, build_player_scenes
@@ -183,6 +184,18 @@ def test_the_explorer_has_frame_lines_edges_and_twist(made):
     values = np.array(lines["mean"], float).reshape(4, -1, 6, 3)  # cases, motions and analyses, lines, storeys
     exact = 1e3 * results.data["line_drift"].sel(case="touch", analysis="inelastic", record="elcentro")
     assert values[0, 0, 4:] == pytest.approx(exact.sel(building="soft").values[:, :2].T, rel=1e-5)
+
+
+def test_every_frame_line_has_a_panel_over_the_height(made):
+    """The ratios of each line along and across, and no such figure of a building that does not twist."""
+    results = pounding_cli.open_results(made / "street.h5")
+    pictures = {picture.name: picture for picture in list_profiles(find_nominal(results))}
+    assert {name for name in pictures if name.endswith("-lines")} == {"corner-lines", "soft-lines"}
+    axes = [ax for ax in pictures["soft-lines"].draw().axes if ax.get_title(loc="left").startswith("Line")]
+    assert [ax.get_title(loc="left") for ax in axes] == ["Line 1, inelastic", "Line 2, inelastic"]
+    ratios = results.data["line_mu_ratio"].sel(case="touch", building="soft", analysis="inelastic", record="elcentro")
+    for number, ax in enumerate(axes):
+        assert ax.lines[0].get_xdata() == pytest.approx(ratios.values[:, number])
 
 
 def test_figures_over_a_sweep_know_lines(made, folder, pound):
