@@ -231,7 +231,7 @@ class PlanSpec(Model):
             hint = "write the frequency of the twist over that along the row, e.g. `frequency_ratio: 1.1`"
             yield (), "'frequency_ratio' is missing: 'eccentricity' needs it", hint
         for name in ("across", "torsional_stiffness"):
-            if self.eccentricity is not None and name in self.model_fields_set:
+            if self.eccentricity is not None and getattr(self, name):
                 hint = "remove it: 'frequency_ratio' sets the torsional stiffness; or write `lines`"
                 yield (name,), f"'{name}' does not apply beside 'eccentricity'", hint, True
 

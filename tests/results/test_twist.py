@@ -183,6 +183,9 @@ def test_the_tables_of_a_run(results, corner):
     inelastic = peaks.frame.query("case == 'touching' and analysis == 'inelastic'").iloc[0]
     largest = results.storey().query("case == 'touching' and analysis == 'inelastic'")["edge_drift_ratio"].max()
     assert inelastic["drift"] == pytest.approx(largest)
+    link = results.link().query("case == 'touching' and analysis == 'inelastic'")
+    closest = link.loc[link["max_closing"].idxmax(), "y"]
+    assert f", gap 5 mm, y {closest:g} m".replace("-", "−") in cells["closing"](inelastic.to_dict())
     assert "line" in cells["ratio"](inelastic.to_dict())
     for table in (lines, edges, places):
         text = table.to_text(80)

@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 import pounding_cli as pound
 from pounding_cli.cli.main import cli
+from pounding_cli.model.effects import effects_of
 from pounding_cli.model.twist import find_twisting
 from pounding_cli.study.data import building_of
 from tests.adapter import scenes
@@ -144,6 +145,25 @@ def test_edges_tell_buildings_apart():
     assert narrow.digest != wide.digest
 
 
+@pytest.mark.parametrize("key", ["lines", "across"])
+def test_a_building_yields_where_one_of_its_lines_does(tmp_path, key):
+    """Fails if lines stay elastic because the sum of their storey, of which another line never yields, does."""
+    lines = "lines: [{y: -6 m, %s}, {y: 6 m, %s}]" % ((NUMBERS,) * 2)
+    yielding = NUMBERS.replace("never", "[2e5, 2e5, 2e5]")
+    if key == "lines":
+        plan = lines.replace(NUMBERS, yielding, 1)
+    else:
+        plan = f"twist: always, {lines}, across: [{{x: 5 m, {yielding}}}]"
+    path = tmp_path / "study.yaml"
+    corner = STUDY[STUDY.index("    period: 0.4 s") : STUDY.index("  plain")]
+    study = STUDY.replace(corner, f"    plan: {{width: 20 m, depth: 12 m, {plan}}}\n").replace(
+        "[elastic]", "[inelastic]"
+    )
+    path.write_text(study.replace("period: 0.5 s,", "period: 0.5 s, yield_shear: never,"))
+    for _, scene, _ in scenes(path):
+        assert ("yielding storeys" in effects_of(scene).kept) == (scene.buildings[0].name == "corner")
+
+
 def check(path, study):
     path.write_text(study)
     return CliRunner().invoke(cli, ["check", str(path)], catch_exceptions=False).stdout
@@ -173,6 +193,10 @@ def test_check_tells_plans_and_which_floors_twist_why(tmp_path):
 
     shifted = section(check(path, STUDY.replace("width: 14 m,", "width: 14 m, shift: 6 m,")), "twist")
     assert "plain: its links to corner act 1.5 m off its centre of mass" in shifted
+
+    uneven = STUDY.replace("2 cm}", "2 cm, places: [-3 m, 3 m], shares: [30 %, rest]}")
+    uneven = section(check(path, uneven), "twist")
+    assert "plain: its links to corner act 1.2 m off its centre of mass" in uneven
 
     apart = STUDY.replace("[corner, plain]", "[corner, plain, plain]").replace("2 cm}", "2 cm, pair: 2}")
     said = check(path, apart)
