@@ -23,7 +23,7 @@ from pounding_cli.report.plans import (
     join_floors,
     read_outlines,
 )
-from pounding_cli.report.style import finish, new_figure, styled
+from pounding_cli.report.style import finish, is_for_page, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,19 +101,23 @@ def draw_from_above(evidence: Evidence) -> Figure:
     low = min(outline.low for outline in outlines)
     high = max(outline.high for outline in outlines)
     inches = min(PANEL[0] / across, PANEL[1] / (high - low))  # a metre
-    width = max(inches * across + 1.0, 5.6)
-    figure = new_figure(width, len(shown) * (inches * (high - low) + 1.45) + 1.0)
-    axes = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
+    width = max(inches * across + 1.0, 6.6)  # the legend has room
+    handles, labels = zip(*_list_handles(outlines, [mark for _, marks in shown for mark in marks]), strict=True)
+    columns = 2 if width < 8.0 else 3
+    legend = 0.2 * -(-len(handles) // columns) + 0.1
+    panel = inches * (high - low) + 1.45
+    figure = new_figure(width, len(shown) * panel + legend + (0.2 if is_for_page() else 1.0))
+    *axes, below = figure.subplots(len(shown) + 1, 1, height_ratios=[*[panel] * len(shown), legend])
     for ax, (cases, marks), placed in zip(axes, shown, spread, strict=True):
         _draw_panel(ax, placed, marks, evidence, 1.0 / inches)
-        if len(evidence.cases) > 1:
-            lines = max(len(_head_lines(_marks_between(marks, left), evidence)) for left in range(len(placed)))
-            ax.set_title(join_limited(cases, int(11 * width)), loc="left", pad=5 + 9.5 * lines)
+        title = join_limited(cases, int(11 * width)) if len(evidence.cases) > 1 else " "
+        lines = max(len(_head_lines(_marks_between(marks, left), evidence)) for left in range(len(placed)))
+        ax.set_title(title, loc="left", pad=5 + 9.5 * lines)
     axes[-1].set_xlabel("along the row, the way of the ground motion  →", labelpad=30)
-    handles, labels = zip(*_list_handles(outlines, [mark for _, marks in shown for mark in marks]), strict=True)
-    figure.legend(
-        handles, labels, loc="outside lower left",
-        ncols=2 if width < 8.0 else 3, fontsize=8, handlelength=2.2, columnspacing=1.4,
+    below.axis("off")
+    below.legend(
+        handles, labels, loc="center left", ncols=columns, fontsize=8, handlelength=2.2, columnspacing=1.4,
+        borderaxespad=0,
     )  # fmt: skip
     finish(figure, f"From above: {evidence.title}", _build_caption(evidence, outlines, groups))
     return figure
@@ -168,7 +172,14 @@ def _draw_plan(ax: Axes, placed: Placed, inch: float) -> None:
     )  # fmt: skip
     for line in outline.across:
         x = placed.middle + line.place
-        ax.plot([x, x], [outline.low, outline.high], color=_ACROSS, lw=_thickness(line.share), zorder=2)
+        ax.plot(
+            [x, x],
+            [outline.low, outline.high],
+            color=_ACROSS,
+            lw=_thickness(line.share),
+            solid_capstyle="butt",
+            zorder=2,
+        )
     for line in outline.lines:
         ends = [placed.left, placed.right]
         ax.plot(ends, [line.place] * 2, color=_LINE, lw=_thickness(line.share), solid_capstyle="butt", zorder=2.2)

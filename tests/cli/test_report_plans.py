@@ -11,6 +11,7 @@ from matplotlib.patches import Rectangle
 
 import pounding_cli
 from pounding_cli.report.evidence import find_nominal
+from pounding_cli.report.figures import list_profiles
 from pounding_cli.report.from_above import MOST_PANELS, list_plan_sections
 from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 from pounding_cli.report.widgets import build_explorer_data, build_player_scenes
@@ -68,7 +69,7 @@ def picture(made):
 @pytest.fixture(scope="module")
 def panels(picture):
     """Its panels, by the cases that each stands for."""
-    return {ax.get_title(loc="left"): ax for ax in picture.draw().axes}
+    return {title: ax for ax in picture.draw().axes if (title := ax.get_title(loc="left"))}
 
 
 def rectangles(ax) -> dict[str, Rectangle]:
@@ -185,6 +186,21 @@ def test_the_explorer_has_frame_lines_edges_and_twist(made):
     assert values[0, 0, 4:] == pytest.approx(exact.sel(building="soft").values[:, :2].T, rel=1e-5)
 
 
+def test_every_frame_line_has_a_panel_over_the_height(made):
+    """The ratios of each line along and across, and no such figure of a building that does not twist."""
+    results = pounding_cli.open_results(made / "street.h5")
+    pictures = {picture.name: picture for picture in list_profiles(find_nominal(results))}
+    assert {name for name in pictures if name.endswith("-lines")} == {"corner-lines", "soft-lines"}
+    titles = [ax.get_title(loc="left") for ax in pictures["corner-lines"].draw().axes]
+    assert "Line 2, inelastic" in titles
+    assert "Line 3 across the row, inelastic" in titles
+    axes = [ax for ax in pictures["soft-lines"].draw().axes if ax.get_title(loc="left").startswith("Line")]
+    assert [ax.get_title(loc="left") for ax in axes] == ["Line 1, inelastic", "Line 2, inelastic"]
+    ratios = results.data["line_mu_ratio"].sel(case="touch", building="soft", analysis="inelastic", record="elcentro")
+    for number, ax in enumerate(axes):
+        assert ax.lines[0].get_xdata() == pytest.approx(ratios.values[:, number])
+
+
 def test_figures_over_a_sweep_know_lines(made, folder, pound):
     """Fails if the number of the line is not taken, or the largest line is drawn whichever is asked for."""
     results = pounding_cli.open_results(made / "swept.h5")
@@ -220,6 +236,9 @@ def test_the_player_gets_plans_and_turns(made):
     assert series[first + 2 : first + 5] == pytest.approx(twist[:, 1].T)
     assert np.abs(series[first : first + 5]).max() > 1e-5
     assert len(series) == first + 5 + len(touch["links"])
+    number = list(history.links).index("corner|soft floor 2, place 1")
+    at_place = history.displacement[:, :2, 1] - np.array([-5 - 1, -5 - 3]) * twist[:, :2, 1]
+    assert at_place[:, 0] - at_place[:, 1] == pytest.approx(history.closing[:, number], abs=1e-8)
     assert [link["places"] for link in touch["links"][:2]] == [(-5, -5), (10, 10)]
     corner = touch["buildings"][0]["plan"]
     assert (corner["low"], corner["high"], corner["centre"], corner["known"]) == (-10, 10, 1, False)

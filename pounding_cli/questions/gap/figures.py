@@ -91,6 +91,8 @@ def _describe_figure(evidence: GapEvidence) -> str:
     """Return what the lines of the figure are."""
     where = f"At {evidence.shown.label}. " if evidence.shown.label else ""
     lines = f"Grey: every motion, exact. Lines: mean over the motions. Band: {100 * CONFIDENCE:.0f} % confidence."
+    if "end" in evidence.gaps and evidence.gaps["end"].any():
+        lines += " At every height the end of the shared edge that needs most."
     return f"{where}{lines} {describe_motions(evidence.shown.records)}"
 
 

@@ -232,10 +232,9 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
 
 def _iter_street_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     """Yield where floors that twist share an edge, and how codes count their twist."""
-    frame = results.answer(GAP_TABLE).frame
-    known = set(zip(frame["left"], frame["right"], strict=True))
+    facing = set(zip(*(results.arrays[name].values.tolist() for name in ("link_left", "link_right")), strict=True))
     for left, right in pairwise(results.names("building")):
-        if (left, right) not in known and "plan_low" in results.arrays:
+        if (left, right) not in facing and "plan_low" in results.arrays:
             yield f"{left} and {right} share no edge along the street, so that they need no gap."
     if "end" not in exact or not exact["end"].any():
         return
@@ -243,9 +242,10 @@ def _iter_street_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[s
     for pair, rows in at_ends.groupby(["left", "right"], sort=False):
         low, high = (_format_places(rows.loc[rows["end"] == end, "y"]) for end in (LOW_END, HIGH_END))
         yield (
-            f"{' and '.join(map(str, pair))} share an edge along the street, from its low end at {low} m to its high end "
-            f"at {high} m. Gaps and distances are those of the edges, not of the centres of mass."
+            f"{' and '.join(map(str, pair))} share an edge along the street, from its low end at {low} m to its high "
+            f"end at {high} m."
         )
+    yield "Where floors twist, gaps and distances are those of their edges, not of their centres of mass."
     evaluated = set(results.answer(GAP_TABLE).frame["rule"])
     rules = [each for each in evaluated if each.startswith("UBC")]
     rules += [rule.name for rule in CODE_RULES if rule.displacement is not None and rule.name in evaluated]
