@@ -27,6 +27,8 @@ MOST_VALUES = 120_000
 """Numbers that a page carries; of more only means and the largest over the height, then fewer quantities."""
 MEAN = "mean"
 """Entry for all motions in the list of motions."""
+TWIST_REMARK = "; of floors that twist"
+"""Begins the part of the meaning of a quantity that only studies with plans need."""
 MOST_BYTES = 12_000_000
 """Size of all series of a page together, as text."""
 
@@ -123,6 +125,9 @@ def _pack_quantity(
     spread = {kind: numbers.expand_dims(record=[MEAN]) for kind, numbers in spread.items()}
     if is_whole and values.sizes["record"] > 1:
         spread["mean"] = xr.concat([spread["mean"], values], "record")
+    text = column.text or column.label
+    if "plan_low" not in results.arrays:
+        text = text.partition(TWIST_REMARK)[0]
     order = ("case", "record", "analysis", where, level, *dims)
     packed = {}
     for kind, numbers in spread.items():
@@ -130,7 +135,7 @@ def _pack_quantity(
     return {
         "key": name,
         "label": column.head,
-        "text": column.text or column.label,
+        "text": text,
         "level": level,
         "levels": values[level].values.tolist() if is_whole else [0],
         "where": where,
