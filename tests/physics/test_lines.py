@@ -69,20 +69,20 @@ def test_shears_and_edges_over_time() -> None:
     scene = house()
     run = solve(scene, 1e-9)
     kept = pound.history(scene, every=2e-4, accuracy=1e-9)
-    of_lines = kept.line_shear.values[:, 0]
-    assert kept.shear.values[:, 0] == pytest.approx(of_lines.sum(axis=2), abs=1e-6 * run.shear.max())
+    of_lines = kept.line_shear[:, 0]
+    assert kept.shear[:, 0] == pytest.approx(of_lines.sum(axis=2), abs=1e-6 * run.shear.max())
     assert run.shear == pytest.approx(np.abs(of_lines.sum(axis=2)).max(axis=0), rel=1e-4)
     assert run.line_shear == pytest.approx(np.abs(of_lines).max(axis=0).ravel(), rel=1e-4)
     assert run.ductility == pytest.approx(run.line_ductility.reshape(2, 2).max(axis=1), rel=1e-12)
     assert run.ductility.max() > 1.5
     drift, turn = (
-        np.diff(values[:, 0], prepend=0.0, axis=1) for values in (kept.displacement.values, kept.twist.values)
+        np.diff(values[:, 0], prepend=0.0, axis=1) for values in (kept.displacement, kept.twist)
     )
     assert run.edge_drift_low == pytest.approx(np.abs(drift + 10.0 * turn).max(axis=0), rel=1e-4)
     assert run.edge_drift_high == pytest.approx(np.abs(drift - 10.0 * turn).max(axis=0), rel=1e-4)
-    assert run.twist == pytest.approx(np.abs(kept.twist.values[:, 0]).max(axis=0), rel=1e-4)
+    assert run.twist == pytest.approx(np.abs(kept.twist[:, 0]).max(axis=0), rel=1e-4)
     spent = kept.energy_kinetic + kept.energy_stored + kept.energy_damping + kept.energy_hysteresis
-    assert kept.energy_input.values == pytest.approx(spent.values, abs=1e-9 * float(kept.energy_input.max()))
+    assert kept.energy_input == pytest.approx(spent, abs=1e-9 * float(kept.energy_input.max()))
 
 
 def test_parts_with_plans_move_as_alone() -> None:
@@ -106,9 +106,9 @@ def test_parts_with_plans_move_as_alone() -> None:
         own = pound.history(scene.alone(place), every=0.05)
         if place < 2:
             storeys, lines = own.line_shear.shape[2:]
-            assert np.array_equal(kept.line_shear.values[:, place, :storeys, :lines], own.line_shear.values[:, 0])
+            assert np.array_equal(kept.line_shear[:, place, :storeys, :lines], own.line_shear[:, 0])
     assert [each.drift.shape for each in whole.lines] == [(2, 2), (3, 3), (2, 0)]
-    assert np.isnan(kept.twist.values[:, 2]).all()
+    assert np.isnan(kept.twist[:, 2]).all()
 
 
 def test_a_line_collapses_its_storey() -> None:
@@ -176,7 +176,7 @@ def test_energy_of_a_start() -> None:
     """Floors that are let go displaced and turned. Fails if what they hold at first is not counted."""
     scene = replace(house(np.zeros(101), "elastic"), residual_drift=False)
     start = ([np.array([0.01, 0.02, 1e-3, 2e-3])], [np.array([0.1, 0.0, 0.0, 0.05])])
-    found = solve_scene(scene, initial=start)
+    found = solve_scene(scene, 1e-10, initial=start)
     assert abs(found.energy["residual"]) < 1e-10
     assert found.energy["input"] > 1e3
 
@@ -237,4 +237,4 @@ def test_weights_that_turn_the_floors_are_refused() -> None:
     eccentric = replace(plan, torsional_stiffness=np.zeros(2))
     replace(building, plan=eccentric, gravity_load=load)
     with pytest.raises(UnstableError, match="outweigh the eccentricity"):
-        replace(building, plan=eccentric, gravity_load=np.full(2, 0.6 * float(building.stiffness.min()) * 3.0))
+        replace(building, plan=eccentric, gravity_load=np.full(2, 0.65 * float(building.stiffness.min()) * 3.0))

@@ -19,6 +19,7 @@ from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.compare import compare
 from pounding_cli.results.export import export
 from pounding_cli.results.pelicun import demands
+from pounding_cli.results.plausible import implausible_results
 from pounding_cli.results.results import ResultTables
 from pounding_cli.study.expression import ExpressionError, parse_expression, parse_limit, parse_statement
 
@@ -36,6 +37,9 @@ buildings:
       lines:
         - {y: -10 m, stiffness: [110 kN/mm, 70 kN/mm], yield_shear: [420 kN, 260 kN]}
         - {y: 4 m, stiffness: [60 kN/mm, 45 kN/mm], yield_shear: [210 kN, 140 kN]}
+      across:
+        - {x: -6 m, stiffness: [3 kN/mm, 2 kN/mm], yield_shear: [9 kN, 6 kN]}
+        - {x: 6 m, stiffness: [3 kN/mm, 2 kN/mm], yield_shear: [9 kN, 6 kN]}
   soft: {storeys: 2, period: 0.5 s}
 group: [corner, soft]
 cases: {touching: {link: pounding, gap: 5 mm}, apart: {link: pounding, gap: 90 cm}}
@@ -56,7 +60,6 @@ residual_drift: true
 """
 BUILDINGS = ("corner", "soft")
 ROW = ["impact.restitution", "case", "analysis", "record", "building", "storey"]
-ALONG = {"y": [-10.0, 4.0]}
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +79,9 @@ def corner(results) -> pd.DataFrame:
 def test_storeys_are_those_of_their_lines(results, corner):
     """Fails if lines are mixed up with storeys, or a storey has the demand of another line."""
     line = results.line()
-    assert len(line) == 2 * len(corner)
+    assert len(line) == 4 * len(corner)
+    assert line.query("line > 2")["x"].tolist() == [-6.0, 6.0] * len(corner)
+    line = line[line["y"].notna()]
     by_storey = line.groupby(ROW, sort=False)
     for name in ("mu", "mu0"):
         assert corner[name].to_numpy() == pytest.approx(by_storey[name].max().to_numpy(), rel=1e-12)
@@ -112,10 +117,10 @@ def test_lines_over_time(results):
     """The elastic shear of a line is its stiffness times its drift, at any time, and lines add up to the storey."""
     history = results.history()
     line = results.line("stiffness").drop_duplicates(["storey", "line"])
-    stiffness = line["stiffness"].to_numpy().reshape(2, 2)
+    stiffness = line["stiffness"].to_numpy().reshape(2, 4)
     assert history.line_shear[:, 0] == pytest.approx(stiffness * history.line_drift[:, 0], rel=1e-5, abs=1.0)
-    assert history.line_shear[:, 0].sum(axis=-1) == pytest.approx(history.shear[:, 0], rel=1e-5, abs=1.0)
-    assert list(history.frame("line_drift").columns) == [("corner", n, i) for n in (1, 2) for i in (1, 2)]
+    assert history.line_shear[:, 0, :, :2].sum(axis=-1) == pytest.approx(history.shear[:, 0], rel=1e-5, abs=1.0)
+    assert list(history.frame("line_drift").columns) == [("corner", n, i) for n in (1, 2) for i in (1, 2, 3, 4)]
     assert history.frame("twist").columns.tolist() == [("corner", 1), ("corner", 2)]
     largest = history.largest().loc["line_shear"]
     assert largest.index.str.match(r"corner, storey 1, line \d").all()
@@ -124,7 +129,7 @@ def test_lines_over_time(results):
 def test_means_of_ratios_of_lines(results):
     line = results.line()
     means = results.values("line_V_ratio_mean")
-    assert means.shape == (2, 2, 2, 2, 2, 2)
+    assert means.shape == (2, 2, 2, 2, 2, 4)
     rows = line.query("case == 'touching' and analysis == 'inelastic' and storey == 2 and line == 2")
     by_hand = rows.groupby("impact.restitution")["V_ratio"].mean().to_numpy()
     assert means[:, 0, 1, 0, 1, 1] == pytest.approx(by_hand)
@@ -147,7 +152,7 @@ def test_contact_by_place(results):
 def test_a_run_names_the_line(results):
     """The number of a sentence is the mean ratio of the line that it names."""
     sentences = list_sentences(results)
-    means = results.values("line_V_ratio_mean")[0, 0, 0, 0]
+    means = results.values("line_V_ratio_mean")[0, 0, 0, 0, :, :2]  # those across the row have no sentence
     storey, line = np.unravel_index(np.argmax(means), means.shape)
     rise = f"by up to {float(f'{100 * (means.max() - 1):.2g}'):g} % (storey {storey + 1}, mean of 2 motions"
     assert any(f"raises the elastic shears of line {line + 1} of corner {rise}" in each for each in sentences)
@@ -214,6 +219,7 @@ def test_floors_that_do_not_twist(balanced):
     [
         ("mu in line 2 of corner", "line == 2", "mu"),
         ("V in line 1 of corner storey 2", "line == 1 and storey == 2", "V"),
+        ("V_ratio in line 1 of corner storey 2", "line == 1 and storey == 2", "V_ratio"),
         ("drift_ratio in line 2 of corner", "line == 2", "drift_ratio"),
         ("edge_drift in corner storey 1", "building == 'corner' and storey == 1", "edge_drift"),
         ("edge_drift_ratio", "storey > 0", "edge_drift_ratio"),
@@ -322,18 +328,42 @@ def test_other_programs_get_lines(results, tmp_path):
     assert left_out == 0
     first = rows[rows["storey"] == 1]
     assert table["PID-1-1"].iloc[1:].astype(float).to_numpy() == pytest.approx(first["edge_drift_ratio"].to_numpy())
-    residual = results.line("residual_drift").query("case == 'touching' and analysis == 'inelastic' and storey == 1")
+    residual = results.line("residual_drift").query(
+        "line < 3 and case == 'touching' and analysis == 'inelastic' and storey == 1"
+    )
     largest = residual.assign(size=residual["residual_drift"].abs()).groupby(ROW[:4], sort=False)["size"].max()
     assert table["RID-1-1"].iloc[1:].astype(float).to_numpy() == pytest.approx(largest.to_numpy() / 3.0)
 
 
-def test_a_changed_line_is_found(results):
-    array = results.arrays["line_mu"]
+def change(results: ResultTables, name: str, place: tuple, factor: float) -> ResultTables:
+    """Return the results with another value at a place of a variable."""
+    array = results.arrays[name]
     values = array.values.copy()
-    values[1, 0, 1, 1, 0, 1, 1] *= 1.001
-    data = {**results.arrays.data, "line_mu": replace(array, data=values)}
-    other = ResultTables(results.path, ResultArrays(data, results.arrays.coordinates, results.arrays.attrs))
+    values[place] *= factor
+    data = {**results.arrays.data, name: replace(array, data=values)}
+    return ResultTables(results.path, ResultArrays(data, results.arrays.coordinates, results.arrays.attrs))
+
+
+def test_a_drift_of_an_edge_that_is_hardly_plausible(results):
+    """Fails if the drift at the centre of mass is taken for the largest one."""
+    assert not [each for each in implausible_results(results) if "interstorey drift" in each]
+    sentences = implausible_results(change(results, "edge_drift_ratio", (0, 0, 1, 0, 0, 1), 50.0))
+    (sentence,) = [each for each in sentences if "interstorey drift" in each]
+    assert sentence.startswith("Hardly plausible: an interstorey drift at an edge of the plan of")
+    assert "corner, storey 2" in sentence
+
+
+def test_motions_without_numbers_are_left_out_of_tables_of_lines(results):
+    table = list_tables(change(results, "drift", (0, 0, 1, 0, 0), np.nan))[2]
+    assert "mean of those of 2 motions that have numbers" in table.caption
+    row = table.frame.query("case == 'touching' and analysis == 'inelastic' and line == 2").iloc[0]
+    line = results.line().query("`impact.restitution` == 0.5 and case == 'touching' and analysis == 'inelastic'")
+    assert row["V"] == line.query("line == 2 and record == 'taft'")["V"].max()
+
+
+def test_a_changed_line_is_found(results):
+    other = change(results, "line_mu", (1, 0, 1, 1, 0, 1, 1), 1.001)
     assert compare(results, results).has_same_numbers
-    (change,) = compare(results, other).changes.to_dict("records")
-    assert (change["table"], change["column"]) == ("line", "line_mu")
-    assert change["place"].endswith("touching, inelastic, taft, corner, 2, 2")
+    (found,) = compare(results, other).changes.to_dict("records")
+    assert (found["table"], found["column"]) == ("line", "line_mu")
+    assert found["place"].endswith("touching, inelastic, taft, corner, 2, 2")

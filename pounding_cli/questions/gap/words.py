@@ -243,8 +243,8 @@ def _iter_street_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[s
     for pair, rows in at_ends.groupby(["left", "right"], sort=False):
         low, high = (_format_places(rows.loc[rows["end"] == end, "y"]) for end in (LOW_END, HIGH_END))
         yield (
-            f"{' and '.join(map(str, pair))} share an edge along the street, from its low end at {low} m to its high end "
-            f"at {high} m. Gaps and distances are those of the edges, not of the centres of mass."
+            f"{' and '.join(map(str, pair))} share an edge along the street, from its low end at {low} m to its "
+            f"high end at {high} m. Gaps and distances are those of the edges, not of the centres of mass."
         )
     evaluated = set(results.answer(GAP_TABLE).frame["rule"])
     rules = [each for each in evaluated if each.startswith("UBC")]

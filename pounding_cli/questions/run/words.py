@@ -23,6 +23,7 @@ from pounding_cli.questions.run.twist import (
     does_twist,
     does_twist_anywhere,
     format_length,
+    keep_lines_along,
     line_values,
     list_twist_tables,
 )
@@ -429,10 +430,12 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
         if response.analysis not in shown.analyses:
             continue
         by_line = does_twist_anywhere(results, shown.main_building)
-        array = results.arrays[f"{'line_' * by_line}{response.ratio}_mean"]
+        name = f"{'line_' * by_line}{response.ratio}_mean"
+        array = results.arrays[name]
+        values = keep_lines_along(results, name) if by_line else array.values
         analysis = array.dims.index("analysis")
         building = array.dims.index("building")
-        means = array.values.take([shown.analyses.index(response.analysis)], analysis)
+        means = values.take([shown.analyses.index(response.analysis)], analysis)
         means = means.take([shown.group.index(shown.main_building)], building)
         if not np.isfinite(means).any():
             continue
