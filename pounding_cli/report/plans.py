@@ -189,12 +189,15 @@ def _read_lines(evidence: Evidence, number: int, places: np.ndarray) -> list[Pla
 def read_marks(evidence: Evidence, case: str, outlines: Sequence[PlanOutline]) -> list[LinkMark]:
     """Return where the links of a case stand, those of several floors at one place together."""
     data = evidence.data.sel(case=case)
+    is_still = _find_still(data, len(outlines))
     floors: dict[tuple[Any, ...], list[str]] = {}
     for number in np.flatnonzero(data["kind"].values != ""):
         link = data.isel(link=number)
         left = evidence.group.index(str(link["link_left"].item()))
+        is_whole = bool(np.isnan(link["y"].item())) or (is_still[left] and is_still[left + 1])
         ends = find_link_ends(link, outlines[left], outlines[left + 1])
-        is_whole = bool(np.isnan(link["y"].item()))
+        if is_whole:
+            ends = (_find_middle(outlines[left], outlines[left + 1]),) * 2
         place = (left, str(link["kind"].item()), *ends, (float(link["gap"].item()),), is_whole)
         floors.setdefault(place, []).append(_name_floors(link))
     return [
@@ -210,7 +213,7 @@ def find_link_ends(link: xr.Dataset, left: PlanOutline, right: PlanOutline) -> t
     """
     y = float(link["y"].item())
     if math.isnan(y):
-        middle = 0.5 * sum(find_shared_edge(left, right))
+        middle = _find_middle(left, right)
         return middle, middle
     ends = []
     for side, outline in (("left_y", left), ("right_y", right)):
@@ -221,6 +224,19 @@ def find_link_ends(link: xr.Dataset, left: PlanOutline, right: PlanOutline) -> t
     if math.isnan(ends[0]):
         first = second
     return round(first, 6), round(second, 6)
+
+
+def _find_middle(left: PlanOutline, right: PlanOutline) -> float:
+    """Return the middle of the edge that two neighbours share, along the street [m]."""
+    return 0.5 * sum(find_shared_edge(left, right))
+
+
+def _find_still(data: xr.Dataset, buildings: int) -> list[bool]:
+    """Return of every building whether its floors do not twist in a case, though other numbers are there."""
+    if "twist" not in data or not np.isfinite(data["twist"].values).any():
+        return [False] * buildings
+    twist = np.abs(np.nan_to_num(data["twist"].transpose("building", ...).values))
+    return [not each.any() for each in twist]
 
 
 def _name_floors(link: xr.Dataset) -> str:

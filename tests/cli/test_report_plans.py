@@ -16,6 +16,8 @@ from pounding_cli.report.from_above import MOST_PANELS, list_plan_sections
 from pounding_cli.report.sweep import SweepChoice, list_sweep_pictures
 from pounding_cli.report.widgets import build_explorer_data, build_player_scenes
 
+from .conftest import TWO
+
 STREET = """\
 title: A street with plans
 records: {use: [elcentro], duration: 2 s}
@@ -159,6 +161,19 @@ def test_the_picture_from_above_reads_without_eyes(picture):
 def test_a_study_without_plans_has_no_picture_from_above(folder, pound):
     assert pound("run", "two.yaml", "-o", "two.h5", "-q")[0] == 0
     assert list_plan_sections(find_nominal(pounding_cli.open_results("two.h5"))) == []
+
+
+def test_links_of_floors_that_do_not_twist_stand_for_the_whole_edge(folder):
+    """Fails if a contact seems to be at one place where nothing is eccentric."""
+    plan = "plan: {width: 20 m, depth: 10 m, lines: [{y: -8 m, stiffness: 50 %}, {y: 8 m, stiffness: 50 %}]}"
+    text = TWO.replace("mass: 200 t}", f"mass: 200 t, {plan}}}").replace("like: stiff", "mass: 200 t")
+    Path("even.yaml").write_text(text)
+    results = pounding_cli.run("even.yaml", "even.h5", engine="serial")
+    (section,) = list_plan_sections(find_nominal(results))
+    (ax, *_) = section.pictures[0].draw().axes
+    (star,) = [line for line in ax.lines if line.get_marker() == "*"]
+    assert star.get_markerfacecolor() == "white"
+    assert "pounding along the shared edge" in section.pictures[0].text
 
 
 def test_a_swept_plan_is_drawn_at_the_point_shown(made):
