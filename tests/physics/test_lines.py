@@ -75,9 +75,7 @@ def test_shears_and_edges_over_time() -> None:
     assert run.line_shear == pytest.approx(np.abs(of_lines).max(axis=0).ravel(), rel=1e-4)
     assert run.ductility == pytest.approx(run.line_ductility.reshape(2, 2).max(axis=1), rel=1e-12)
     assert run.ductility.max() > 1.5
-    drift, turn = (
-        np.diff(values[:, 0], prepend=0.0, axis=1) for values in (kept.displacement, kept.twist)
-    )
+    drift, turn = (np.diff(values[:, 0], prepend=0.0, axis=1) for values in (kept.displacement, kept.twist))
     assert run.edge_drift_low == pytest.approx(np.abs(drift + 10.0 * turn).max(axis=0), rel=1e-4)
     assert run.edge_drift_high == pytest.approx(np.abs(drift - 10.0 * turn).max(axis=0), rel=1e-4)
     assert run.twist == pytest.approx(np.abs(kept.twist[:, 0]).max(axis=0), rel=1e-4)
