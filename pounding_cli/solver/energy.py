@@ -65,7 +65,7 @@ def _work_on_storeys(dofs, elements, r):
             push += WEIGHTS[g] * (r.g0 + g1 * PLACES[g]) * v
             square += WEIGHTS[g] * v * v
             rates += WEIGHTS[g] * rate * rate
-        if el.twists and el.mate > i:
+        if r.lines > 0 and el.twists and el.mate > i:
             dashpots += 2.0 * el.coupled_c * _common_rates(dofs, elements, i)
         pushed += d.mass * d.loaded * push
         drag += d.mass * d.drag * square

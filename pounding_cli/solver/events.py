@@ -74,7 +74,7 @@ def summarise(dofs, elements, terms, r):
     ends_of_elements(dofs, elements, terms, r)
     for e in range(r.m):
         el = elements[e]
-        if e >= r.n and el.drifts:
+        if r.lines > 0 and e >= r.n and el.drifts:
             storey, mate, arm = elements[el.storey], elements[el.mate], abs(el.arm)
             el.dv, el.dr = el.along * storey.dv + arm * mate.dv, el.along * storey.dr + arm * mate.dr
             continue
@@ -122,7 +122,7 @@ def ends_of_elements(dofs, elements, terms, r):
     """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
     for e in range(r.m):
         el = elements[e]
-        if e >= r.n and el.drifts:
+        if r.lines > 0 and e >= r.n and el.drifts:
             _end_of_line(elements, el)
             continue
         left, right = dofs[el.left], dofs[el.right]
@@ -139,7 +139,7 @@ def ends_of_elements(dofs, elements, terms, r):
             of_v = max(of_v, max(left.u_max, -left.u_min) + reach)
             of_rate = max(of_rate, left.fastest + fastest)
         el.v1, el.r1 = zero_if_rounding(v, of_v, LAST_DIGITS), zero_if_rounding(rate, of_rate, LAST_DIGITS)
-        if el.twists:
+        if r.lines > 0 and el.twists:
             el.size_v, el.size_r = of_v, of_rate
 
 

@@ -97,7 +97,7 @@ def start(dofs, elements, terms, r, series):
     for i in range(r.n):
         el = elements[i]
         f = line_force(el, el.v0, el.r0)
-        if el.twists:
+        if r.lines > 0 and el.twists:
             f += coupled_force(elements, el)
         push_by_storey(dofs, el, i, f, r.has_lean)
     for i in range(r.n):

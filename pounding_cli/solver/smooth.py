@@ -119,7 +119,7 @@ def _derivative(dofs, elements, terms, r, series, room, stage):
         if el.state > 0:
             states[el.state].k[stage] = history_rate(el, el.r1, el.h[0])
         f = force(el, el.v1, el.r1, formulas[el.formula])
-        if el.twists:
+        if r.lines > 0 and el.twists:
             mate = elements[el.mate]
             f += el.coupled_k * mate.v1 + el.coupled_c * mate.r1
         push_by_storey(dofs, el, i, f, r.has_lean)
