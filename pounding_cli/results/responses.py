@@ -141,7 +141,7 @@ class Responses:
             records = np.frombuffer(b"".join(rows[number][1] for number in at), of_rows)
             self.is_known[at] = True
             order = self._order[at]
-            place = (at, slice(buildings), slice(storeys), slice(*lines))
+            place = (at, slice(buildings), slice(storeys), slice(sum(lines)))
             for name in records.dtype.names or ():
                 whole = self._whole[name]
                 values = records[name]
