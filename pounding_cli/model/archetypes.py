@@ -3,8 +3,8 @@
 Sources, by table of the manual (FEMA (2012). Hazus-MH 2.1, Multi-hazard Loss Estimation Methodology, Earthquake Model,
 Technical Manual. Federal Emergency Management Agency, chapter 5):
 
-hazus_types.csv    the 36 types, their range of storeys, typical storeys and height in feet (Table 5.1); period, share of
-                   the weight in the pushover mode alpha1, overstrength ratios gamma and lambda (Table 5.5); elastic
+hazus_types.csv    the 36 types, their range of storeys, typical storeys and height in feet (Table 5.1); period, share
+                   of the weight in the pushover mode alpha1, overstrength ratios gamma and lambda (Table 5.5); elastic
                    damping (section 5.6.1)
 hazus_designs.csv  by type and design level: design strength Cs (Table 5.4); yield acceleration Ay and hardening, the
                    slope between yield and ultimate point over the slope before it (Table 5.7); interstorey drift at the
@@ -15,10 +15,10 @@ How uncertain a guess from the street is, as standard deviations of logarithms:
 strength        0.25 of designs to a code, 0.30 of those before codes: beta of the capacity curve (section 5.4)
 drift capacity  0.40: variability of the thresholds of damage (section 5.4)
 period          0.18 of concrete frames, 0.24 of others: half of the logarithm of the ratio of the upper to the lower
-                formula, one standard error above and below measured periods: 0.023 / 0.016 of concrete and 0.045 / 0.028
-                of steel frames (Goel, R. K. and Chopra, A. K. (1997). Period formulas for moment-resisting frame
-                buildings. Journal of Structural Engineering 123(11), 1454-1461); types that are no frames take the
-                larger one
+                formula, one standard error above and below measured periods: 0.023 / 0.016 of concrete and
+                0.045 / 0.028 of steel frames (Goel, R. K. and Chopra, A. K. (1997). Period formulas for
+                moment-resisting frame buildings. Journal of Structural Engineering 123(11), 1454-1461); types that are
+                no frames take the larger one
 damping         0.39: a coefficient of variation of 0.40 (Porter, K. A., Beck, J. L. and Shaikhutdinov, R. V. (2002).
                 Sensitivity of building loss estimates to major uncertain variables. Earthquake Spectra 18(4), 719-743)
 """

@@ -17,8 +17,16 @@ from pounding_cli.study.like import CODE, resolve_like
 KEY = "archetype"
 """Key of a building that is only seen."""
 
+SAMPLE = "sample"
+"""Key there that chooses one of the buildings that it may be."""
+
 UNCERTAIN_KEYS = {"period": "period", "strength": "yield.base_shear", "damping": "damping"}
 """What is uncertain of a building -> the key that takes its values."""
+
+
+def is_sample_key(key: str) -> bool:
+    """Return whether a dotted key chooses one of the buildings that a neighbour may be."""
+    return key.endswith(f".{KEY}.{SAMPLE}")
 
 
 class Seen(NamedTuple):
@@ -36,6 +44,11 @@ class Seen(NamedTuple):
     archetype: Archetype
     building: Map
     mark: Mark
+
+    @property
+    def sample_key(self) -> str:
+        """The dotted key that chooses one of the buildings that it may be."""
+        return f"buildings.{self.name}.{KEY}.{SAMPLE}"
 
     def is_known(self, quantity: str) -> bool:
         """Return whether the study gives a quantity beside the archetype."""
