@@ -70,7 +70,7 @@ SOURCES = {
     "storeys": "Table 5.1",
     "period": "Table 5.5, in proportion to the storeys",
     "height": "Table 5.1",
-    "strength": "Tables 5.4 and 5.5",
+    "strength": "Tables 5.4, 5.5 and 5.7",
     "hardening": "Table 5.7",
     "damping": "section 5.6.1",
     "drift": "Table 5.9",
@@ -79,9 +79,9 @@ SOURCES = {
 
 SPREAD_SOURCES = {
     "period": "Goel and Chopra 1997",
-    "strength": f"{MANUAL}, section 5.4",
+    "strength": "section 5.4",
     "damping": "Porter et al. 2002",
-    "drift": f"{MANUAL}, section 5.4",
+    "drift": "section 5.4",
 }
 """Where the dispersions stand."""
 

@@ -19,6 +19,7 @@ from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import join_limited, pluralize
+from pounding_cli.study.archetype_words import warn_storeys_outside
 from pounding_cli.study.axes import UNWRITTEN, Axis, sweep_maps
 from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
@@ -90,6 +91,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
             notes.add_issue(study.tree, issue)
     notes.extend(warner.doubts.iter_merged())
     warn_held_period(study, notes)
+    warn_storeys_outside(study, notes)
     if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"

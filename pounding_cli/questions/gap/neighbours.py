@@ -117,14 +117,16 @@ def build_neighbour_tables(study: Study, plan: Plan, separations: pd.DataFrame) 
     rows = []
     case_rows = []
     gaps = build_gap_frame(study, plan)
-    for (point, analysis, number), of_pair in drawn.groupby(["first", "analysis", "number"], observed=True):
+    place: Any
+    for place, of_pair in drawn.groupby(["first", "analysis", "number"], observed=True):
+        point, analysis, number = place
         by_run = of_pair.pivot_table("value", "neighbour", "motion", _largest_known, dropna=False)
         closings = Closings.of(by_run.to_numpy(float))
         if np.isnan(closings.values).all():
             continue
         left, right = plan.buildings[number : number + 2]
-        place = {"point": point, "analysis": analysis, "left": left, "right": right} | closings.describe()
-        row = place | closings.split_spread()
+        where = {"point": point, "analysis": analysis, "left": left, "right": right} | closings.describe()
+        row = where | closings.split_spread()
         for share in NEIGHBOUR_SHARES:
             row |= closings.find_gap(share)
         rows.append(row)
@@ -133,7 +135,7 @@ def build_neighbour_tables(study: Study, plan: Plan, separations: pd.DataFrame) 
             fits = of_case["value"] + of_case["error"].fillna(0.0) <= of_case["gap"]
             by_run = of_case.assign(fits=fits).pivot_table("fits", "neighbour", "motion", "all")
             is_enough = by_run.to_numpy(bool)
-            case_row = place | {"given": given, "case": case, "gap": float(of_case["gap"].min())}
+            case_row = where | {"given": given, "case": case, "gap": float(of_case["gap"].min())}
             case_rows.append(case_row | closings.find_probability(is_enough))
     tables = []
     for name, columns, found in (
