@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-from pounding_cli.numbers import Unit
-from pounding_cli.study.archetypes import KEY, Seen, list_seen
+from pounding_cli.numbers import Unit, pluralize
+from pounding_cli.study.archetypes import KEY, Seen, is_sample_key, list_seen
 from pounding_cli.study.axes import Axis, sweep_maps
 
 if TYPE_CHECKING:
     from pounding_cli.questions.question import StudyQuestion
+    from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Study
 
 
@@ -45,3 +47,17 @@ def build_neighbour_axis(question: StudyQuestion) -> Axis | None:
     rows = [(number,) * len(drawn) for number in range(counts.pop() + 1)]
     marks = tuple(seen.mark for seen in drawn)
     return Axis(tuple(seen.sample_key for seen in drawn), rows, [marks] * len(rows), (Unit(),) * len(drawn))
+
+
+def list_drawn_names(results: ResultTables) -> list[str]:
+    """Return the building types of which a question drew several."""
+    return [key.split(".")[1] for key in results.axes if is_sample_key(key)]
+
+
+def describe_seen(building: Mapping[str, Any], name: str) -> str:
+    """Return what is known of a building that is only seen: "theirs (C1M, pre-code, 5 storeys)".
+
+    building : its keys with every default filled in
+    """
+    seen = building[KEY]
+    return f"{name} ({seen['type']}, {seen['design']}, {pluralize(seen['storeys'], 'storey')})"

@@ -46,9 +46,14 @@ class Seen(NamedTuple):
     mark: Mark
 
     @property
+    def prefix(self) -> str:
+        """What its dotted keys begin with."""
+        return f"buildings.{self.name}.{KEY}."
+
+    @property
     def sample_key(self) -> str:
         """The dotted key that chooses one of the buildings that it may be."""
-        return f"buildings.{self.name}.{KEY}.{SAMPLE}"
+        return f"{self.prefix}{SAMPLE}"
 
     def is_known(self, quantity: str) -> bool:
         """Return whether the study gives a quantity beside the archetype."""

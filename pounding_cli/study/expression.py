@@ -15,6 +15,7 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from pounding_cli import variables
+from pounding_cli.model.archetypes import DAMAGE_STATES
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, written_unit
 
@@ -301,7 +302,10 @@ def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> floa
 CONTACT = "contact"
 COLLAPSE = "collapse"
 DRIFT_RATIO = "drift_ratio"
-LIMITS = ("mu", "drift", DRIFT_RATIO, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE)
+DAMAGE_LIMITS = {f"{state} damage": state for state in DAMAGE_STATES}
+"""Limits of buildings that are only seen: the drift at which a damage state of their type begins."""
+
+LIMITS = ("mu", "drift", DRIFT_RATIO, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE, *DAMAGE_LIMITS)
 """Quantities that may be limited."""
 
 LIMITS_OF_PAIRS = (CONTACT, SHEAR_DEMAND)

@@ -18,6 +18,7 @@ from pounding_cli.questions.fragility.tables import (
     CURVES,
     IN_UNIT_OF_INTENSITY,
     MOTIONS,
+    NEIGHBOURS,
     POINTS,
     RATES,
     TABLES,
@@ -91,22 +92,32 @@ def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Resp
     hazard = question.hazard
     records = np.array(question.plan.records, object)
     draws = draw_motions(len(records), spec.draws)
-    names = list(TABLES) if hazard is not None else [CURVES, MOTIONS, POINTS]
+    names = [CURVES, MOTIONS, POINTS]
+    if hazard is not None:
+        names += [RATES, CONTRIBUTIONS]
+    if question.neighbour_axis is not None:
+        names.append(NEIGHBOURS)
     rows = {name: _Rows() for name in names}
-    for number, place in enumerate(places):
-        intensity = question.intensities[place.number]
+    groups = question.group_neighbours(places)
+    for number, group in enumerate(groups):
+        median_place, *drawn = group
         curves: CurveByState = {}
         blocks: dict[str, dict[str, Any]] = {}
         highest = 0.0  # intensity at which a motion holds or passes
-        for state, histories in place.histories.items():
-            demand = find_demands(question.plan, solved, place, state)
-            curve = fit_curve(intensity, demand, solved.is_known[histories], draws, spec)
+        for state in median_place.histories:
+            observed = _observe(question, solved, drawn or [median_place], state)
+            intensity, demand, _ = observed
+            curve = fit_curve(*observed, draws, spec)
             blocks[state] = curve.columns
+            if drawn:
+                of_median = fit_curve(*_observe(question, solved, [median_place], state), draws, spec)
+                rows[NEIGHBOURS].add(number, state, _compare_with_median(curve, of_median, len(drawn)))
             if curve.is_fitted:
                 curves[state] = curve
             brackets = find_brackets(intensity, demand)
             highest = max(highest, np.where(np.isfinite(brackets.passed), brackets.passed, brackets.held).max())
-            rows[MOTIONS].add(number, state, _build_motions(spec.method, records, intensity, demand))
+            of_rows = np.tile(records, len(demand) // len(records))
+            rows[MOTIONS].add(number, state, _build_motions(spec.method, of_rows, intensity, demand))
         if len(curves) == 2:
             medians = {state: curve.fits.median for state, curve in curves.items()}
             blocks[POUNDING] |= _build_ratio("ratio", medians, curves, spec.confidence)
@@ -116,17 +127,42 @@ def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Resp
             rows[POINTS].add(number, state, block)
         if hazard is not None:
             rates = _build_rates(hazard, curves, spec.confidence)
-            for state in place.histories:
+            for state in median_place.histories:
                 rows[RATES].add(number, state, rates.get(state, {"rate": np.nan}))
             for state, block in _build_contributions(hazard, curves).items():
                 rows[CONTRIBUTIONS].add(number, state, block)
-    return [_to_table(question, name, rows[name], places) for name in names]
+    firsts = [group[0] for group in groups]
+    return [_to_table(question, name, rows[name], firsts) for name in names]
+
+
+def _observe(
+    question: Fragility, solved: Responses, places: Sequence[CurvePlace], state: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return intensities, demands, and whether time histories were asked for, a row for every place and motion."""
+    intensities = [question.intensities[place.number] for place in places]
+    demands = [find_demands(question.plan, solved, place, state) for place in places]
+    are_asked = [solved.is_known[place.histories[state]] for place in places]
+    return np.concatenate(intensities), np.concatenate(demands), np.concatenate(are_asked)
+
+
+def _compare_with_median(curve: Curve, of_median: Curve, neighbours: int) -> dict[str, float]:
+    """Return the columns that compare a curve over what a neighbour may be with that of its median building."""
+    spread, spread_of_median = (each.columns.get("spread", np.nan) for each in (curve, of_median))
+    widening = np.sqrt(np.maximum(spread**2 - spread_of_median**2, 0.0))
+    return {
+        "neighbours": neighbours,
+        "median": curve.columns.get("median", np.nan),
+        "spread": spread,
+        "median_of_median": of_median.columns.get("median", np.nan),
+        "spread_of_median": spread_of_median,
+        "widening": float(widening),
+    }
 
 
 def _to_table(question: Fragility, name: str, rows: _Rows, places: Sequence[CurvePlace]) -> Table:
     """Return the table of some rows."""
     plan = question.plan
-    axes = [axis for number, axis in enumerate(plan.axes) if number != question.axis]
+    axes = [axis for number, axis in enumerate(plan.axes) if number not in (question.axis, question.neighbour_axis)]
     where = _build_where(question, places)
     frame = rows.to_frame(list_columns(name, question.spec.method), where)
     unit = Unit(question.unit.name, question.unit.factor, question.unit.si or "1")
@@ -137,7 +173,7 @@ def _to_table(question: Fragility, name: str, rows: _Rows, places: Sequence[Curv
 def _build_where(question: Fragility, places: Sequence[CurvePlace]) -> pd.DataFrame:
     """Return where curves stand: the swept values but the intensity, case, analysis, limit and building."""
     plan = question.plan
-    others = [number for number in range(len(plan.axes)) if number != question.axis]
+    others = [number for number in range(len(plan.axes)) if number not in (question.axis, question.neighbour_axis)]
     return build_swept_frame(
         [plan.axes[number] for number in others],
         [[place.point[number] for number in others] for place in places],

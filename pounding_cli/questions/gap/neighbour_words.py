@@ -12,28 +12,14 @@ from pounding_cli.questions.gap.tables import (
     NEIGHBOURS_TABLE,
     name_enough,
 )
-from pounding_cli.study.archetypes import is_sample_key
+from pounding_cli.questions.neighbours import describe_seen, list_drawn_names
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from typing import Any
-
     from pounding_cli.results.results import ResultTables
 
 _PAIR = Column("left", "two neighbours, left and right of the gap", label="between", write=describe_pair)
 _KINDS = {"elastic": "elastic", "inelastic": "yielding"}
-
-
-def list_drawn_buildings(results: ResultTables) -> list[str]:
-    """Return the buildings of which the question drew several."""
-    return [key.split(".")[1] for key in results.axes if is_sample_key(key)]
-
-
-def describe_seen(building: Mapping[str, Any], name: str) -> str:
-    """Return what is known of a building that is only seen: "theirs (C1M, pre-code, 5 storeys)"."""
-    seen = building["archetype"]
-    return f"{name} ({seen['type']}, {seen['design']}, {seen['storeys']} storeys)"
 
 
 def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
@@ -48,7 +34,7 @@ def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
         return ""
     first = rows.iloc[0]
     places = dict(zip(results.resolved["places"], results.resolved["group"], strict=True))
-    drawn = [place for place in pair if places[place] in list_drawn_buildings(results)]
+    drawn = [place for place in pair if places[place] in list_drawn_names(results)]
     if not drawn:
         return ""
     names = join_limited(describe_seen(results.resolved["buildings"][places[place]], place) for place in drawn)
@@ -118,7 +104,7 @@ def show_neighbours(results: ResultTables) -> list[Table]:
 
 def note_median(results: ResultTables) -> str:
     """Return which neighbour all other numbers are of; "" where all buildings are certain."""
-    names = list_drawn_buildings(results)
+    names = list_drawn_names(results)
     if not names or NEIGHBOURS_TABLE not in results.answers:
         return ""
     return (
