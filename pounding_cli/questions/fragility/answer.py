@@ -38,6 +38,9 @@ POINTS_OF_CURVE = 200
 RANGES_OF_RATE = 40
 """Ranges of intensities whose contributions to a rate are given."""
 
+MIN_ADDED = 1e-6
+"""Part of the square of a spread below which what a neighbour adds is rounding [-]."""
+
 CurveByState = dict[str, Curve]
 """State -> its fitted curve; a state without one is left out."""
 
@@ -148,7 +151,8 @@ def _observe(
 def _compare_with_median(curve: Curve, of_median: Curve, neighbours: int) -> dict[str, float]:
     """Return the columns that compare a curve over what a neighbour may be with that of its median building."""
     spread, spread_of_median = (each.columns.get("spread", np.nan) for each in (curve, of_median))
-    widening = np.sqrt(np.maximum(spread**2 - spread_of_median**2, 0.0))
+    added = spread**2 - spread_of_median**2
+    widening = np.sqrt(added) if added > MIN_ADDED * spread**2 else 0.0 * spread
     return {
         "neighbours": neighbours,
         "median": curve.columns.get("median", np.nan),
