@@ -30,8 +30,8 @@ class Variable:
     of : field of a response that it is read from, such as "building.shear"; "" where it follows from others
     alone : True for the value of the building alone, under the same motion
     ratio : (value, value of the building alone) that it is the ratio of; its statistics over the motions are kept too
-    formula : the values of variables that responses have, by name -> its own; shapes (rows, dimensions after
-        SCENE_DIMS)
+    formula : the values of variables before it by name, and the heights of storeys as "height" -> its own; shapes
+        (swept axes, SCENE_DIMS, its own dimensions after these), of lengths 1 where they do not change
     difference_scale : what a difference is relative to when two files are compared: ITSELF, the largest of another
         variable in the scene, or NO_DIFFERENCE (none is allowed); "" for one that follows from others and is
         not compared
@@ -55,31 +55,28 @@ class Variable:
     always: bool = True
 
 
-def _ratio(value: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Return value / base, NaN where the base is not above zero."""
-    return np.asarray(value / np.where(base > 0, base, np.nan))
-
-
 _HEIGHT, _BOTH = ("height",), ("height", "sweep")
 
 RESPONSE_VARIABLES = (
-    Variable("V", STOREY_DIMS, "N", "largest storey shear, without damping force",
+    Variable("V", STOREY_DIMS, "N",
+             "largest storey shear, without damping force; of floors that twist that of all lines together",
              of="building.shear", difference_scale=ITSELF, charts=_BOTH),
     Variable("V0", STOREY_DIMS, "N", "largest storey shear of the building alone",
              of="building.shear", alone=True, difference_scale=ITSELF, label="V₀"),
     Variable("V_ratio", STOREY_DIMS, "1", "V / V0", ratio=("V", "V0"), charts=_BOTH, label="V/V₀"),
-    Variable("mu", STOREY_DIMS, "1", "ductility, largest drift over yield drift",
+    Variable("mu", STOREY_DIMS, "1",
+             "ductility, largest drift over yield drift; of floors that twist in the line where it is largest",
              of="building.ductility", difference_scale=ITSELF, charts=_BOTH, label="μ"),
     Variable("mu0", STOREY_DIMS, "1", "ductility of the building alone",
              of="building.ductility", alone=True, difference_scale=ITSELF, label="μ₀"),
     Variable("mu_ratio", STOREY_DIMS, "1", "mu / mu0",
              ratio=("mu", "mu0"), charts=_BOTH, label="μ/μ₀"),
-    Variable("drift", STOREY_DIMS, "m", "largest storey drift",
+    Variable("drift", STOREY_DIMS, "m", "largest storey drift; of floors that twist at their centre of mass",
              of="building.drift", difference_scale=ITSELF, charts=_BOTH),
     Variable("drift0", STOREY_DIMS, "m", "largest storey drift of the building alone",
              of="building.drift", alone=True, difference_scale=ITSELF, label="drift alone"),
     Variable("drift_ratio", STOREY_DIMS, "1", "drift / height of the storey",
-             charts=_BOTH, always=False),
+             formula=lambda of: of["drift"] / of["height"], charts=_BOTH, always=False),
     Variable("residual_drift", STOREY_DIMS, "m", "storey drift at rest, long after the motion",
              of="building.residual_drift", difference_scale="drift", charts=_BOTH),
     Variable("acceleration", FLOOR_DIMS, "m/s2", "largest total floor acceleration",
@@ -108,26 +105,51 @@ RESPONSE_VARIABLES = (
              kind="i", always=False),
     Variable("collapsed0", BUILDING_DIMS, "1", "likewise of the building alone",
              kind="i", alone=True, always=False),
+    Variable("edge_drift_low", STOREY_DIMS, "m", "largest storey drift at the lower edge of the plan along the street",
+             of="building.edge_drift_low", difference_scale="drift", label="drift, low edge", always=False),
+    Variable("edge_drift_high", STOREY_DIMS, "m", "largest storey drift at the upper edge of the plan along the street",
+             of="building.edge_drift_high", difference_scale="drift", label="drift, high edge", always=False),
+    Variable("edge_drift_low0", STOREY_DIMS, "m", "edge_drift_low of the building alone",
+             of="building.edge_drift_low", alone=True, difference_scale="drift0", label="drift alone, low edge",
+             always=False),
+    Variable("edge_drift_high0", STOREY_DIMS, "m", "edge_drift_high of the building alone",
+             of="building.edge_drift_high", alone=True, difference_scale="drift0", label="drift alone, high edge",
+             always=False),
+    Variable("edge_drift", STOREY_DIMS, "m",
+             "largest storey drift at either edge of the plan; that of the storey where floors do not twist",
+             formula=lambda of: np.maximum(of["edge_drift_low"], of["edge_drift_high"]), charts=_BOTH,
+             label="edge drift", always=False),
+    Variable("edge_drift0", STOREY_DIMS, "m", "edge_drift of the building alone",
+             formula=lambda of: np.maximum(of["edge_drift_low0"], of["edge_drift_high0"]), label="edge drift alone",
+             always=False),
+    Variable("edge_drift_ratio", STOREY_DIMS, "1", "edge_drift / height of the storey",
+             formula=lambda of: of["edge_drift"] / of["height"], charts=_BOTH, label="edge drift ratio", always=False),
     Variable("twist", FLOOR_DIMS, "rad", "largest rotation of the floor about the vertical, either way",
              of="building.twist", difference_scale="twist", charts=_BOTH, always=False),
     Variable("twist0", FLOOR_DIMS, "rad", "largest rotation of the floor of the building alone",
-             of="building.twist", alone=True, difference_scale="twist", label="twist alone", always=False),
+             of="building.twist", alone=True, difference_scale="twist0", label="twist alone", always=False),
     Variable("line_V", LINE_DIMS, "N", "largest shear of the frame line, without damping force",
              of="line.line_shear", difference_scale="V", label="V of the line", always=False),
     Variable("line_V0", LINE_DIMS, "N", "largest shear of the frame line of the building alone",
              of="line.line_shear", alone=True, difference_scale="V0", label="V₀ of the line", always=False),
-    Variable("line_V_ratio", LINE_DIMS, "1", "line_V / line_V0",
-             formula=lambda of: _ratio(of["line_V"], of["line_V0"]), label="V/V₀ of the line", always=False),
+    Variable("line_V_ratio", LINE_DIMS, "1", "V / V0 of the line",
+             ratio=("line_V", "line_V0"), label="V/V₀ of the line", always=False),
     Variable("line_mu", LINE_DIMS, "1", "ductility of the frame line, largest drift over yield drift",
              of="line.line_ductility", difference_scale="mu", label="μ of the line", always=False),
     Variable("line_mu0", LINE_DIMS, "1", "ductility of the frame line of the building alone",
              of="line.line_ductility", alone=True, difference_scale="mu0", label="μ₀ of the line", always=False),
-    Variable("line_mu_ratio", LINE_DIMS, "1", "line_mu / line_mu0",
-             formula=lambda of: _ratio(of["line_mu"], of["line_mu0"]), label="μ/μ₀ of the line", always=False),
-    Variable("line_drift", LINE_DIMS, "m", "largest storey drift at the frame line",
+    Variable("line_mu_ratio", LINE_DIMS, "1", "mu / mu0 of the line",
+             ratio=("line_mu", "line_mu0"), label="μ/μ₀ of the line", always=False),
+    Variable("line_drift", LINE_DIMS, "m", "largest storey drift at the frame line, in its plane",
              of="line.line_drift", difference_scale="drift", label="drift of the line", always=False),
     Variable("line_drift0", LINE_DIMS, "m", "largest storey drift at the frame line of the building alone",
              of="line.line_drift", alone=True, difference_scale="drift0", label="drift of the line alone",
+             always=False),
+    Variable("line_drift_ratio", LINE_DIMS, "1", "drift of the line / height of the storey",
+             formula=lambda of: of["line_drift"] / of["height"][..., None], label="drift ratio of the line",
+             always=False),
+    Variable("line_residual_drift", LINE_DIMS, "m", "drift of the line at rest, long after the motion",
+             of="line.line_residual_drift", difference_scale="drift", label="residual drift of the line",
              always=False),
     Variable("impacts", LINK_DIMS, "1", "number of times the link closed",
              of="link.impacts", difference_scale=NO_DIFFERENCE, charts=_BOTH, label="contacts"),
@@ -186,7 +208,12 @@ SCENE_VARIABLES = (
     Variable("scene", SCENE_DIMS, "", "digest of the scene", "s"),
 )  # fmt: skip
 
-TWIST_VARIABLES = tuple(each for each in RESPONSE_VARIABLES if "line" in each.dims or each.name in ("twist", "twist0"))
+LINE_VARIABLES = tuple(each for each in RESPONSE_VARIABLES if each.dims == LINE_DIMS)
+"""Variables of frame lines; the table of lines and expressions call them without `line_`."""
+
+TWIST_VARIABLES = tuple(
+    each for each in RESPONSE_VARIABLES if each.dims == LINE_DIMS or each.name.startswith(("edge_drift", "twist"))
+)
 """Variables that files have where some building has a plan."""
 
 COLUMN_VARIABLES = ("left_at", "right_at", "shear_below", "shear_above", "shear_demand")
@@ -297,8 +324,8 @@ _STATISTICS = {
 
 STATISTIC_VARIABLES = tuple(
     Variable(
-        f"{ratio.name}_{name}", ("case", "analysis", *ratio.dims[-2:]), "1",
-        f"{words} over the records of {ratio.name}", "i" if name == "count" else "f",
+        f"{ratio.name}_{name}", ("case", "analysis", *ratio.dims[len(SCENE_DIMS) :]), "1",
+        f"{words} over the records of {ratio.name}", "i" if name == "count" else "f", always=ratio.always,
     )
     for ratio in RESPONSE_VARIABLES if ratio.ratio for name, words in _STATISTICS.items()
 )  # fmt: skip
@@ -321,7 +348,8 @@ VARIABLES = {
     )
 }
 
-RATIO_VARIABLES = tuple(v.name for v in RESPONSE_VARIABLES if v.ratio)
+RATIO_VARIABLES = tuple(v.name for v in RESPONSE_VARIABLES if v.ratio and v not in LINE_VARIABLES)
+LINE_RATIO_VARIABLES = tuple(v.name for v in LINE_VARIABLES if v.ratio)
 
 ALONE_VARIABLES = {
     v.name: w.name

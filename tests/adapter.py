@@ -22,6 +22,12 @@ from pounding_cli.laws.foundation import Bearings as Bearings
 from pounding_cli.laws.foundation import FrictionPendulum as FrictionPendulum
 from pounding_cli.laws.foundation import Rubber as Rubber
 from pounding_cli.laws.joints import Connector as Connector
+from pounding_cli.model.building import Building as Building
+from pounding_cli.model.building import UnstableError as UnstableError
+from pounding_cli.model.links import Link as Link
+from pounding_cli.model.plan import FloorPlan as FloorPlan
+from pounding_cli.model.plan import FrameLine as FrameLine
+from pounding_cli.model.wall import Wall
 from pounding_cli.paper import points
 from pounding_cli.questions.reports import build_report
 from pounding_cli.records.hazard import read_hazard as read_hazard
@@ -32,6 +38,11 @@ from pounding_cli.study import make_plan
 from pounding_cli.study.expression import parse_limit as parse_limit
 
 
+def is_wall(building: Building) -> bool:
+    """Return whether a building of a scene is a wall."""
+    return isinstance(building, Wall)
+
+
 def sketch(results: pound.Results) -> Figure:
     """The drawing of the group at the head of a page."""
     return build_report(results).sketch()
@@ -39,6 +50,8 @@ def sketch(results: pound.Results) -> Figure:
 
 FLOORS = "shear", "drift", "ductility", "acceleration", "displacement_max", "displacement_min", "residual_drift"
 LINKS = "peak_force", "max_closing", "impulse", "contact_time", "impacts"
+LINES = "shear", "drift", "ductility", "residual_drift"
+TURNS = "twist", "edge_drift_low", "edge_drift_high"
 LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "max_closing"
 FORCES = "shear", "peak_force"
 
@@ -120,12 +133,20 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
     numbers |= {name: np.array([getattr(each, name) for each in found.buildings]) for name in ("sway", "rocking")}
     numbers |= {name: getattr(found.links, name) for name in LINKS}
     numbers |= {name: getattr(found.columns, name) for name in ("shear_below", "shear_above", "demand")}
+    if found.peaks.dtype.names and "twist" in found.peaks.dtype.names:
+        numbers |= {f"line_{name}": _flat([getattr(each, name) for each in found.lines]) for name in LINES}
+        numbers |= {name: np.concatenate([getattr(each, name) for each in found.turns]) for name in TURNS}
+        numbers["end_twist"] = np.concatenate([turns for turns, _ in found.final_turns])
     numbers["end"], numbers["end_velocity"] = (np.concatenate(each) for each in zip(*found.final, strict=True))
     place = found.collapse_building, found.collapse_storey
     return Run(
         found.status, found.advice, numbers, found.energy, found.steps, found.events, found.seconds,
         found.collapse_time, place, found.error_estimate, found.flags, found.effects,
     )  # fmt: skip
+
+
+def _flat(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    return np.concatenate([array.ravel() for array in arrays])
 
 
 def difference(one: Any, other: Any, names: Sequence[str] = (*FLOORS[:6], *LINKS[:4])) -> float:

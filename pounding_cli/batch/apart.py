@@ -15,7 +15,7 @@ import numpy as np
 from pounding_cli.model.effects import DroppedEffect, effects_of
 from pounding_cli.model.links import Link
 from pounding_cli.model.scene import Scene
-from pounding_cli.solver.response import BASES, COLLAPSES, DONE, LINKS, STOREYS, Response, no_peaks
+from pounding_cli.solver.response import DONE, LINKS, Response, building_names, count_lines, no_peaks
 
 MAX_REMEMBERED = 4096
 """Largest number of responses that `ApartResponses` holds."""
@@ -80,7 +80,10 @@ def build_apart(scene: Scene) -> ApartScene:
 
 def _build_apart_link(link: Link) -> Link:
     """Return the link with nothing between the ends of another."""
-    return Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
+    apart = Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
+    if link.left_y or link.right_y:
+        return replace(apart, left_y=link.left_y, right_y=link.right_y)
+    return apart
 
 
 def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: float) -> bool:
@@ -120,8 +123,8 @@ def _open_gaps(scene: Scene, closings: np.ndarray) -> np.ndarray:
 def answer_from_apart(scene: Scene, apart: ApartScene, response: Response) -> Response:
     """Return the response of a scene in which no gap closes, from that of its neighbours with nothing between them."""
     effects = effects_of(scene)
-    peaks = no_peaks(response.storeys, len(scene.links))
-    for name in (*STOREYS, *BASES, *COLLAPSES):
+    peaks = no_peaks(response.storeys, len(scene.links), count_lines(response.peaks))
+    for name in building_names(response.peaks):
         peaks[name] = response.peaks[name]
     for name in LINKS:
         peaks[name] = 0.0

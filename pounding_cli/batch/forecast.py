@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.effects import DroppedEffect, effects_of
+from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST, DroppedEffect, effects_of
 from pounding_cli.solver.assemble import layout_of
 from pounding_cli.solver.kernels import is_compiled, kernel_for, read_rates
 
@@ -54,6 +54,8 @@ def build_forecast(plan: Plan) -> Forecast:
         effects = effects_of(scene)
         forecast.kept.update(dict.fromkeys(effects.kept, step))
         forecast.dropped.update(dict.fromkeys(effects.dropped, step))
+        if plan.study.has_plans and TWIST not in effects.kept:
+            forecast.dropped[DroppedEffect(TWIST, NOTHING_ECCENTRIC)] += step
     return forecast
 
 

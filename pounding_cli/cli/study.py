@@ -226,6 +226,7 @@ def _describe_plan(plan: Plan) -> list[str]:
     lines += [f"  {line}" for line in format_meetings(group)]
     lines += _isolators(group, study.unit("gap"))
     lines += describe_seen_buildings(study)
+    lines += _plans(plan, group)
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")
     lines += [f"  {case:<16} {_links(plan, place, *units)}" for place, case in enumerate(plan.cases)]
@@ -258,6 +259,31 @@ def _isolators(group: Sequence[Building], width: Unit) -> list[str]:
     return ["isolators  (as a linear oscillator)", *lines] if lines else []
 
 
+def _plans(plan: Plan, group: Sequence[Building]) -> list[str]:
+    """Return the plans of the buildings in lines, and which floors twist in which case why; none without plans."""
+    from pounding_cli.study.twist_words import describe_plans, describe_twists
+
+    if all(building.plan is None for building in group):
+        return []
+    first = plan.study.first_point
+    links = {case: plan.study.resolved.links[case].at(first) for case in plan.cases}
+    lines = ["plans"]
+    for name, words in describe_plans(group):
+        lines += _hang(name, words)
+    lines.append("twist")
+    for case, words in describe_twists(group, links):
+        lines += _hang(case, words)
+    return lines
+
+
+def _hang(name: str, words: str) -> list[str]:
+    """Return sentences about something in lines, behind its name."""
+    from pounding_cli.texts import wrap_text
+
+    first, *others = wrap_text(words, 100)
+    return [f"  {name:<16} {first}", *(f"  {'':<16} {line}" for line in others)]
+
+
 def _effects(found: Forecast) -> Iterator[str]:
     """In how many time histories each effect is simulated, and why it is left out in the others."""
     from pounding_cli.model.effects import summarize_effects
@@ -271,8 +297,9 @@ def _links(plan: Plan, case: int, width: Unit, strength: Unit) -> str:
     """Return the links of a case at the first point of the sweep, in words."""
     from pounding_cli.study.link_words import describe_links
 
-    links = plan.build(case * len(plan.analyses) * len(plan.records)).links
-    return describe_links(links, plan.study.group((0,) * len(plan.axes)), width, strength)
+    scene = plan.build(case * len(plan.analyses) * len(plan.records))
+    twists = any(building.plan is not None for building in scene.buildings)
+    return describe_links(scene.links, plan.study.group((0,) * len(plan.axes)), width, strength, twists)
 
 
 @click.command()

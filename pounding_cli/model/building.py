@@ -18,6 +18,9 @@ from pounding_cli.model.plan import FloorPlan, FrameLine
 from pounding_cli.numbers import pluralize
 from pounding_cli.records.motion import GRAVITY
 
+NO_RESISTANCE = 1e-12
+"""Part of the product of the stiffnesses in drift and twist [-] below which their determinant is rounding."""
+
 DEFAULT_COLLAPSE_RATIO = 0.10
 """Drift over storey height at which a storey counts as collapsed, where a building does not say it [-]."""
 
@@ -159,14 +162,38 @@ class Building:
         unknown = [key for key, _ in self.law_parameters if key not in self.storey_law.parameters()]
         if unknown:
             raise ValueError(f"{self.name}: the storey law '{self.storey_law.name}' has no parameter '{unknown[0]}'")
+        if self.plan is not None:
+            self._check_plan(self.plan)
         if self.gravity_load is not None:
             self._check_stability()
+
+    def _check_plan(self, plan: FloorPlan) -> None:
+        """Refuse a plan of another building, and one whose floors can turn without resistance."""
+        if plan.storeys != self.storeys:
+            raise ValueError(f"{self.name}: its plan has {pluralize(plan.storeys, 'storey')}, not {self.storeys}")
+        for key in ("stiffness", "yield_shear"):
+            sums = getattr(plan, key)
+            wrong = np.flatnonzero(~np.isclose(getattr(self, key), sums, rtol=1e-9))
+            if wrong.size:
+                j = wrong[0]
+                own = getattr(self, key)[j]
+                raise ValueError(f"{self.name}: {key} of storey {j + 1} is {own:g}; its lines add up to {sums[j]:g}")
+        matrices = plan.storey_matrices()
+        resistance = np.linalg.det(matrices)
+        wrong = np.flatnonzero(~(resistance > NO_RESISTANCE * matrices[:, 0, 0] * matrices[:, 1, 1]))
+        if wrong.size:
+            raise ValueError(
+                f"{self.name}: nothing keeps the floors of storey {wrong[0] + 1} from turning; "
+                "give torsional_stiffness, lines across, or lines along the row at two places"
+            )
 
     def _check_stability(self) -> None:
         """Refuse a building without stiffness at rest: the least energy of the storeys at a rocking angle phi is
         -sum P h / (1 - theta) phi^2 / 2, which the rocking spring must outweigh."""
         theta = self.stability_coefficient
         wrong = np.flatnonzero(theta >= 1)
+        if not wrong.size and self.plan is not None:
+            theta = self._twisting_stability(self.plan)
         if wrong.size:
             raise UnstableError(
                 f"{self.name}: P-Delta leaves storey {wrong[0] + 1} no stiffness: theta = P / (k h) is "
@@ -180,6 +207,36 @@ class Building:
                     f"{self.foundation.rocking_stiffness:.3g} N m; it must be above {moment:.3g} N m, "
                     "the sum of P h / (1 - theta)"
                 )
+
+    def _twisting_stability(self, plan: FloorPlan) -> np.ndarray:
+        """Return theta = P / (k h) of floors that turn as their own weight makes them, shape (n,).
+
+        Then k is the stiffness along the row with the twist left free: what turning takes away from it included.
+
+        Raises
+        ------
+        UnstableError : P-Delta turns the floors of a storey from rest
+        """
+        loads = self._load_matrices(plan)
+        matrices = plan.storey_matrices() - loads
+        torsion = matrices[:, 1, 1]
+        resistance = np.linalg.det(matrices)
+        wrong = np.flatnonzero(~((torsion > 0) & (resistance > 0)))
+        if wrong.size:
+            j = wrong[0]
+            load = loads[j, 1, 1]
+            raise UnstableError(
+                f"{self.name}: P-Delta turns the floors of storey {j + 1} from rest: their torsional stiffness about "
+                f"the centre of mass is {torsion[j] + load:.3g} N m, of which P r^2 / h takes {load:.3g} N m, and what "
+                "is left does not outweigh the eccentricity of the lines"
+            )
+        free = matrices[:, 0, 0] - matrices[:, 0, 1] ** 2 / torsion + loads[:, 0, 0]
+        return np.asarray(loads[:, 0, 0] / free)
+
+    def _load_matrices(self, plan: FloorPlan) -> np.ndarray:
+        """Return what P-Delta takes away from the stiffnesses of its storeys in drift and twist, shape (n, 2, 2)."""
+        loads = np.zeros(self.storeys) if self.gravity_load is None else self.gravity_load
+        return plan.load_matrices(self.mass, loads / self.height)
 
     def _check(self, key: str, holds: Callable[[np.ndarray], np.ndarray], rule: str) -> None:
         values = np.atleast_1d(getattr(self, key))
@@ -225,8 +282,20 @@ class Building:
         if self.collapse is not None:
             return self.collapse * self.height
         softest = np.array([law.min_slope_ratio for law in self.laws])
-        softens = np.isfinite(self.yield_shear) & (self.stability_coefficient > softest)
+        softens = self._may_soften(softest)
         return (DEFAULT_COLLAPSE_RATIO if softens.any() else np.inf) * self.height
+
+    def _may_soften(self, slope_ratio: np.ndarray) -> np.ndarray:
+        """Return whether every storey may lose all resistance as it yields, shape (n,).
+
+        slope_ratio : least slope of what yields over its initial stiffness [-], shape (n,)
+        """
+        if self.plan is None:
+            return np.asarray(np.isfinite(self.yield_shear) & (self.stability_coefficient > slope_ratio))
+        can_yield = np.any([np.isfinite(line.yield_shear) for line in self.plan.all_lines], axis=0)
+        left = self.plan.storey_matrices(slope_ratio) - self._load_matrices(self.plan)
+        rounding = NO_RESISTANCE * np.trace(self.plan.storey_matrices(), axis1=1, axis2=2)
+        return np.asarray(can_yield & (np.linalg.eigvalsh(left)[:, 0] < -rounding))
 
     @property
     def stability_coefficient(self) -> np.ndarray:

@@ -115,6 +115,16 @@ class Link:
         return self.law.gap
 
     @property
+    def share(self) -> float:
+        """Part of a whole link that this is [-]; 1 of a whole one."""
+        if self.whole_law is None:
+            return 1.0
+        names = self.law.scaled_parameters
+        if names:
+            return float(getattr(self.law, names[0]) / getattr(self.whole_law, names[0]))
+        return sum(self.law.max_slopes) / sum(self.whole_law.max_slopes)
+
+    @property
     def inclination(self) -> float:
         """Angle between the link and the horizontal [rad]."""
         return math.acos(self.cosine)

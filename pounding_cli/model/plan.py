@@ -10,6 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
+from pounding_cli.model.stiffness import frequencies
+
 SAME = 1e-12
 """Relative difference of two numbers [-] that count as equal, since both were computed."""
 
@@ -121,17 +123,84 @@ class FloorPlan:
         """Places of the centres of stiffness, y from the centres of mass [m], shape (n,)."""
         return np.sum([line.place * line.stiffness for line in self.lines], axis=0) / self.stiffness
 
+    def storey_matrices(self, share: np.ndarray | float = 1.0) -> np.ndarray:
+        """Return the stiffnesses of every storey in drift and twist of the centres of mass, shape (n, 2, 2).
+
+        Parameters
+        ----------
+        share : part of their initial stiffness that lines have where they can yield [-], a number or shape (n,)
+        """
+        matrices = np.zeros((self.storeys, 2, 2))
+        for number, line in enumerate(self.all_lines):
+            stiffness = np.where(np.isfinite(line.yield_shear), share, 1.0) * line.stiffness
+            arms = np.array([1.0, -line.place] if number < len(self.lines) else [0.0, line.place])
+            matrices += stiffness[:, None, None] * np.outer(arms, arms)
+        matrices[:, 1, 1] += self.torsional_stiffness
+        return matrices
+
+    def load_matrices(self, mass: np.ndarray, load_over_height: np.ndarray) -> np.ndarray:
+        """Return what P-Delta takes away from `storey_matrices`, shape (n, 2, 2).
+
+        Parameters
+        ----------
+        mass : of the floors [kg], shape (n,)
+        load_over_height : P / h of every storey [N/m], shape (n,)
+        """
+        square_radius = np.cumsum(self.inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1]
+        matrices = np.zeros((self.storeys, 2, 2))
+        matrices[:, 0, 0] = load_over_height
+        matrices[:, 1, 1] = load_over_height * square_radius
+        return matrices
+
+    def frequency_ratio(self, mass: np.ndarray) -> float:
+        """Return the first frequency of the twist about the centres of mass over that along the row, each without the
+        other [-].
+
+        mass : of the floors [kg], shape (n,)
+        """
+        matrices = self.storey_matrices()
+        along = frequencies(mass, matrices[:, 0, 0])[0]
+        return float(frequencies(self.inertia, matrices[:, 1, 1])[0] / along)
+
+    def periods(self, mass: np.ndarray) -> np.ndarray:
+        """Return the natural periods of the fixed-base building whose floors move and turn [s], longest first,
+        shape (2 n,).
+
+        mass : of the floors [kg], shape (n,)
+        """
+        n = self.storeys
+        stiffness = np.zeros((n, 2, n, 2))
+        for j, storey in enumerate(self.storey_matrices()):
+            stiffness[j, :, j, :] += storey
+            if j > 0:
+                stiffness[j - 1, :, j - 1, :] += storey
+                stiffness[j, :, j - 1, :] -= storey
+                stiffness[j - 1, :, j, :] -= storey
+        root = np.sqrt(np.column_stack((mass, self.inertia)).ravel())
+        squares = np.linalg.eigvalsh(stiffness.reshape(2 * n, 2 * n) / np.outer(root, root))
+        return np.asarray(2 * np.pi / np.sqrt(squares))
+
     @cached_property
     def identity(self) -> str:
-        """All that makes the floors twist, in a line."""
+        """All that makes the floors twist, and the edges whose drifts are looked at, in a line."""
         lines = [(line.place, line.stiffness.tolist(), line.yield_shear.tolist()) for line in self.all_lines]
-        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist()))
+        edges = (self.low, self.high)
+        return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist(), edges))
 
     @property
     def is_eccentric(self) -> bool:
         """True where the floors twist by themselves, without eccentric links: some line along the row has not its like
         on the other side."""
-        return not all(any(self._are_mirrored(line, other) for other in self.lines) for line in self.lines)
+        unmatched = list(self.lines)
+        while unmatched:
+            line = unmatched[0]
+            mirrored = next((number for number, other in enumerate(unmatched) if self._are_mirrored(line, other)), None)
+            if mirrored is None:
+                return True
+            del unmatched[mirrored]
+            if mirrored > 0:  # else it stands at the centres of mass
+                del unmatched[0]
+        return False
 
     def _are_mirrored(self, line: FrameLine, other: FrameLine) -> bool:
         """Return whether two lines along the row stand on both sides of the centres of mass and are alike."""

@@ -10,6 +10,8 @@ import functools
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.parts import find_parts
@@ -60,6 +62,62 @@ def find_twisting(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> t
             for place in members:
                 twists[place] = buildings[place].plan is not None
     return tuple(twists)
+
+
+def find_twist_reasons(buildings: Sequence[Building], links: Sequence[Link]) -> tuple[str, ...]:
+    """Return of every building of a row why its floors twist, in words; "" where they do not."""
+    twists = find_twisting(tuple(buildings), tuple(links))
+    reasons = []
+    for place, building in enumerate(buildings):
+        if not twists[place]:
+            reasons.append("")
+            continue
+        own_reason = describe_eccentricity(building)
+        reasons.append(own_reason or _describe_links_that_turn(buildings, links, place))
+    return tuple(reasons)
+
+
+def describe_eccentricity(building: Building) -> str:
+    """Return why a building that stands alone needs its plan, in words; "" where it does not."""
+    plan = building.plan
+    if plan is None or not is_eccentric(building):
+        return ""
+    width = plan.high - plan.low
+    largest = float(np.abs(plan.eccentricity).max())
+    if plan.is_eccentric and largest > SAME_PLACE * width:
+        up_to = "by" if np.ptp(plan.eccentricity) <= SAME_PLACE * width else "by up to"
+        share = f" ({100 * largest / width:.3g} % of the width)" if width > 0.0 else ""
+        return f"its lines are eccentric {up_to} {largest:.3g} m{share}"
+    if plan.is_eccentric:
+        return "its lines are not alike on both sides of its centre of mass"
+    if not plan.yields_as_one:
+        return "its lines yield at different drifts"
+    return "`twist: always` lets it turn, though nothing is eccentric"
+
+
+def _describe_links_that_turn(buildings: Sequence[Building], links: Sequence[Link], place: int) -> str:
+    """Return why links turn a building that is not eccentric itself, in words.
+
+    place : of the building in the row
+    """
+    off_centre = []
+    turning = []
+    for pair, other in ((place - 1, place - 1), (place, place + 1)):
+        arms = [(link.right_y if pair < place else link.left_y) for link in links if link.left == pair]
+        if not arms:
+            continue
+        name = buildings[other].name
+        mean = float(np.mean(arms))
+        if abs(mean) > 1e-9 * max(map(abs, arms), default=0.0):
+            off_centre.append(f"its links to {name} act {abs(mean):.3g} m off its centre of mass")
+        elif any(arms):
+            turning.append(name)
+    if off_centre:
+        return " and ".join(off_centre)
+    if not turning:
+        return "its neighbours twist"  # links at its centre alone, which pass no moment on
+    they = "its neighbour" if len(turning) == 1 else "its neighbours"
+    return f"{they} {' and '.join(turning)} may turn it at both ends of the edge that they share"
 
 
 def is_eccentric(building: Building) -> bool:

@@ -18,9 +18,12 @@ from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import UNWRITTEN, Axis
 from pounding_cli.study.expression import (
     FLOOR,
+    LINE,
     LINK,
     QUANTITIES,
     SHEAR_DEMAND,
+    TWIST,
+    TWISTING,
     Expression,
     ExpressionError,
     Statement,
@@ -32,7 +35,7 @@ from pounding_cli.study.plan import Plan
 from pounding_cli.study.study import Study
 from pounding_cli.study.vary import UncertainInput
 from pounding_cli.tables import Column
-from pounding_cli.variables import RATIO_VARIABLES, RESPONSE_VARIABLES, VARIABLES
+from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, RESPONSE_VARIABLES, VARIABLES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +43,8 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 Values = Mapping[str, np.ndarray]
-"""Variables of a results file by name, shape (..., motions, building, storey) or (..., motions, links)."""
+"""Variables of a results file by name, shape (..., motions, building, storey), of lines (..., motions, building,
+storey, line), of links (..., motions, links)."""
 
 
 def evaluate_expression(expression: Expression, values: Values, over_motions: str) -> np.ndarray:
@@ -92,12 +96,12 @@ def _find_values(name: str, values: Values) -> np.ndarray:
 def _find_error(name: str, values: Values) -> np.ndarray:
     """Return the error of a variable, all motions alike where few were solved more finely; NaN where none was."""
     numbers = _find_values(name, values)
-    alone = "mu0" if name == "drift0" else name  # a ductility is a drift over the yield drift
-    for ratio in RATIO_VARIABLES:
+    alone = name.replace("drift0", "mu0")  # a ductility is a drift over the yield drift
+    for ratio in (*RATIO_VARIABLES, *LINE_RATIO_VARIABLES):
         if name == ratio or alone == VARIABLES[ratio].ratio[-1]:  # it has the error of the ratio to the building alone
             with np.errstate(all="ignore"):
                 share = values[f"{ratio}_mean_error"] / np.abs(values[f"{ratio}_mean"])
-            return np.abs(numbers) * np.expand_dims(share, -3)
+            return np.abs(numbers) * np.expand_dims(share, -4 if name in LINE else -3)
     known = values["error_estimate"]
     is_known = np.isfinite(known)
     mean = _reduce("mean", known, is_known, (-1,))[..., None]
@@ -115,9 +119,13 @@ def _evaluate_quantity(
     """
     name = quantity.name
     numbers = _find_values(name, values) + error
+    if name in LINE:  # every storey has all lines of its building
+        numbers = numbers[..., quantity.line - 1]
     # which storeys, floors or links there are; none of a run that failed
     if name in LINK:
         known = "max_closing"
+    elif name.startswith(TWIST):  # which buildings without a plan do not have
+        known = name
     elif quantity.building is None:
         known = "mu"  # which walls do not have
     else:
@@ -163,7 +171,9 @@ def parse_all(
     study = question.study
     parsed: dict[str, Parsed] = {}
     names = unique_names(study.spec.group)
-    storeys = [study.building((0,) * len(study.axes), place).storeys for place in range(len(names))]
+    buildings_of_study = [study.building((0,) * len(study.axes), place) for place in range(len(names))]
+    storeys = [building.storeys for building in buildings_of_study]
+    lines = [building.lines for building in buildings_of_study]
     for number, text in enumerate(texts):
         try:
             one = parse(text, names)
@@ -178,12 +188,36 @@ def parse_all(
                 buildings = [name for place, name in enumerate(names) if not question.is_wall(place)]
                 message = f"'{one}': {names[part.building]} is a wall, which has no {part.name}"
                 question.add_problem((key, number), message, f"name one of the buildings: {', '.join(buildings)}")
+            elif part.name in TWISTING and (problem := find_twist_problem(part, lines, names)):
+                message, hint = problem
+                question.add_problem((key, number), f"'{one}': {message}", hint)
             elif part.level > most:
                 question.add_problem(
                     (key, number), f"'{one}': the highest is {most}", f"write a number from 1 to {most}"
                 )
         parsed[one.text] = one
     return tuple(parsed.values())
+
+
+def find_twist_problem(part: TableQuantity, lines: Sequence[int], names: Sequence[str]) -> tuple[str, str] | None:
+    """Return what is wrong with a quantity of floors that twist, and what to write; None where nothing is.
+
+    lines : number of frame lines of every building, 0 of those without a plan
+    names : of the group by place
+    """
+    has_plan = [name for name, count in zip(names, lines, strict=True) if count]
+    needs_plan = part.name in LINE or part.name.startswith(TWIST)
+    if not has_plan:
+        return "no building of the study has a plan, so floors do not twist", "write `plan:` of a building that twists"
+    if part.building is None:
+        return None
+    name, count = names[part.building], lines[part.building]
+    if needs_plan and not count:
+        return f"{name} has no plan", f"name a building with one: {', '.join(has_plan)}"
+    if part.line > count:
+        known = "one line" if count == 1 else f"lines 1 to {count}"
+        return f"{name} has {known}", f"write `line 1 of {name}`, as its plan lists them; those across the row are last"
+    return None
 
 
 # A study at chosen points: one more axis, on which all keys that vary move together
@@ -314,7 +348,7 @@ def describe_output(text: str) -> str:
 
     def rename(match: re.Match[str]) -> str:
         name = match[0]
-        is_name_of_building = match.string[: match.start()].rstrip().endswith(" in")
+        is_name_of_building = match.string[: match.start()].rstrip().endswith((" in", " of"))
         if name not in _RESPONSES or is_name_of_building:
             return name
         return VARIABLES[name].label or name.replace("_", " ")

@@ -11,7 +11,7 @@ from pounding_cli.tables import Column
 from pounding_cli.variables import COORDINATE_VARIABLES, VARIABLES
 
 TABLES = (
-    *("storey", "floor", "link", "struck", "base", "scene"),
+    *("storey", "floor", "line", "link", "struck", "base", "scene"),
     *("flagged", "accuracy", "summary", "records", "buildings"),
 )
 """The tables that every results file has."""
@@ -61,6 +61,8 @@ _DISPLAY_UNITS = {
     "N s": Unit("kN s", 1e3),
     "N/m": Unit("MN/m", 1e6),
     "kg": Unit("t", 1e3),
+    "kg m2": Unit("t m²", 1e3),
+    "N m": Unit("MN m", 1e6),
 }
 """SI unit -> the one that people read."""
 
@@ -73,6 +75,13 @@ _DISPLAY_UNITS_OF_COLUMNS = {
     "period": Unit("s"),
     "arias": Unit("m/s"),
     "inclination": Unit("deg", math.pi / 180.0),
+    "twist": Unit("mrad", 1e-3),
+    "twist0": Unit("mrad", 1e-3),
+    **dict.fromkeys(("edge_drift_ratio", "line_drift_ratio"), Unit("%", 0.01)),
+    **dict.fromkeys(
+        ("plan_low", "plan_high", "plan_centre", "stiffness_centre", "line_y", "line_x", "x", "y", "left_y", "right_y"),
+        Unit("m"),
+    ),
 }
 """Columns that are read in another unit than those of their kind."""
 
@@ -81,12 +90,15 @@ def column_of(name: str, units: Mapping[str, Unit] | None = None, table: str = "
     """Return a column of the tables of a results file, in the unit that people read it in.
 
     units : column -> the unit the study writes it in (`Results.units`); it comes before the usual one
-    table : that has the column; the floor of a link is that of its left building
+    table : that has the column; the floor of a link is that of its left building, V and others of the table of lines
+        are those of lines
     """
     kind = ""
     is_given = False
     label = name.replace("_", " ")
     variable = VARIABLES.get(name) or VARIABLES.get(f"record_{name}")
+    if table == "line":
+        variable = VARIABLES.get(f"line_{name}") or variable
     if name in _FURTHER or name in COORDINATE_VARIABLES:
         key = "link_floor" if (table, name) == ("link", "floor") else name
         si, text = {**COORDINATE_VARIABLES, **_FURTHER}[key]

@@ -36,7 +36,7 @@ from pounding_cli.results.responses import (
     solver_version,
 )
 from pounding_cli.solver.response import COLLAPSED, DONE, Flag
-from pounding_cli.variables import RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
+from pounding_cli.variables import LINE_RATIO_VARIABLES, RATIO_VARIABLES, STOREY_DIMS, VARIABLES, Variable
 
 if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
@@ -64,20 +64,24 @@ def build_arrays(plan: Plan, solved: Responses) -> ResultArrays:
     if max_lines(plan):
         _fill_untwisted(arrays, axes, facts)
     with np.errstate(all="ignore"):
-        height = facts["height"]
-        missing = [place for place, dim in enumerate((*axes, *STOREY_DIMS)) if dim not in height.dims]
-        arrays["drift_ratio"] = arrays["drift"] / np.expand_dims(height.values, missing)
+        height = _spread_fact(facts["height"], axes, STOREY_DIMS)
         for v in declared:
             if v.ratio:
                 value, base = (arrays[name] for name in v.ratio)
                 arrays[v.name] = value / np.where(base > 0, base, np.nan)
             elif v.formula is not None:
-                arrays[v.name] = v.formula(arrays)
+                arrays[v.name] = v.formula({**arrays, "height": height})
         # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
         errors = solved.values["error_estimate"][plan.numbers[..., 1:]] + arrays["error_estimate"][..., None]
-        for name in RATIO_VARIABLES:
-            measures = _statistics(arrays[name], errors[..., None], arrays["sensitivity"][..., None, None])
-            arrays |= {f"{name}_{measure}": array for measure, array in measures.items()}
+        for name in (*RATIO_VARIABLES, *LINE_RATIO_VARIABLES):
+            if name not in arrays:
+                continue
+            sizes = arrays[name].shape[arrays["status"].ndim + 1 :]  # and lines, which stand side by side
+            ratios = arrays[name].reshape(*arrays[name].shape[: -len(sizes)], -1)
+            measures = _statistics(ratios, errors[..., None], arrays["sensitivity"][..., None, None])
+            arrays |= {
+                f"{name}_{measure}": array.reshape(*array.shape[:-1], *sizes) for measure, array in measures.items()
+            }
     _flag(plan, solved, arrays)
     found = facts | {name: Array((*axes, *VARIABLES[name].dims), array) for name, array in arrays.items()}
     for name, each in found.items():
@@ -166,28 +170,34 @@ def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray
     }
 
 
+def _spread_fact(fact: Array, axes: tuple[str, ...], dims: tuple[str, ...]) -> np.ndarray:
+    """Return a variable of buildings over the swept axes and some dimensions, of length 1 where it does not change."""
+    missing = [place for place, dim in enumerate((*axes, *dims)) if dim not in fact.dims]
+    return np.expand_dims(fact.values, missing)
+
+
 def _fill_untwisted(arrays: Arrays, axes: tuple[str, ...], facts: Mapping[str, Array]) -> None:
-    """Enter what lines and floors come to where a building has a plan but did not twist: each line has the drift of its
-    storey, and its part of the shear."""
-
-    def over_scenes(name: str, dims: tuple[str, ...]) -> np.ndarray:
-        """Return a variable of buildings with all dimensions of the scenes."""
-        missing = [place for place, dim in enumerate((*axes, *dims)) if dim not in facts[name].dims]
-        return np.expand_dims(facts[name].values, missing)
-
+    """Enter what lines, edges and floors come to where floors do not twist: lines along the row and edges have the
+    drift of their storey, and lines their part of its shear. Buildings without a plan have edges, too, but no lines."""
     with np.errstate(invalid="ignore"):
-        stiffness = over_scenes("line_stiffness", variables.LINE_DIMS)
-        is_along = ~np.isnan(over_scenes("line_y", variables.LINE_DIMS))
-        share = np.where(is_along, stiffness / over_scenes("stiffness", STOREY_DIMS)[..., None], 0.0)
-        exists = np.where(np.isnan(stiffness), np.nan, 1.0)
-        has_plan = np.where(np.isnan(over_scenes("plan_low", variables.BUILDING_DIMS)), np.nan, 1.0)[..., None]
+        stiffness = _spread_fact(facts["line_stiffness"], axes, variables.LINE_DIMS)
+        is_along = ~np.isnan(_spread_fact(facts["line_y"], axes, variables.LINE_DIMS))
+        of_storey = _spread_fact(facts["stiffness"], axes, STOREY_DIMS)[..., None]
+        share = np.where(is_along, stiffness / of_storey, 0.0)
+        line = np.where(np.isnan(stiffness), np.nan, is_along)
+        is_twistable = ~np.isnan(_spread_fact(facts["plan_low"], axes, variables.BUILDING_DIMS))[..., None]
         for suffix in ("", "0"):
+            drift = arrays[f"drift{suffix}"]
             untwisted = {
-                f"twist{suffix}": 0.0 * arrays[f"drift{suffix}"] * has_plan,
-                f"line_V{suffix}": arrays[f"V{suffix}"][..., None] * share * exists,
-                f"line_mu{suffix}": arrays[f"mu{suffix}"][..., None] * is_along * exists,
-                f"line_drift{suffix}": arrays[f"drift{suffix}"][..., None] * is_along * exists,
+                f"twist{suffix}": 0.0 * np.where(is_twistable, drift, np.nan),
+                f"edge_drift_low{suffix}": drift,
+                f"edge_drift_high{suffix}": drift,
+                f"line_V{suffix}": arrays[f"V{suffix}"][..., None] * share * np.where(np.isnan(line), np.nan, 1.0),
+                f"line_mu{suffix}": arrays[f"mu{suffix}"][..., None] * line,
+                f"line_drift{suffix}": drift[..., None] * line,
             }
+            if not suffix:
+                untwisted["line_residual_drift"] = arrays["residual_drift"][..., None] * line
             for name, values in untwisted.items():
                 arrays[name] = np.where(np.isnan(arrays[name]), values, arrays[name])
 

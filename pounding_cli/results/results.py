@@ -32,6 +32,7 @@ from pounding_cli.variables import (
     DISPLAY_QUANTITIES,
     FLOOR_DIMS,
     INCLINED_VARIABLES,
+    LINE_VARIABLES,
     LINK_DIMS,
     RATIO_VARIABLES,
     RESPONSE_VARIABLES,
@@ -58,6 +59,8 @@ _ACCURACY = [
 ]  # fmt: skip
 _RECORD = ["source", "digest", "scale", "window", "pga", "arias"]
 _BUILDING = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear_ratio", "slab", "separation"]
+_PLAN = ["plan_low", "plan_high", "plan_centre", "stiffness_centre", "inertia", "torsional_stiffness"]
+_LINE_FACTS = ["line_y", "line_x", "line_stiffness", "line_yield_shear"]
 _BASE = ["sway", "rocking", "isolator_displacement"]
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
 
@@ -209,22 +212,40 @@ class ResultTables:
         """Storey shears [N], ductilities [-], drifts [m] with and without neighbours, and their ratios; all unless some
         are named."""
         return self._build_frame(
-            columns or _OVER[STOREY_DIMS], (*SCENE_DIMS, "building", "storey"), {"mass": np.isfinite, **_SOLVED}
+            columns or self._list_kept(_OVER[STOREY_DIMS]),
+            (*SCENE_DIMS, "building", "storey"),
+            {"mass": np.isfinite, **_SOLVED},
         )
 
     def floor(self, *columns: str) -> pd.DataFrame:
         """Floor accelerations [m/s2] with and without neighbours, their ratio, displacements [m]; all unless some are
         named."""
         return self._build_frame(
-            columns or _OVER[FLOOR_DIMS], (*SCENE_DIMS, "building", "floor"), {"mass": np.isfinite, **_SOLVED}
+            columns or self._list_kept(_OVER[FLOOR_DIMS]),
+            (*SCENE_DIMS, "building", "floor"),
+            {"mass": np.isfinite, **_SOLVED},
         )
+
+    def line(self, *columns: str) -> pd.DataFrame:
+        """Return what `storey` has for every frame line of buildings with a plan, without residual drifts of buildings
+        alone; all columns unless some are named, then place along the street or, of a line across the row, from the
+        centre of mass [m], stiffness [N/m] and yield shear [N]. No row where no building has a plan."""
+        names = [f"line_{name}" for name in columns] or [*(v.name for v in LINE_VARIABLES), *_LINE_FACTS]
+        places = (*SCENE_DIMS, "building", "storey", "line")
+        if "line" not in self.arrays:
+            import pandas as pd
+
+            return pd.DataFrame(columns=[*self.axes, *places, *(name.removeprefix("line_") for name in names)])
+        frame = self._build_frame(names, places, {"line_stiffness": np.isfinite, **_SOLVED})
+        return frame.rename(columns=lambda name: str(name).removeprefix("line_"))
 
     def link(self, *columns: str) -> pd.DataFrame:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
-        some are named."""
+        some are named. Where floors twist, y: the place of its left end along the street [m]."""
         names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK_DIMS], "link_right_floor"]
-        optional = [name for name in (*COLUMN_VARIABLES, *INCLINED_VARIABLES) if name in self.arrays]
-        names = list(columns) or [*names, *optional]
+        names[3:3] = self._list_kept(["y"])
+        further = (*COLUMN_VARIABLES, *INCLINED_VARIABLES, "left_y", "right_y")
+        names = list(columns) or [*names, *self._list_kept(further)]
         if "link" not in self.arrays:
             import pandas as pd
 
@@ -234,7 +255,7 @@ class ResultTables:
 
     def base(self) -> pd.DataFrame:
         """Per scene and building whose base moves: sway [m], rocking [rad], displacement of its isolators [m]."""
-        names = [name for name in _BASE if name in self.arrays]
+        names = self._list_kept(_BASE)
         frame = self._build_frame(names, (*SCENE_DIMS, "building"), _SOLVED)
         return frame[(frame[names] > 0).any(axis=1)].reset_index(drop=True)
 
@@ -329,11 +350,14 @@ class ResultTables:
     def buildings(self) -> pd.DataFrame:
         """Per building and storey: place from 1 at the left, mass [kg], height [m], stiffness [N/m],
         yield shear [N], fundamental period [s], base-shear ratio V/W [-] (infinite for storeys that never yield),
-        thickness of the slabs [m], the code's separation from the next building [m].
+        thickness of the slabs [m], the code's separation from the next building [m]; where a building has a plan, its
+        edges along the street, centre of mass and centre of stiffness [m], rotary inertia [kg m2] and torsional
+        stiffness beside its frame lines [N m].
 
         Swept axes that change a building come first.
         """
-        frame = self._build_frame(_BUILDING, ("building", "storey"), {"height": np.isfinite})  # walls have no mass
+        names = [*_BUILDING, *self._list_kept(_PLAN)]
+        frame = self._build_frame(names, ("building", "storey"), {"height": np.isfinite})  # walls have no mass
         places = {name: place for place, name in enumerate(self.names("building"), start=1)}
         frame.insert(list(frame.columns).index("storey"), "place", frame["building"].map(places))
         return frame
@@ -430,6 +454,10 @@ class ResultTables:
         worst = self.summary().pivot_table(means, ["case", "building"], "analysis", "max", sort=False)
         return f"<p>{escape(repr(self))}</p>{worst.to_html(float_format=format_number, na_rep=NOTHING, max_rows=40)}"
 
+    def _list_kept(self, names: Iterable[str]) -> list[str]:
+        """Return those of some variables that the file has: some come with plans, columns or joints alone."""
+        return [name for name in names if name in self.arrays]
+
     def _build_frame(
         self, names: Sequence[str], places: tuple[str, ...], row_filter: RowFilter | None = None
     ) -> pd.DataFrame:
@@ -446,8 +474,10 @@ class ResultTables:
         all_sizes = self.arrays.sizes
         sizes = {dim: all_sizes[dim] for dim in dims}
 
+        level = "storey" if "storey" in dims else "floor"
+
         def column(v: Array) -> np.ndarray:
-            own = [dims[-1] if dim in ("storey", "floor") else dim for dim in v.dims]
+            own = [level if dim in ("storey", "floor") else dim for dim in v.dims]
             order = sorted(range(len(own)), key=lambda place: dims.index(own[place]))
             shape = [sizes[dim] if dim in own else 1 for dim in dims]
             spread = v.values.transpose(order).reshape(shape)
@@ -466,7 +496,7 @@ class ResultTables:
 
 def _describe_columns(names: Sequence[str]) -> str:
     """Return a section of a docstring with unit and meaning of every column."""
-    columns = [(name, VARIABLES[name]) for name in names if name in VARIABLES]
+    columns = [(name.removeprefix("line_"), VARIABLES[name]) for name in names if name in VARIABLES]
     lines = [f"{name} : {v.text} [{v.unit if v.unit != '1' else '-'}]".replace(" []", "") for name, v in columns]
     return "".join(f"\n        {line}" for line in ("", "Columns", "-------", *lines)) + "\n        "
 
@@ -474,6 +504,7 @@ def _describe_columns(names: Sequence[str]) -> str:
 for _table, _columns in {
     ResultTables.storey: _OVER[STOREY_DIMS],
     ResultTables.floor: _OVER[FLOOR_DIMS],
+    ResultTables.line: [v.name for v in LINE_VARIABLES] + _LINE_FACTS,
     ResultTables.link: ("kind", "gap", *_OVER[LINK_DIMS]),
     ResultTables.base: _BASE,
     ResultTables.scene: _SCENE,

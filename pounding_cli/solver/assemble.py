@@ -128,7 +128,8 @@ class Layout:
     turns : degrees of freedom of the rotations of the floors of every building, none where they do not twist
     drags : dashpots to the ground of buildings on foundations; their elements stand behind those of the storeys
     lines : building, storey from 0 and number of every frame line; their elements stand behind these dashpots
-    sums : buildings from 0 whose storey shears are sums over lines; they stand behind those of `struck` in `columns`
+    sums : buildings from 0 whose floors twist; their storey shears, sums over lines, stand behind those of `struck` in
+        `columns`
     struck : columns that links end on; two shears each stand in `columns`, below and above that end
     """
 
@@ -153,6 +154,11 @@ class Layout:
     def number(self) -> int:
         """Degrees of freedom."""
         return self.dofs.size
+
+    @property
+    def most_lines(self) -> int:
+        """Most frame lines of a building; 0 where no floors twist."""
+        return 1 + max((number for _, _, number in self.lines), default=-1)
 
     @property
     def of_links(self) -> slice:
@@ -206,6 +212,7 @@ class _Building:
             return
         if f is not None and f.rocks:
             self.foot = self.floors.stop
+        self._first_turn = self.floors.stop + int(self.foot >= 0)
         rocks = self.foot >= 0
         for j, law in enumerate(b.laws):
             mass, height = float(b.mass[j]), float(b.height[j])
@@ -214,6 +221,7 @@ class _Building:
             storey = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
             if b.plan is not None:  # its lines resist
                 storey, limit = _storey(0.0, 0.0), math.inf
+                storey |= {"twists": self._twists(j), "mate": self._first_turn + j}
             self._add(
                 mass, storey | {"collapse": limit, "load": load}, drag=b.alpha if f is None else 0.0,
                 below=1.0 if j or self.base >= 0 else 0.0, lean=-height if rocks else 0.0, foot=max(self.foot, 0),
@@ -224,27 +232,33 @@ class _Building:
         if f is not None and rocks:
             self._add(f.inertia, _storey(f.rocking_stiffness, f.rocking_damping), loaded=0.0)
         if b.plan is not None:
-            self._add_turns(b.plan, first + len(self.dofs))
+            self._add_turns(b.plan)
             self._add_lines(b.plan, yields, collapses)
 
-    def _add_turns(self, plan: FloorPlan, first: int) -> None:
-        """The rotations of the floors, from the degree of freedom `first` on; lines across the row that cannot yield
-        stand between them, and P-Delta acts on them by the radii of gyration of what stands above."""
+    def _twists(self, storey: int) -> int:
+        """Return 1 for a storey from 0 whose floors twist, 2 for the highest one."""
+        return 2 if storey + 1 == self.building.storeys else 1
+
+    def _add_turns(self, plan: FloorPlan) -> None:
+        """The rotations of the floors; lines across the row that cannot yield stand between them, and P-Delta acts on
+        them by the radii of gyration of what stands above."""
         b = self.building
-        self.turns = slice(first, first + b.storeys)
+        self.turns = slice(self._first_turn, self._first_turn + b.storeys)
         square_radius = np.cumsum(plan.inertia[::-1])[::-1] / np.cumsum(b.mass[::-1])[::-1]
         for j, stiffness in enumerate(plan.torsional_stiffness.tolist()):
             load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] * square_radius[j] / b.height[j])
+            storey = _storey(stiffness, b.beta * stiffness)
+            storey |= {"load": load, "twists": self._twists(j), "mate": self.floors.start + j}
             self._add(
-                float(plan.inertia[j]), _storey(stiffness, b.beta * stiffness) | {"load": load},
-                drag=b.alpha, below=1.0 if j else 0.0, loaded=0.0,
+                float(plan.inertia[j]), storey, drag=b.alpha, below=1.0 if j else 0.0, loaded=0.0, felt=0.0,
+                unit=float(np.sqrt(b.mass[j] / plan.inertia[j])),
             )  # fmt: skip
 
     def _add_lines(self, plan: FloorPlan, yields: bool, collapses: bool) -> None:
         """The storeys of the frame lines: v = (u_j - y theta_j) - (u_j-1 - y theta_j-1), across the row
         x (theta_j - theta_j-1)."""
         b = self.building
-        for number, line in enumerate((*plan.lines, *plan.lines_across)):
+        for number, line in enumerate(plan.all_lines):
             is_along = number < len(plan.lines)
             for j, law in enumerate(b.laws_of_line(line)):
                 below = self.floors.start + j - 1 if j else self.base
@@ -254,13 +268,15 @@ class _Building:
                 if is_along:
                     weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
                 element = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
-                limit = float(b.collapse_drift[j]) if collapses else math.inf
-                self.lines.append(Line(element | {"collapse": limit}, _moving(weights), j, number))
+                limit = float(b.collapse_drift[j]) if collapses and is_along else math.inf
+                element |= {"collapse": limit, "storey": self.floors.start + j, "mate": turn}
+                element |= {"along": float(is_along), "arm": arm}
+                self.lines.append(Line(element, _moving(weights), j, number))
 
     def _add(self, mass: float, storey: dict[str, Any], **more: float) -> None:
         """A degree of freedom and the element below it; a mass of inf does not move."""
         own = mass if mass < math.inf else 1.0
-        self.dofs.append({"mass": own, "inv_mass": 1.0 / mass, "loaded": 1.0, **more})
+        self.dofs.append({"mass": own, "inv_mass": 1.0 / mass, "loaded": 1.0, "felt": 1.0, "unit": 1.0, **more})
         self.storeys.append(storey)
 
     def end(self, floor: int, at: float, y: float = 0.0) -> Weights:
@@ -319,12 +335,16 @@ def _tie(element: np.void, weights: Weights, terms: list[tuple[float, int]]) -> 
 
 
 def _column_shears(
-    struck: Sequence[Columns], floors: Sequence[slice], first_link: int, terms: list[tuple[float, int]]
+    struck: Sequence[Columns], made: Sequence[_Building], first_line: int, terms: list[tuple[float, int]]
 ) -> list[dict[str, Any]]:
     """The shears below and above the end of every link on columns: what the columns have of the storey's shear, and of
     the level forces of all links on them the reaction of a clamped beam at that end; between two links, that of both
-    sides."""
-    made = []
+    sides.
+
+    first_line : element of the first line of all buildings, whose links stand behind these
+    """
+    shears = []
+    first_link = first_line + sum(len(each.lines) for each in made)
     for own in struck:
         for above in (False, True):
             first = len(terms)
@@ -335,33 +355,44 @@ def _column_shears(
                 higher = other.at > own.at if above else other.at >= own.at
                 weight = other.cosine * (1.0 - to_above if higher else -to_above)
                 terms.append((weight if own.on_left else -weight, first_link + other.link))
-            storey = floors[own.building].start + own.storey - 1
-            made.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
-    return made
+            terms += [(own.share, line) for line in _lines_of_storey(made, own.building, own.storey - 1, first_line)]
+            storey = made[own.building].floors.start + own.storey - 1
+            shears.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
+    return shears
 
 
 def _storey_shears(
     number: int, made: Sequence[_Building], first_line: int, terms: list[tuple[float, int]]
 ) -> list[dict[str, Any]]:
     """The shears of the storeys of a building whose floors twist, from the ground up: the sums of its lines along the
-    row.
+    row; and the places of its edges, whose drifts are looked at with them.
 
     number : of the building; first_line : element of the first line of all buildings
     """
     building = made[number]
-    assert building.building.plan is not None
-    begin = first_line + sum(len(each.lines) for each in made[:number])
-    along = len(building.building.plan.lines)
+    plan = building.building.plan
+    assert plan is not None
     shears = []
     for j in range(building.building.storeys):
         first = len(terms)
-        terms += [
-            (1.0, begin + place)
-            for place, line in enumerate(building.lines)
-            if line.storey == j and line.number < along
-        ]
-        shears.append({"share": 0.0, "storey": building.floors.start + j, "first": first, "last": len(terms)})
+        terms += [(1.0, line) for line in _lines_of_storey(made, number, j, first_line)]
+        shear = {"share": 1.0, "storey": building.floors.start + j, "first": first, "last": len(terms)}
+        shears.append(shear | {"is_sum": 1, "low": -plan.low, "high": -plan.high})
     return shears
+
+
+def _lines_of_storey(made: Sequence[_Building], number: int, storey: int, first_line: int) -> list[int]:
+    """Return the elements of the lines along the row of a storey from 0 of a building, none where floors do not twist.
+
+    number : of the building; first_line : element of the first line of all buildings
+    """
+    building = made[number]
+    begin = first_line + sum(len(each.lines) for each in made[:number])
+    return [
+        begin + place
+        for place, line in enumerate(building.lines)
+        if line.storey == storey and line.element["along"] > 0.0
+    ]
 
 
 def layout_of(scene: Scene) -> Layout:
@@ -408,9 +439,10 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     cosines = np.array([tie.cosine for tie in ties])
     floors = tuple(each.floors for each in made)
     sums = tuple(number for number, building in enumerate(buildings) if building.plan is not None)
-    shears = _column_shears(struck, floors, n + len(drags) + len(lines), terms)
+    first_line = n + len(drags)
+    shears = _column_shears(struck, made, first_line, terms)
     for number in sums:
-        shears += _storey_shears(number, made, n + len(drags), terms)
+        shears += _storey_shears(number, made, first_line, terms)
     columns = _filled(COLUMN, shears, 1)
     table = np.zeros(max(len(terms), 1), TERM)
     table["weight"][: len(terms)], table["dof"][: len(terms)] = [w for w, _ in terms], [i for _, i in terms]
@@ -527,14 +559,17 @@ def records_of(
     dofs, elements, columns = (np.tile(each, (count, 1)) for each in (layout.dofs, layout.elements, layout.columns))
     formulas = _put_links(elements[:, layout.of_links], scenes, layout.masses)
     if initial is not None:
-        for span, u, v in zip(layout.floors, *initial, strict=True):
-            dofs["u0"][:, span], dofs["w"][:, span, 0] = u, v
+        for floors, turns, u, v in zip(layout.floors, layout.turns, *initial, strict=True):
+            count = floors.stop - floors.start
+            dofs["u0"][:, floors], dofs["w"][:, floors, 0] = u[:count], v[:count]
+            if len(u) > count:  # rotations behind the displacements
+                dofs["u0"][:, turns], dofs["w"][:, turns, 0] = u[count:], v[count:]
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
     r, always_smooth = np.zeros(count, RUN), method.name == "dop853"
     r["n"], r["m"], r["drags"], r["lines"] = n, m, layout.drags, len(layout.lines)
     r["columns"] = layout.columns.size if layout.struck or layout.sums else 0
     r["dt"], r["tolerance"] = [scene.motion.dt for scene in scenes], tolerance
-    r["least"] = [_least_acceleration(*each) for each in zip(scenes, dofs, elements, strict=True)]
+    r["least"] = [_least_acceleration(layout, *each) for each in zip(scenes, dofs, elements, strict=True)]
     r["most_h"], r["rest"] = r["dt"] / least_steps, [last_segment(scene) for scene in scenes]
     smooth_tolerance = SMOOTHER * tolerance
     r["smooth_tolerance"] = max(smooth_tolerance, FINEST_SMOOTH)
@@ -547,6 +582,8 @@ def records_of(
         changing = int(np.count_nonzero(layout.elements["state"]))
         room = Room(np.zeros((count, 2 * n + changing), STATE), formulas)
         room.states["scale"] = LEAST_STATE
+        room.states["scale"][:, :n] *= layout.dofs["unit"]
+        room.states["scale"][:, n : 2 * n] *= layout.dofs["unit"]
     has_sliders = bool(layout.elements["slides"].any())
     r["has_sliders"] = has_sliders
     series = np.zeros((count, max(m - n + n * (layout.has_smooth or has_sliders), 1)), SERIES)
@@ -557,7 +594,7 @@ def records_of(
     return Data(dofs, elements, layout.terms, r, series, columns, room, watch)
 
 
-def _least_acceleration(scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:
+def _least_acceleration(layout: Layout, scene: Scene, dofs: np.ndarray, elements: np.ndarray) -> float:
     """Acceleration [m/s2] below which nothing is resolved: a part of the ground's peak, or on still ground that of the
     start: the largest spring force per mass, or what would turn its largest velocity within a second."""
     if scene.motion.pga > 0:
@@ -565,4 +602,10 @@ def _least_acceleration(scene: Scene, dofs: np.ndarray, elements: np.ndarray) ->
     n = dofs.size
     below = np.concatenate(([0.0], dofs["u0"][:-1])) * dofs["below"]
     pulls = elements["p"][:n, 0] * np.abs(dofs["u0"] - below) * dofs["inv_mass"]
-    return max(float(pulls.max()), float(np.abs(dofs["w"][:, 0]).max()))
+    largest = max(float(pulls.max()), float(np.abs(dofs["w"][:, 0]).max()))
+    if layout.lines:
+        lines = layout.of_lines
+        rows = term_matrix(layout)[lines]
+        pulls = np.abs(elements["p"][lines, 0] * (rows @ dofs["u0"])) @ np.abs(rows) * dofs["inv_mass"]
+        largest = max(largest, float((pulls / dofs["unit"]).max()))
+    return largest

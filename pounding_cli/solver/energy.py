@@ -28,6 +28,10 @@ def add_energy(dofs, elements, r, series):
             _work_on_line(el, r, series[a])
         else:
             _work_on_series(el, r, series[a])
+    for e in range(r.n + r.drags, r.n + r.drags + r.lines):
+        el = elements[e]
+        if el.yields and not el.smooth:  # the force is straight in the drift
+            el.work += (0.5 * el.k * (el.v0 + el.v1) + el.f0) * (el.v1 - el.v0)
     for i in range(r.n):
         el = elements[i]
         if el.smooth:
@@ -61,12 +65,28 @@ def _work_on_storeys(dofs, elements, r):
             push += WEIGHTS[g] * (r.g0 + g1 * PLACES[g]) * v
             square += WEIGHTS[g] * v * v
             rates += WEIGHTS[g] * rate * rate
+        if el.twists and el.mate > i:
+            dashpots += 2.0 * el.coupled_c * _common_rates(dofs, elements, i)
         pushed += d.mass * d.loaded * push
         drag += d.mass * d.drag * square
         dashpots += el.c * rates
     r.input -= pushed * duration
     r.drag += drag * duration
     r.dashpots += dashpots * duration
+
+
+@njit(**PART)
+def _common_rates(dofs, elements, i):
+    """Return the mean over the step of the rate of drift times that of twist of the storey i, whose floors twist."""
+    d, el = dofs[i], elements[i]
+    below, foot = dofs[el.right].inside, dofs[d.foot].inside
+    turn, mate = dofs[el.mate], elements[el.mate]
+    turn_below = dofs[mate.right].inside
+    product = 0.0
+    for g in range(PLACES_INSIDE):
+        rate = d.inside[g] - el.hold * below[g] + d.lean * foot[g]
+        product += WEIGHTS[g] * rate * (turn.inside[g] - mate.hold * turn_below[g])
+    return product
 
 
 @njit(**PART)
@@ -84,13 +104,10 @@ def _work_on_series(el, r, s):
 
 @njit(**PART)
 def _work_on_line(el, r, s):
-    """Work done in the step on a frame line that yields, and what its dashpot takes [J]."""
+    """Work done in the step on a frame line whose force is smooth, and what its dashpot takes [J]."""
     squares = 0.0
     for g in range(0, PLACES_INSIDE, 4):
         v0, v1, v2, v3 = _at_four(s.rate, r.order - 1, r.end, g)
         squares += WEIGHTS[g] * v0 * v0 + WEIGHTS[g + 1] * v1 * v1 + WEIGHTS[g + 2] * v2 * v2 + WEIGHTS[g + 3] * v3 * v3
     r.dashpots += el.c * squares * r.h * r.end
-    if el.smooth:
-        _work_on_series(el, r, s)
-    elif el.yields:  # the force is straight in the drift
-        el.work += (0.5 * el.k * (el.v0 + el.v1) + el.f0) * (el.v1 - el.v0)
+    _work_on_series(el, r, s)

@@ -16,7 +16,7 @@ from pounding_cli.methods import METHODS
 from pounding_cli.model.scene import Scene
 from pounding_cli.records.motion import Motion
 from pounding_cli.solver import solve as solver
-from pounding_cli.solver.response import Flag, Response
+from pounding_cli.solver.response import TURNS, Flag, Response, count_lines
 
 NUDGE = 1e-6
 """Relative change of the motion's amplitude, growing from nothing at its start to this at its end. The same factor
@@ -81,11 +81,12 @@ def nudged_motion(motion: Motion, nudge: float = NUDGE) -> Motion:
 
 
 def change(first: Response, second: Response) -> float:
-    """Largest relative change of any storey's peak shear or drift between two responses of the same buildings [-], as
-    `difference`."""
+    """Largest relative change of the peak shear or drift of any storey or frame line between two responses of the same
+    buildings [-], as `difference`."""
     a, b = first.peaks, second.peaks
     sizes = scene_sizes(first, second)
-    found = [_compared(a[name], b[name], a[name], sizes[name]) for name in ("shear", "drift")]
+    names = ("shear", "drift", "line_shear", "line_drift") if count_lines(a) else ("shear", "drift")
+    found = [_compared(a[name], b[name], a[name], sizes[name]) for name in names]
     return _largest(first, second, found)
 
 
@@ -93,7 +94,8 @@ def difference(first: Response, second: Response) -> float:
     """Largest relative difference of any number of two responses of the same scene [-]; nan when either run did not
     end, inf where only one collapses, or another storey does.
 
-    Shears, drifts (and with them ductilities), accelerations, sways and rockings are relative to themselves,
+    Shears and drifts of storeys, lines and edges (and with them ductilities), accelerations, sways, rockings and twists
+    are relative to themselves,
     displacements to the floor's largest either way, drifts at the end to the storey's largest, and the forces,
     closings, impulses and contact times of links to the largest of their kind in the scene. A number below 1e-8 of the
     scene's size, `scene_sizes`, counts as zero, and a link that presses by rounding as one that does not. Counts are
@@ -107,6 +109,9 @@ def difference(first: Response, second: Response) -> float:
         scales[name] = np.full_like(a[name], np.abs(a[name]).max(initial=0.0))
     for name in ("shear", "drift", "acceleration", "sway", "rocking", "shear_below", "shear_above"):
         scales[name] = a[name]
+    if count_lines(a):
+        scales |= {name: a[name] for name in ("line_shear", "line_drift", *TURNS)}
+        scales["line_residual_drift"] = a["line_drift"]
     found = [_compared(a[name], b[name], scale, sizes[name]) for name, scale in scales.items()]
     presses = np.maximum(a["peak_force"], b["peak_force"]) > ROUNDING * sizes["peak_force"]
     time, other_time = (np.where(presses, each["contact_time"], 0.0) for each in (a, b))
@@ -116,17 +121,25 @@ def difference(first: Response, second: Response) -> float:
 
 
 LENGTHS = "drift", "displacement_max", "displacement_min", "residual_drift", "sway", "max_closing"
+LENGTHS_OF_LINES = "line_drift", "line_residual_drift", "edge_drift_low", "edge_drift_high"
 FORCES = "shear", "shear_below", "shear_above", "peak_force"
+
+ARM = 1.0
+"""Distance from the centres of mass at which a twist is told from nothing by what it moves [m]."""
 
 
 def scene_sizes(first: Response, second: Response) -> dict[str, float]:
     """Return the size of the scene of two responses for each of its numbers, in the number's unit: the largest length,
     force, acceleration and rotation in either, and the impulse of the largest force over the longest contact."""
     both = first.peaks, second.peaks
-    largest = {name: _largest_of(both, name) for name in (*LENGTHS, *FORCES, "acceleration", "rocking", "contact_time")}
-    length = max(largest[name] for name in LENGTHS)
-    force = max(largest[name] for name in FORCES)
-    sizes = dict.fromkeys(LENGTHS, length) | dict.fromkeys(FORCES, force)
+    has_lines = count_lines(first.peaks) > 0
+    lengths = (*LENGTHS, *LENGTHS_OF_LINES) if has_lines else LENGTHS
+    forces = (*FORCES, "line_shear") if has_lines else FORCES
+    largest = {name: _largest_of(both, name) for name in (*lengths, *forces, "acceleration", "rocking", "contact_time")}
+    length = max(largest[name] for name in lengths)
+    force = max(largest[name] for name in forces)
+    sizes = dict.fromkeys(lengths, length) | dict.fromkeys(forces, force)
+    sizes["twist"] = length / ARM
     sizes["acceleration"], sizes["rocking"] = largest["acceleration"], largest["rocking"]
     sizes["impulse"] = force * largest["contact_time"]
     return sizes

@@ -68,12 +68,16 @@ def summarise(dofs, elements, terms, r):
             bent = abs(slope) * (FLOAT[k] - 1.0)
             bend += bent
             twist += bent * (FLOAT[k] - 2.0)
-        d.u1, d.v1, d.a1 = d.u0 + h * u, v, a / h + r.g0 + r.g1
+        d.u1, d.v1, d.a1 = d.u0 + h * u, v, a / h + d.felt * r.g0 + d.felt * r.g1
         d.du, d.dv = 0.125 * h * (abs(d.w[1]) + bend), 0.125 * bend  # k < k (k - 1) from the third order on
         d.da = 0.125 * twist / h
     ends_of_elements(dofs, elements, terms, r)
     for e in range(r.m):
         el = elements[e]
+        if e >= r.n and el.drifts:
+            storey, mate, arm = elements[el.storey], elements[el.mate], abs(el.arm)
+            el.dv, el.dr = el.along * storey.dv + arm * mate.dv, el.along * storey.dr + arm * mate.dr
+            continue
         left, right = dofs[el.left], dofs[el.right]
         el.dv, el.dr = left.du + el.hold * right.du, left.dv + el.hold * right.dv
         for x in range(el.first, el.last):
@@ -83,10 +87,44 @@ def summarise(dofs, elements, terms, r):
 
 
 @njit(**PART)
+def _end_of_line(elements, el):
+    """Deformation and rate of a frame line at the step's end, from those of its storey, which come before it."""
+    storey, mate, arm = elements[el.storey], elements[el.mate], abs(el.arm)
+    v, rate = el.along * storey.v1 + el.arm * mate.v1, el.along * storey.r1 + el.arm * mate.r1
+    el.v1 = zero_if_rounding(v, el.along * storey.size_v + arm * mate.size_v, LAST_DIGITS)
+    el.r1 = zero_if_rounding(rate, el.along * storey.size_r + arm * mate.size_r, LAST_DIGITS)
+
+
+@njit(**PART)
+def _largest_of_ends(dofs, terms, el):
+    """Return the largest displacement [m] and speed [m/s] that the degrees of freedom of an element have had: of the
+    larger of its two ends, and of its further terms."""
+    left, right = dofs[el.left], dofs[el.right]
+    reach, fastest = _largest_of_terms(dofs, terms, el)
+    reach += max(max(left.u_max, -left.u_min), max(right.u_max, -right.u_min))
+    fastest += max(left.fastest, right.fastest)
+    return reach, fastest
+
+
+@njit(**PART)
+def _largest_of_terms(dofs, terms, el):
+    """Return the largest displacement [m] and speed [m/s] of the further terms of an element."""
+    reach = fastest = 0.0
+    for x in range(el.first, el.last):
+        d, size = dofs[terms[x].dof], abs(terms[x].weight)
+        reach += size * max(d.u_max, -d.u_min)
+        fastest += size * d.fastest
+    return reach, fastest
+
+
+@njit(**PART)
 def ends_of_elements(dofs, elements, terms, r):
     """Deformation and rate of every element at the step's end, exactly zero where floors differ by rounding."""
     for e in range(r.m):
         el = elements[e]
+        if e >= r.n and el.drifts:
+            _end_of_line(elements, el)
+            continue
         left, right = dofs[el.left], dofs[el.right]
         v, of_v = left.u1 - el.offset - el.hold * right.u1, abs(left.u1 - el.offset) + abs(el.hold * right.u1)
         rate, of_rate = left.v1 - el.hold * right.v1, abs(left.v1) + abs(el.hold * right.v1)
@@ -97,9 +135,12 @@ def ends_of_elements(dofs, elements, terms, r):
         if el.drifts == 0 and (
             abs(v) < NEAR_ZERO or abs(rate) < NEAR_ZERO
         ):  # what floors have come to stays in their sums
-            of_v = max(of_v, max(left.u_max, -left.u_min))
-            of_rate = max(of_rate, left.fastest)
+            reach, fastest = _largest_of_terms(dofs, terms, el)
+            of_v = max(of_v, max(left.u_max, -left.u_min) + reach)
+            of_rate = max(of_rate, left.fastest + fastest)
         el.v1, el.r1 = zero_if_rounding(v, of_v, LAST_DIGITS), zero_if_rounding(rate, of_rate, LAST_DIGITS)
+        if el.twists:
+            el.size_v, el.size_r = of_v, of_rate
 
 
 @njit(**CALLED)
@@ -118,7 +159,9 @@ def end_at(dofs, elements, terms, r):
             u += w * INVERSE[k + 1]
             v += w
             a += w * FLOAT[k]
-        d.u1, d.v1, d.a1 = d.u0 + h * s * u, v, a / (h * s) + r.g0 + r.g1 * s if s > 0.0 else d.a0
+        d.u1, d.v1, d.a1 = d.u0 + h * s * u, v, d.a0
+        if s > 0.0:
+            d.a1 = a / (h * s) + d.felt * r.g0 + d.felt * r.g1 * s
     ends_of_elements(dofs, elements, terms, r)
 
 
@@ -237,12 +280,11 @@ def _may_meet(el, guard, is_link):
 
 
 @njit(**PART)
-def _moves_by_rounding(dofs, el, r):
+def _moves_by_rounding(dofs, terms, el, r):
     """Whether a link, whose rate stands in r.p, moves in this step by no more than the last digits of its floors: such
     floors would strike each other without end."""
-    left, right = dofs[el.left], dofs[el.right]
-    least_v = LAST_DIGITS * max(max(left.u_max, -left.u_min), max(right.u_max, -right.u_min))
-    least_rate = LAST_DIGITS * max(left.fastest, right.fastest)
+    reach, fastest = _largest_of_ends(dofs, terms, el)
+    least_v, least_rate = LAST_DIGITS * reach, LAST_DIGITS * fastest
     if abs(el.v0) > least_v or abs(el.r0) > least_rate:
         return False
     if r.smooth:  # the polynomials of a step by DOP853 multiply rounding on their way
@@ -254,15 +296,14 @@ def _moves_by_rounding(dofs, el, r):
 
 
 @njit(**PART)
-def _rests_by_rounding(dofs, el, r):
+def _rests_by_rounding(dofs, terms, el, r):
     """Whether the drift of a storey, whose rate stands in r.p, changes in this step by no more than the last digits of
     its floors: a building that has come to rest would turn back without end."""
-    left, right = dofs[el.left], dofs[el.right]
+    reach, fastest = _largest_of_ends(dofs, terms, el)
     size = 0.0
     for k in range(r.order + 1):
         size += abs(r.p[k])
-    least_v = LAST_DIGITS * max(max(left.u_max, -left.u_min), max(right.u_max, -right.u_min))
-    return size <= LAST_DIGITS * max(left.fastest, right.fastest) and r.h * size <= least_v
+    return size <= LAST_DIGITS * fastest and r.h * size <= LAST_DIGITS * reach
 
 
 @njit(**CALLED)
@@ -279,9 +320,9 @@ def first_event(dofs, elements, terms, r, series):
         for guard in range(COLLAPSE_HIGH + 1):
             if _may_meet(el, guard, el.drifts == 0):
                 rate_series(dofs, elements, terms, r, e)
-                if el.drifts == 0 and _moves_by_rounding(dofs, el, r):
+                if el.drifts == 0 and _moves_by_rounding(dofs, terms, el, r):
                     break
-                if el.drifts and not el.slides and _rests_by_rounding(dofs, el, r):
+                if el.drifts and not el.slides and _rests_by_rounding(dofs, terms, el, r):
                     break
                 at = _meets(el, r, series[el.row], guard, min(1.0, el.at))
                 if el.eased and r.still:
@@ -320,6 +361,8 @@ def commit(dofs, elements, terms, r, series):
                 el.time, el.hits = 0.0, 0
             el.stuck += 1
             r.events += 1
+    if r.lines:
+        gather_lines(elements, r)
     list_active(elements, r, series)
 
 
@@ -355,10 +398,41 @@ def list_active(elements, r, series):
         el = elements[e]
         if el.smooth:
             r.smooth = 1
-        if e >= r.n and el.closed:
+        if e >= r.n and (el.smooth if el.drifts else el.closed):
             el.row = r.active
             series[r.active].element = e
             r.active += 1
+
+
+@njit(**CALLED)
+def gather_lines(elements, r):
+    """Add the stiffnesses, dashpots and offsets of the frame lines on their present branches up in their storeys; lines
+    whose force is smooth act by themselves."""
+    for i in range(r.n):
+        el = elements[i]
+        if el.twists:
+            el.k, el.c = el.p[0], el.p[1]
+            el.f0 = el.coupled_k = el.coupled_c = 0.0
+    for e in range(r.n + r.drags, r.n + r.drags + r.lines):
+        el = elements[e]
+        if el.smooth:
+            continue
+        storey, mate, arm = elements[el.storey], elements[el.mate], el.arm
+        if el.along != 0.0:
+            storey.k += el.k
+            storey.c += el.c
+            storey.f0 += el.f0
+            storey.coupled_k += arm * el.k
+            storey.coupled_c += arm * el.c
+            mate.coupled_k += arm * el.k
+            mate.coupled_c += arm * el.c
+        mate.k += arm * arm * el.k
+        mate.c += arm * arm * el.c
+        mate.f0 += arm * el.f0
+    for i in range(r.n):
+        el = elements[i]
+        if el.twists:
+            el.stiffness = el.k - el.load
 
 
 @njit(**CALLED)

@@ -111,11 +111,16 @@ def _end(dofs, elements, terms, r, columns, room, h):
     for c in range(r.columns):
         column = columns[c]
         el = elements[column.storey]
+        if column.is_sum:
+            twist = elements[el.mate].v1
+            column.peak_low = max(column.peak_low, abs(el.v1 + column.low * twist))
+            column.peak_high = max(column.peak_high, abs(el.v1 + column.high * twist))
         f = column.share * (el.k * el.v1 + el.f0)
         for x in range(column.first, column.last):
             link = elements[terms[x].dof]
             if link.closed and link.acts:
-                f += terms[x].weight * force(link, link.v1, link.r1, room.formulas[link.formula])
+                dashpot = link.c * link.r1 if link.drifts else 0.0  # shears of lines are without damping forces
+                f += terms[x].weight * (force(link, link.v1, link.r1, room.formulas[link.formula]) - dashpot)
         column.peak = max(column.peak, abs(f))
 
 
@@ -259,8 +264,9 @@ def central_difference_limit(layout: Layout, elements: np.ndarray, links: Sequen
     rows, mass, n = term_matrix(layout), layout.dofs["mass"], layout.number
     k, c = np.zeros(len(rows)), np.zeros(len(rows))
     k[:n], c[:n] = elements["p"][:n, 0], elements["c"][:n]
-    drags = slice(n, layout.of_links.start)
+    drags, lines = slice(n, layout.of_lines.start), layout.of_lines
     c[drags] = elements["p"][drags, 1]
+    k[lines], c[lines] = elements["p"][lines, 0], elements["c"][lines]
     for place, link in enumerate(links, layout.of_links.start):
         k[place], c[place] = link.law.max_slopes
         c[place] = max(c[place], elements["p"][place, 1] if link.law.joins else 0.0)

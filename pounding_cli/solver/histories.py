@@ -11,8 +11,8 @@ from pounding_cli.model.links import link_label, link_places
 from pounding_cli.model.parts import divide_scene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver import records
-from pounding_cli.solver.assemble import run_time, segments
-from pounding_cli.solver.outcome import ENDS, closings_of, stored_in_storeys
+from pounding_cli.solver.assemble import Layout, run_time, segments
+from pounding_cli.solver.outcome import ENDS, closings_of, stored_in_lines, stored_in_storeys
 from pounding_cli.solver.parts import join_histories
 from pounding_cli.solver.response import OUTCOMES
 from pounding_cli.solver.solve import SceneRun, prepare_run
@@ -41,6 +41,13 @@ FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
 }
 """Variable -> dimensions, unit, meaning."""
 
+TWIST_FIELDS: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "twist": (("time", "building", "floor"), "rad", "floor rotation about the vertical axis at its centre of mass"),
+    "line_drift": (("time", "building", "storey", "line"), "m", "drift of a frame line, in its plane"),
+    "line_shear": (("time", "building", "storey", "line"), "N", "shear of a frame line, without damping force"),
+}
+"""Those of floors that twist; a scene where none does has none of them."""
+
 
 def output_times(scene: Scene, every: float) -> np.ndarray:
     """The times of a history [s]: from 0 in steps of `every` [s], the last not after the end of motion and tail."""
@@ -48,12 +55,13 @@ def output_times(scene: Scene, every: float) -> np.ndarray:
 
 
 History = dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, Any]]]
-"""Dimensions, values and attributes of FIELDS and of their coordinates, by name."""
+"""Dimensions, values and attributes of FIELDS, TWIST_FIELDS and their coordinates, by name."""
 
 
 def solve_history(scene: Scene, accuracy: float = 1e-6, every: float = EVERY) -> History:
     """Run a scene from rest with Taylor steps and keep what it does, until a storey collapses if one does: FIELDS over
-    the names of buildings and links (`left|right floor j`); NaN pads buildings with fewer storeys.
+    the names of buildings and links (`left|right floor j`), and TWIST_FIELDS where floors twist; NaN pads buildings
+    with fewer storeys and lines.
 
     Parameters
     ----------
@@ -101,6 +109,8 @@ def _evaluated(run: SceneRun) -> History:
     u, n = dofs[..., 0], layout.number
     deformation, force = elements[:, :n, 0], elements[:, :n, 1]
     stored, yielding = stored_in_storeys(layout, deformation, force, u)
+    lines = elements[:, layout.of_lines]
+    in_lines, in_yielding_lines = stored_in_lines(layout, lines[..., 0], lines[..., 1])
     on_storeys = watch.storeys[kept].sum(axis=1)
     kinetic = 0.5 * (dofs[..., 1] ** 2 @ layout.dofs["mass"])
     of_links = elements[:, layout.of_links]
@@ -129,18 +139,47 @@ def _evaluated(run: SceneRun) -> History:
         "closing": closings_of(layout, of_links[..., 0], run.data.elements["offset"][0, layout.of_links]),
         "energy_input": put_in,
         "energy_kinetic": kinetic,
-        "energy_stored": stored,
+        "energy_stored": stored + in_lines,
         "energy_damping": in_dashpots,
-        "energy_hysteresis": on_storeys - yielding,
+        "energy_hysteresis": on_storeys - yielding - in_yielding_lines,
         "energy_links": of_all_links,
     }
     names = [building.name for building in scene.buildings]
     numbers = np.arange(1, values["drift"].shape[2] + 1)
+    fields = FIELDS
+    if layout.sums:
+        fields = FIELDS | TWIST_FIELDS
+        values["twist"] = _put_turns(layout, u)
+        values["line_drift"] = _put_lines(layout, lines[..., 0])
+        values["line_shear"] = _put_lines(layout, lines[..., 1])
     found: History = {
-        name: (dims, values[name], {"units": unit, "long_name": text}) for name, (dims, unit, text) in FIELDS.items()
+        name: (dims, values[name], {"units": unit, "long_name": text}) for name, (dims, unit, text) in fields.items()
     }
     links = np.array([link_label(names, place) for place in link_places(scene.links)], object)
     found["time"] = ("time",), times, {"units": "s", "long_name": "time since the motion began"}
     for name, each in (("building", np.array(names, object)), ("storey", numbers), ("floor", numbers), ("link", links)):
         found[name] = (name,), each, {}
+    if layout.sums:
+        found["line"] = ("line",), np.arange(1, layout.most_lines + 1), {}
     return found
+
+
+def _put_turns(layout: Layout, u: np.ndarray) -> np.ndarray:
+    """Return the rotations of floors [rad] from all displacements, shape (times, buildings, floors); NaN of floors that
+    do not twist."""
+    turns = np.full((len(u), len(layout.buildings), max(each.storeys for each in layout.buildings)), np.nan)
+    for b in layout.sums:
+        turns[:, b, : layout.buildings[b].storeys] = u[:, layout.turns[b]]
+    return turns
+
+
+def _put_lines(layout: Layout, values: np.ndarray) -> np.ndarray:
+    """Return values of frame lines over time, shape (times, buildings, storeys, lines); NaN where there are none.
+
+    values : in the order of `layout.lines`, shape (times, lines)
+    """
+    most_storeys = max(each.storeys for each in layout.buildings)
+    whole = np.full((len(values), len(layout.buildings), most_storeys, layout.most_lines), np.nan)
+    for place, (b, storey, number) in enumerate(layout.lines):
+        whole[:, b, storey, number] = values[:, place]
+    return whole

@@ -62,11 +62,11 @@ def ends_of(data: Data, accuracy: float, residuals: np.ndarray) -> list[Outcome]
 def peaks_of(layout: Layout, data: Data, scenes: Sequence[Scene], drift_at_rest: np.ndarray) -> np.ndarray:
     """The peaks of scenes, records of `peaks_type`, shape (scenes,); `drift_at_rest` as of `rest.Rest`."""
     storeys = [building.storeys for building in layout.buildings]
-    lines = 1 + max((number for _, _, number in layout.lines), default=-1)
+    lines = layout.most_lines
     peaks = np.full(len(scenes), np.nan, peaks_type(len(storeys), max(storeys), len(scenes[0].links), lines))
     for b in range(len(storeys)):
         _put_building(peaks, b, layout, data, drift_at_rest)
-    _put_lines(peaks, layout, data)
+    _put_lines(peaks, layout, data, drift_at_rest)
     peaks["collapse_storey"] = 0.0
     links = data.elements[:, layout.of_links]
     peaks["impacts"], peaks["peak_force"], peaks["impulse"] = links["hits"], links["peak_f"], links["impulse"]
@@ -108,22 +108,34 @@ def _put_building(peaks: np.ndarray, b: int, layout: Layout, data: Data, drift_a
         peaks[name][:, b, : building.storeys] = values
 
 
-def _put_lines(peaks: np.ndarray, layout: Layout, data: Data) -> None:
-    """Enter the peaks of frame lines, of storeys that are sums over them, and of the rotations of floors."""
+def _put_lines(peaks: np.ndarray, layout: Layout, data: Data, drift_at_rest: np.ndarray) -> None:
+    """Enter the peaks of frame lines, of storeys that are sums over them, and of the rotations of floors.
+
+    The ductility of a storey is that of its line along the row with the largest: the line whose demand governs.
+    """
     elements = data.elements[:, layout.of_lines]
+    for b in layout.sums:
+        peaks["ductility"][:, b, : layout.buildings[b].storeys] = 0.0
     for place, (b, storey, number) in enumerate(layout.lines):
-        building, e = layout.buildings[b], elements[:, place]
-        assert building.plan is not None
-        line = (*building.plan.lines, *building.plan.lines_across)[number]
+        plan, e = layout.buildings[b].plan, elements[:, place]
+        assert plan is not None
+        line = plan.all_lines[number]
         elastic = line.stiffness[storey] * e["peak_v"]
         peaks["line_shear"][:, b, storey, number] = np.where(e["yields"] > 0, e["peak_f"], elastic)
         peaks["line_drift"][:, b, storey, number] = e["peak_v"]
         yield_drift = line.yield_shear[storey] / line.stiffness[storey]
-        peaks["line_ductility"][:, b, storey, number] = e["peak_v"] / yield_drift
+        ductility = e["peak_v"] / yield_drift
+        peaks["line_ductility"][:, b, storey, number] = ductility
+        peaks["line_residual_drift"][:, b, storey, number] = drift_at_rest[:, layout.of_lines.start + place]
+        if number < len(plan.lines):
+            peaks["ductility"][:, b, storey] = np.maximum(peaks["ductility"][:, b, storey], ductility)
     first = 2 * len(layout.struck)
     for b in layout.sums:
         storeys = layout.buildings[b].storeys
-        peaks["shear"][:, b, :storeys] = data.columns["peak"][:, first : first + storeys]
+        sums = data.columns[:, first : first + storeys]
+        peaks["shear"][:, b, :storeys] = sums["peak"]
+        peaks["edge_drift_low"][:, b, :storeys] = sums["peak_low"]
+        peaks["edge_drift_high"][:, b, :storeys] = sums["peak_high"]
         turns = data.dofs[:, layout.turns[b]]
         peaks["twist"][:, b, :storeys] = np.maximum(turns["u_max"], -turns["u_min"])
         first += storeys
@@ -139,7 +151,7 @@ def stored_in_lines(layout: Layout, deformation: np.ndarray, force: np.ndarray) 
         b, storey, number = layout.lines[place]
         building = layout.buildings[b]
         assert building.plan is not None
-        law = building.laws_of_line((*building.plan.lines, *building.plan.lines_across)[number])[storey]
+        law = building.laws_of_line(building.plan.all_lines[number])[storey]
         stored[..., place] = law.stored_energy(deformation[..., place], force[..., place])
     return stored.sum(axis=-1), stored[..., yields].sum(axis=-1)
 
@@ -190,12 +202,18 @@ def balance(layout: Layout, data: Data, scenes: Sequence[Scene], before: float =
         "hysteresis": storeys["work"].sum(axis=1) - yielding + lines["work"].sum(axis=1) - in_yielding_lines,
         "links": of_links["work"].sum(axis=1) - in_links,
     }
-    values, stiffness = np.array(list(entries.values())), storeys["p"][..., 0]
-    peaks = np.where(storeys["yields"] > 0, storeys["peak_f"], stiffness * storeys["peak_v"])
-    held = 0.5 * np.sum(peaks**2 / np.where(stiffness > 0, stiffness, np.inf), axis=1)
+    values = np.array(list(entries.values()))
+    held = _held_at_peaks(storeys) + _held_at_peaks(lines)
     scale = np.maximum(held, np.abs(values).max(axis=0))
     missing = values[0] - values[1:].sum(axis=0)
     return entries | {"residual": np.where(scale > 0, missing / scale, 0.0)}
+
+
+def _held_at_peaks(storeys: np.ndarray) -> np.ndarray:
+    """Return the elastic energies of storeys or frame lines at their largest forces [J], summed over each scene."""
+    stiffness = storeys["p"][..., 0]
+    peaks = np.where(storeys["yields"] > 0, storeys["peak_f"], stiffness * storeys["peak_v"])
+    return np.asarray(0.5 * np.sum(peaks**2 / np.where(stiffness > 0, stiffness, np.inf), axis=1))
 
 
 def forces_now(storeys: np.ndarray) -> np.ndarray:
@@ -217,8 +235,12 @@ def _stored_in_links(scenes: Sequence[Scene], elements: np.ndarray) -> np.ndarra
 
 
 def collapse_of(layout: Layout, elements: np.ndarray) -> tuple[int, int]:
-    """(building from 0, storey from 1) of the storey that has drifted furthest of what it stands."""
-    parts = [elements["peak_v"][span] / elements["collapse"][span] for span in layout.floors]
+    """(building from 0, storey from 1) of the storey that has drifted furthest of what it stands, at one of its lines
+    where floors twist."""
+    shares = elements["peak_v"] / elements["collapse"]
+    parts = [shares[span].copy() for span in layout.floors]
+    for (b, storey, _), share in zip(layout.lines, shares[layout.of_lines].tolist(), strict=True):
+        parts[b][storey] = max(parts[b][storey], share)
     building = int(np.argmax([part.max() for part in parts]))
     return building, int(np.argmax(parts[building])) + 1
 

@@ -15,14 +15,13 @@ from pounding_cli.model.parts import PartScene
 from pounding_cli.model.scene import Scene
 from pounding_cli.solver.outcome import collapse_flag, flags_of
 from pounding_cli.solver.response import (
-    BASES,
     COLLAPSED,
-    COLLAPSES,
     COLUMNS,
     DONE,
     LINKS,
-    STOREYS,
     Response,
+    building_names,
+    count_lines,
     no_peaks,
 )
 
@@ -48,12 +47,13 @@ def join_responses(scene: Scene, parts: Sequence[PartScene], responses: Sequence
         "seconds": sum(each.seconds for each in responses),
         "effects": effects.kept,
         "dropped": (*effects.dropped, *_list_open_gaps(responses)),
-        "final": _join_final(scene, parts, responses),
+        "final": _join_final(scene, parts, [each.final for each in responses]),
+        "final_turns": _join_final(scene, parts, [each.final_turns for each in responses]),
     }
     failed = [each for each in responses if not each.has_result]
     if failed:
         no_energy = dict.fromkeys(failed[0].energy, math.nan)
-        return replace(failed[0], **facts, peaks=no_peaks(storeys, len(scene.links)), energy=no_energy, flags=())
+        return replace(failed[0], **facts, peaks=_no_peaks_of(scene), energy=no_energy, flags=())
     return replace(
         responses[0],
         **facts,
@@ -67,13 +67,15 @@ def join_responses(scene: Scene, parts: Sequence[PartScene], responses: Sequence
     )
 
 
-def _join_final(
-    scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]
-) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+States = tuple[tuple[np.ndarray, np.ndarray], ...]
+"""Displacements and velocities, one pair of arrays a building."""
+
+
+def _join_final(scene: Scene, parts: Sequence[PartScene], states: Sequence[States]) -> States:
     """Return the states at the end, one a building; none where a response was kept without."""
     final: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-    for each, response in zip(parts, responses, strict=True):
-        final.update(enumerate(response.final, each.part.first))
+    for each, of_part in zip(parts, states, strict=True):
+        final.update(enumerate(of_part, each.part.first))
     return tuple(final[place] for place in range(len(scene.buildings)) if place in final)
 
 
@@ -82,16 +84,22 @@ def _list_open_gaps(responses: Iterable[Response]) -> list[DroppedEffect]:
     return [dropped for each in responses for dropped in each.dropped if dropped.links]
 
 
-def _join_peaks(scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]) -> np.void:
+def _no_peaks_of(scene: Scene) -> np.void:
+    """Return the peaks of a scene before anything of it is known: NaN."""
     storeys = [building.storeys for building in scene.buildings]
-    peaks = no_peaks(storeys, len(scene.links))
+    lines = max(0 if building.plan is None else len(building.plan.all_lines) for building in scene.buildings)
+    return no_peaks(storeys, len(scene.links), lines)
+
+
+def _join_peaks(scene: Scene, parts: Sequence[PartScene], responses: Sequence[Response]) -> np.void:
+    peaks = _no_peaks_of(scene)
     for each, response in zip(parts, responses, strict=True):
         places = each.part.places
         link_numbers = list(each.part.link_numbers)
-        for name in STOREYS:
-            peaks[name][places, : max(response.storeys)] = response.peaks[name]
-        for name in (*BASES, *COLLAPSES):
-            peaks[name][places] = response.peaks[name]
+        for name in building_names(response.peaks):
+            values = response.peaks[name]
+            room = (slice(0, size) for size in values.shape[1:])  # a part may have fewer storeys and lines
+            peaks[name][(places, *room)] = values
         for name in (*LINKS, *COLUMNS):
             peaks[name][link_numbers] = response.peaks[name]
     return peaks
@@ -162,7 +170,10 @@ def join_histories(scene: Scene, parts: Sequence[PartScene], histories: Sequence
     count = min(history["time"][1].size for history in histories)
     axes = _list_axes(scene)
     joined: dict[str, Any] = {}
-    for name, (dims, values, attrs) in histories[0].items():
+    fields: dict[str, Any] = {}
+    for history in histories:  # floors of some parts alone may twist
+        fields = {**history, **fields}
+    for name, (dims, values, attrs) in fields.items():
         if name in axes:
             joined[name] = dims, axes[name], attrs
         elif dims == ("time",) and name.startswith("energy_"):
@@ -184,6 +195,7 @@ def _list_axes(scene: Scene) -> dict[str, np.ndarray]:
         "storey": numbers,
         "floor": numbers,
         "link": np.array(links, object),
+        "line": np.arange(1, count_lines(_no_peaks_of(scene)) + 1),
     }
 
 
@@ -198,11 +210,12 @@ def _join_series(
     """Return a quantity of buildings or links over time, shape (count, *lengths of the axes)."""
     whole = np.full((count, *(axes[dim].size for dim in dims)), np.nan)
     for each, history in zip(parts, histories, strict=True):
+        if name not in history:
+            continue
         values = history[name][1][:count]
         if dims[0] == "link":
             whole[:, list(each.part.link_numbers)] = values
-        elif len(dims) == 1:
-            whole[:, each.part.places] = values
         else:
-            whole[:, each.part.places, : values.shape[2]] = values
+            room = (slice(0, size) for size in values.shape[2:])
+            whole[(slice(None), each.part.places, *room)] = values
     return whole

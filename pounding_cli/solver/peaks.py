@@ -7,7 +7,7 @@ from numba import njit
 
 from pounding_cli.solver.events import TOUCH, integral, rate_series
 from pounding_cli.solver.options import CALLED, INVERSE, PART
-from pounding_cli.solver.polynomial import highest
+from pounding_cli.solver.polynomial import SLOPE, highest
 
 
 @njit(**PART)
@@ -32,6 +32,8 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
             d.u_max, d.u_min = max(d.u_max, d.u0, d.u1), min(d.u_min, d.u0, d.u1)
             if not _keeps_sign(d.w[0], d.v1, d.dv):
                 _displacement_peak(d, r)
+        if d.felt == 0.0:
+            continue
         largest = max(abs(d.a0), abs(d.a1))
         if largest + d.da > d.a_max:
             d.a_max = max(d.a_max, largest)
@@ -49,7 +51,26 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
         if el.acts and (el.smooth if storey else el.closed):
             _force_peak(el, r, series[el.row])
     for c in range(r.columns):
-        _column_peak(dofs, elements, terms, r, series, columns[c])
+        column = columns[c]
+        el = elements[column.storey]
+        if not el.twists:
+            _column_peak(dofs, elements, terms, r, series, column)
+            continue
+        mate = elements[el.mate]
+        if column.is_sum and not r.smooth:
+            one, other, constant = el.k, el.coupled_k, el.f0
+            column.peak, rises = _ends_of_pair(el, mate, one, other, constant, column.peak)
+            if rises:
+                column.peak = _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, column.peak)
+        else:
+            _shear_peak(dofs, elements, terms, r, series, column)
+        if column.is_sum:
+            column.peak_low, rises = _ends_of_pair(el, mate, 1.0, column.low, 0.0, column.peak_low)
+            if rises:
+                column.peak_low = _peak_of_pair(dofs, elements, terms, r, el, 1.0, column.low, 0.0, column.peak_low)
+            column.peak_high, rises = _ends_of_pair(el, mate, 1.0, column.high, 0.0, column.peak_high)
+            if rises:
+                column.peak_high = _peak_of_pair(dofs, elements, terms, r, el, 1.0, column.high, 0.0, column.peak_high)
 
 
 @njit(**PART)
@@ -138,11 +159,67 @@ def _column_peak(dofs, elements, terms, r, series, column):
     else:
         rate_series(dofs, elements, terms, r, np.int64(column.storey))
         n = integral(r, column.share * el.k, column.share * (el.k * el.v0 + el.f0)) + 1
-    for x in range(column.first, column.last):
-        link = elements[terms[x].dof]
-        if link.closed and link.acts:
-            s = series[link.row]
-            dashpot = link.c if link.drifts and not link.smooth else 0.0
-            for k in range(r.order):
-                p[k] += terms[x].weight * (s.f[k] - dashpot * s.rate[k])
+    _add_forces(elements, terms, r, series, column)
     column.peak = highest(r, n - 1, r.end, column.peak, absolute)
+
+
+@njit(**CALLED)
+def _add_forces(elements, terms, r, series, column):
+    """Add the forces of links, and of lines whose force is smooth, to the polynomial of a shear in r.p [N]."""
+    for x in range(column.first, column.last):
+        el = elements[terms[x].dof]
+        if _adds_force(el):
+            s = series[el.row]
+            for k in range(r.order):
+                r.p[k] += terms[x].weight * s.f[k]
+
+
+@njit(**PART)
+def _adds_force(el):
+    """Whether a link, or a line, adds a force of its own to a shear: straight lines are part of their storey."""
+    return el.smooth if el.drifts else el.closed and el.acts
+
+
+@njit(**PART)
+def _ends_of_pair(el, mate, one, other, constant, peak):
+    """Raise the largest |one x drift + other x twist + constant| of a storey whose floors twist to the step's ends;
+    return it, and whether it may rise above them inside."""
+    first, last = one * el.v0 + other * mate.v0 + constant, one * el.v1 + other * mate.v1 + constant
+    rises = max(abs(first), abs(last)) + abs(one) * el.dv + abs(other) * mate.dv > peak
+    if rises:
+        peak = max(peak, abs(first), abs(last))
+        rate, last_rate = one * el.r0 + other * mate.r0, one * el.r1 + other * mate.r1
+        rises = not _keeps_sign(rate, last_rate, abs(one) * el.dr + abs(other) * mate.dr)
+    return peak, rises
+
+
+@njit(**CALLED)
+def _pair_series(dofs, elements, terms, r, el, one, other, constant):
+    """Coefficients of one x drift + other x twist + constant of a storey, into r.p; returns their degree."""
+    p, at = r.p, np.int64(SLOPE)
+    start = one * el.v0 + other * elements[el.mate].v0 + constant
+    rate_series(dofs, elements, terms, r, np.int64(elements[el.mate].mate))
+    for k in range(r.order + 1):
+        p[at + k] = one * p[k]
+    rate_series(dofs, elements, terms, r, np.int64(el.mate))
+    for k in range(r.order + 1):
+        p[k] = p[at + k] + other * p[k]
+    return integral(r, 1.0, start)
+
+
+@njit(**CALLED)
+def _peak_of_pair(dofs, elements, terms, r, el, one, other, constant, peak):
+    """The same inside the step."""
+    absolute = r.h > 0.0
+    n = _pair_series(dofs, elements, terms, r, el, one, other, constant)
+    return highest(r, n, r.end, peak, absolute)
+
+
+@njit(**CALLED)
+def _shear_peak(dofs, elements, terms, r, series, column):
+    """Largest |shear| of a storey whose floors twist, or of its struck columns: straight in drift and twist but for
+    forces of links and of lines whose force is smooth."""
+    el, share, absolute = elements[column.storey], column.share, r.h > 0.0
+    n = _pair_series(dofs, elements, terms, r, el, share * el.k, share * el.coupled_k, share * el.f0)
+    _add_forces(elements, terms, r, series, column)
+    column.peak = highest(r, n, r.end, column.peak, absolute)

@@ -5,6 +5,8 @@ of a contact), and its force acts back on the same degrees of freedom by the sam
 below degree of freedom i (or the spring under a foundation), v = u_i - below u_(i-1) + lean u_foot, whose forces a walk
 up the storeys adds; the others are dashpots to the ground, frame lines of floors that twist, and links, in this order.
 All have two ends and any number of further terms. A frame line counts as a storey: its drift is looked at both ways.
+Where floors twist, the drift of a line is that of its storey plus `arm` times the twist of its storey, so that straight
+lines need no series of their own: their stiffnesses and dashpots add up in these two storeys (`events.gather_lines`).
 
 SI units: m, m/s, N, kg, s, J; for a rocking base rad, N m, kg m2.
 """
@@ -46,9 +48,11 @@ DOF = _dtype(
     # push: sum of forces of links, order by order
     # allowed: 1 / what a term of the series may leave out; scale: recent acceleration
     # fastest: largest speed so far [m/s]
+    # felt: 1 where the acceleration of the ground belongs to the total one, 0 of a floor that twists
+    # unit: what counts as an acceleration of 1 m/s2: 1, or 1 / radius of gyration of a floor that twists [rad/m]
     # apart: nine lines of the cache a record: eight (512 bytes) lie in the same places of it and slow the walks
     f8=f"inv_mass drag below push allowed lean u0 a0 w:{ORDERS} inside:{PLACES_INSIDE} u1 v1 a1 du dv da mass loaded"
-    " scale u_max u_min a_max fastest apart:10",
+    " scale u_max u_min a_max fastest felt unit apart:8",
     u8="foot",
 )
 ELEMENT = _dtype(
@@ -60,24 +64,31 @@ ELEMENT = _dtype(
     # peak_v: largest |v| of a storey, v of a link; peak_f likewise
     # impulse, time: of a link's force; work: done on it; f1: a smooth force at the step's end
     # least: smallest v so far
+    # along, arm: of a line, what a unit of the drift and of the twist of its storey add to its drift
+    # coupled_k, coupled_c: of a storey whose floors twist, what its lines add to its force by the deformation and rate
+    # of its `mate`; size_v, size_r: sizes of the terms of its deformation and rate
     f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
-    " load collapse peak_v peak_f impulse time work f1 least at",
+    " load collapse peak_v peak_f impulse time work f1 least at along arm coupled_k coupled_c size_v size_r",
     f8_history=f"p:{PARAMETERS} h:{HISTORY}",
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0
     # yields: 1 for a storey whose work is kept; eased: 1 for a contact that DOP853 steps (`events.FROM_REST`)
     # holds: 1 for a slider that sticks; slides: 1 for a slider; drifts: 1 for what counts as a storey
+    # twists: 1 for a storey whose floors twist, of their drift and of their twist; 2 for the highest of a building
     i8="kind branch levels cuts crosses smooth closed acts guard pinned stuck hits row state yields eased holds slides"
-    " drifts",
+    " drifts twists",
     # v = u_left - hold u_right - offset + further terms, first to last; hold: 0 where the right end is the ground
     # formula: place of its formula among those of the scene
-    u8="left right first last formula",
+    # storey, mate: of a line, the storeys whose drift and twist are its own; of these, mate is the other one
+    u8="left right first last formula storey mate",
 )
 TERM = _dtype(f8="weight", u8="dof")
 """Further term of an element; of a struck column the weight of a link's force in its shear."""
 
-COLUMN = _dtype(f8="share peak", u8="storey first last")
-"""Shear in struck columns: share of the storey's shear, and terms of links' forces."""
+COLUMN = _dtype(f8="share peak low high peak_low peak_high", i8="is_sum", u8="storey first last")
+"""What is looked at beside the elements: the shear in struck columns, and of whole storeys that are sums over lines
+(is_sum): a share of the storey's shear, and terms of the forces of links and of lines. Of these storeys the drifts of
+both edges too, those of the storey plus `low` and `high` times its twist."""
 
 SERIES = _dtype(
     # of a link that acts: deformation, rate, force, and two that a cubic force needs

@@ -25,8 +25,8 @@ BASES = ("sway", "rocking", "isolator_displacement")
 COLLAPSES = ("collapse_storey", "collapse_time")
 LINKS = ("impacts", "peak_force", "max_closing", "impulse", "contact_time")
 COLUMNS = ("shear_below", "shear_above", "demand")
-LINES = ("line_shear", "line_drift", "line_ductility")
-TURNS = ("twist",)
+LINES = ("line_shear", "line_drift", "line_ductility", "line_residual_drift")
+TURNS = ("twist", "edge_drift_low", "edge_drift_high")
 
 
 @functools.lru_cache(maxsize=1024)
@@ -46,9 +46,21 @@ def peaks_type(buildings: int, storeys: int, links: int, lines: int = 0) -> np.d
     return np.dtype([(name, "f8", shape) for names, shape in shapes.items() for name in names])
 
 
-def no_peaks(storeys: Sequence[int], links: int) -> np.void:
+def no_peaks(storeys: Sequence[int], links: int, lines: int = 0) -> np.void:
     """The peaks of a run that failed, of buildings with so many storeys: NaN, and none of them is ever shown."""
-    return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links))[0]
+    return np.full(1, np.nan, peaks_type(len(storeys), max(storeys), links, lines))[0]
+
+
+def count_lines(peaks: np.void) -> int:
+    """Return the most frame lines of a building that peaks have room for; 0 where no floors twist."""
+    names = peaks.dtype.names or ()
+    return int(peaks["line_shear"].shape[-1]) if "line_shear" in names else 0
+
+
+def building_names(peaks: np.void) -> tuple[str, ...]:
+    """Return the names of the numbers of buildings among peaks, those of lines and twist where floors twist."""
+    twisting = (*LINES, *TURNS) if count_lines(peaks) else ()
+    return (*STOREYS, *BASES, *COLLAPSES, *twisting)
 
 
 class Flag(str):
@@ -71,9 +83,11 @@ class BuildingPeaks:
 
     Attributes
     ----------
-    shear : largest |restoring force| of each storey, without damping force [N]
-    drift : largest |drift| of each storey [m]
-    ductility : largest drift of each storey over its yield drift, in elastic runs too [-]
+    shear : largest |restoring force| of each storey, without damping force; where floors twist that of the sum of its
+        lines along the row [N]
+    drift : largest |drift| of each storey; where floors twist that of the centres of mass [m]
+    ductility : largest drift of each storey over its yield drift, in elastic runs too; where floors twist that of the
+        line along the row with the largest, which governs [-]
     acceleration : largest |total acceleration| of each floor [m/s2]
     displacement_max : largest displacement of each floor relative to the ground [m]
     displacement_min : smallest displacement of each floor relative to the ground [m]
@@ -99,6 +113,42 @@ class BuildingPeaks:
     isolator_displacement: float
     collapse_storey: int
     collapse_time: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LinePeaks:
+    """The largest values of the frame lines of a building whose floors twist, over time; arrays of shape (storeys,
+    lines), storeys from the ground up, lines along the row before those across it. Of another building (storeys, 0).
+
+    Attributes
+    ----------
+    shear : largest |restoring force| of each storey of each line, without damping force [N]
+    drift : largest |drift| of each storey of each line, in its plane [m]
+    ductility : largest drift over yield drift, in elastic runs too; 0 where the line cannot yield [-]
+    residual_drift : drift at rest, long after the motion [m]; NaN where it is not found (a flag has the reason)
+    """
+
+    shear: np.ndarray
+    drift: np.ndarray
+    ductility: np.ndarray
+    residual_drift: np.ndarray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TurnPeaks:
+    """The largest values of floors that twist, over time; arrays of shape (storeys,), from the ground up, NaN of floors
+    that do not twist.
+
+    Attributes
+    ----------
+    twist : largest |rotation| of each floor [rad]
+    edge_drift_low, edge_drift_high : largest |drift| of each storey along the row, at the edges of the floors where y
+        is least and where it is largest [m]
+    """
+
+    twist: np.ndarray
+    edge_drift_low: np.ndarray
+    edge_drift_high: np.ndarray
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -163,6 +213,8 @@ class Response:
     orders : Taylor orders computed in all (0 for other methods)
     error_estimate, sensitivity : see `estimate.assess` [-]; nan where not assessed
     final : floor displacements [m] and velocities [m/s] at the end, one pair of arrays (n,) a building
+    final_turns : rotations [rad] and their rates [rad/s] of floors that twist at the end, one pair of arrays (n,) a
+        building; (0,) where floors do not twist
     time_step : of a method that takes one [s]; nan for the others
     closing_to_rest : largest closing of every link until the scene is at rest, that of the motion included [m]
     """
@@ -185,6 +237,7 @@ class Response:
     sensitivity: float = float("nan")
     time_step: float = float("nan")
     final: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+    final_turns: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     closing_to_rest: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
@@ -197,6 +250,30 @@ class Response:
             values["collapse_storey"] = int(np.nan_to_num(values["collapse_storey"]))
             buildings.append(BuildingPeaks(**values))
         return tuple(buildings)
+
+    @property
+    def lines(self) -> tuple[LinePeaks, ...]:
+        """The largest values over time of the frame lines of every building, left to right."""
+        lines = []
+        for place, n in enumerate(self.storeys):
+            count = 0
+            if count_lines(self.peaks):
+                count = int(np.count_nonzero(~np.isnan(self.peaks["line_shear"][place, 0])))
+            values = {
+                name.removeprefix("line_"): self.peaks[name][place, :n, :count] if count else np.zeros((n, 0))
+                for name in LINES
+            }
+            lines.append(LinePeaks(**values))
+        return tuple(lines)
+
+    @property
+    def turns(self) -> tuple[TurnPeaks, ...]:
+        """The largest values over time of floors that twist and of their edges, of every building, left to right."""
+        has_lines = count_lines(self.peaks) > 0
+        return tuple(
+            TurnPeaks(**{name: self.peaks[name][place, :n] if has_lines else np.full(n, np.nan) for name in TURNS})
+            for place, n in enumerate(self.storeys)
+        )
 
     @property
     def links(self) -> LinkPeaks:

@@ -83,7 +83,8 @@ NOT_SOLVED = "the free vibration after the motion could not be solved"
 class Rest:
     """The drifts at rest of the scenes of a run.
 
-    drift : of every storey and base spring [m], NaN where there is none; shape (scenes, degrees of freedom)
+    drift : of every storey, base spring and frame line [m], of a twist [rad], NaN where there is none; shape (scenes,
+        elements before the links)
     reasons : why there is none, "" where there is or where none is asked for; one a scene
     max_closing : largest closing of every link in the motion, and until the scene is at rest where that is asked [m];
         shape (scenes, links)
@@ -97,8 +98,9 @@ class Rest:
 def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
     """Find the drifts at rest of those scenes of a run that came to the end of their motion (`is_done`): 0 without any
     cost where nothing holds a storey away from where it was, else where they are asked for."""
-    layout, n, links = run.layout, run.layout.number, run.data.elements[:, run.layout.of_links]
-    offsets, peaks = links["offset"], run.data.elements["peak_v"][:, :n].copy()
+    layout, links = run.layout, run.data.elements[:, run.layout.of_links]
+    first_link = layout.of_links.start
+    offsets, peaks = links["offset"], run.data.elements["peak_v"][:, :first_link].copy()
     rest = Rest(np.full(peaks.shape, np.nan), [""] * len(run.scenes), closings_of(layout, links["peak_v"], offsets))
     is_asked = np.array([scene.residual_drift for scene in run.scenes], bool) & is_done
     if not _has_memory(layout, run.scenes[0]):
@@ -122,7 +124,7 @@ def find_rest(run: SceneRun, is_done: np.ndarray) -> Rest:
         for row, place in enumerate(places.tolist()):
             rest.reasons[place] = reasons[row]
             if is_at_rest[row] and not reasons[row]:
-                rest.drift[place] = state.drift[row, :n]
+                rest.drift[place] = state.drift[row, :first_link]
             closing = np.maximum(data.elements["peak_v"][row], state.drift[row])[layout.of_links]
             rest.max_closing[place] = closings_of(layout, closing, offsets[place])
         goes_on = np.array([not (done or reason) for done, reason in zip(is_at_rest, reasons, strict=True)], bool)
@@ -138,7 +140,7 @@ def _has_memory(layout: Layout, scene: Scene) -> bool:
     remembers = any(link.law.path_dependent or isinstance(link.law, WrittenLaw) for link in scene.links)
     yields = layout.elements["yields"] > 0
     if not scene.links:  # isolators hold a base away from the middle, but no storey above it
-        yields = np.concatenate([yields[floors] for floors in layout.floors])
+        yields = np.concatenate([yields[span] for span in (*layout.floors, layout.of_lines)])
     return remembers or bool(yields.any())
 
 
@@ -228,7 +230,8 @@ def _modes(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     stick, and their shapes over the square roots of the masses, of what moves; shapes (modes,) and (n, modes)."""
     n = layout.number
     k = np.zeros((1, layout.elements.size))
-    k[0, :n] = layout.elements["p"][:n, 0]
+    is_spring = layout.elements["drifts"] > 0
+    k[0, is_spring] = layout.elements["p"][is_spring, 0]
     is_still = (layout.dofs["inv_mass"] == 0.0) | (layout.elements["slides"][:n] > 0)
     root = np.sqrt(np.where(is_still, 0.0, layout.dofs["inv_mass"]))
     matrix = _hold(_stiffness_matrix(layout, k), is_still[None, :], 0.0)[0]
@@ -263,6 +266,8 @@ class _State:
         self.is_pressed = np.zeros_like(self.is_contact)
         self.is_held = data.elements["holds"][:, : layout.number] > 0
         self.is_still = self.is_held | (layout.dofs["inv_mass"] == 0.0)
+        self.is_storey = layout.elements["drifts"] > 0  # lines too
+        self.is_storey.setflags(write=False)
         self._put_lines()
         self._solve()
         would_press = self.is_contact & (self.drift > TOUCH) & (data.elements["closed"] > 0)
@@ -276,16 +281,18 @@ class _State:
         e, n = self.data.elements, self.layout.number
         self.k = np.where(e["acts"] > 0, e["k"], 0.0)
         self.f0 = np.where(e["acts"] > 0, e["f0"], 0.0)
-        self.k[:, n : self.layout.of_links.start] = 0.0
-        is_smooth = e["smooth"][:, :n] > 0
-        self.is_curved = np.zeros_like(self.is_contact)
-        self.is_curved[:, :n] = is_smooth
-        self.k[:, :n] = np.where(is_smooth, e["p"][:, :n, 0], self.k[:, :n])
-        self.f0[:, :n] = np.where(is_smooth, forces_now(e[:, :n]) - self.k[:, :n] * e["v1"][:, :n], self.f0[:, :n])
+        self.k[:, n : self.layout.of_lines.start] = 0.0
+        is_sum = e["twists"] > 0  # its lines have elements of their own
+        self.k = np.where(is_sum, e["p"][:, :, 0], self.k)
+        self.f0 = np.where(is_sum, 0.0, self.f0)
+        is_smooth = self.is_storey & (e["smooth"] > 0)
+        self.is_curved = is_smooth.copy()
+        self.k = np.where(is_smooth, e["p"][:, :, 0], self.k)
+        self.f0 = np.where(is_smooth, forces_now(e) - self.k * e["v1"], self.f0)
         relaxes = e["relaxation"] > 0.0
         self.k[relaxes] = 0.0
         curved = (e["acts"] > 0) & ((e["smooth"] > 0) | (e["cubic"] != 0.0))
-        curved[:, :n] = False
+        curved[:, self.is_storey] = False
         for row, place in np.argwhere(curved).tolist():
             self.k[row, place], self.f0[row, place] = self._line_at(row, place)
             self.is_curved[row, place] = self.k[row, place] != 0.0
@@ -353,7 +360,7 @@ class _State:
         It is linear in displacements, velocities and forces of Maxwell dampers, whose squares make up the energy; the
         forces of contacts that may close, and of links whose forces are curved, come on top of it.
         """
-        shape, e, n = _shape_of(self.layout), self.data.elements, self.layout.number
+        shape, e = _shape_of(self.layout), self.data.elements
         inverse_mass = np.where(self.is_still, 0.0, self.layout.dofs["inv_mass"])
         slopes = np.where(self.is_still[:, None, :], 0.0, self.whole_matrix)
         squares = np.einsum("sij,sjk,sik->si", slopes, inverse, slopes)
@@ -365,7 +372,7 @@ class _State:
         is_beside = (self.is_contact & ~self.is_pressed & (self.drift + self.reach > 0.0)) | (
             (e["acts"] > 0) & (e["smooth"] > 0) & ~self.is_contact
         )
-        is_beside[:, :n] = False
+        is_beside[:, self.is_storey] = False
         for row, place in np.argwhere(is_beside).tolist():
             weights = np.where(self.is_held[row], np.abs(shape[place]), 0.0)
             if weights.any():
@@ -391,10 +398,11 @@ class _State:
 
     def _dashpots(self) -> np.ndarray:
         """Return the dashpots of all elements that act [N s/m], shape (scenes, elements)."""
-        e, n, first_link = self.data.elements, self.layout.number, self.layout.of_links.start
+        e, n, first_line = self.data.elements, self.layout.number, self.layout.of_lines.start
         is_open = self.is_contact & ~self.is_pressed
         c = np.where(is_open, 0.0, e["c"])
-        c[:, n:first_link] = e["p"][:, n:first_link, 1]
+        c = np.where(e["twists"] > 0, e["p"][:, :, 1], c)  # its lines have dashpots of their own
+        c[:, n:first_line] = e["p"][:, n:first_line, 1]
         return c
 
     def _stored_beside(self) -> np.ndarray:
@@ -415,7 +423,7 @@ class _State:
     def is_at_rest(self, largest: np.ndarray) -> np.ndarray:
         """Return whether scenes are at rest but for a vibration that moves no drift at rest.
 
-        largest : largest drift of every storey [m], shape (scenes, n)
+        largest : largest drift of every storey and frame line [m], shape (scenes, elements before the links)
         """
         e, n = self.data.elements, self.layout.number
         is_open = self.is_contact & ~self.is_pressed
@@ -423,8 +431,9 @@ class _State:
         stays = (self.drift - self.reach > e["low"]) & (self.drift + self.reach < e["high"])
         stays &= np.isneginf(e["slow"]) & np.isposinf(e["fast"]) & ~self.is_curved
         stays &= np.abs(self.drift) + self.reach < e["collapse"]
-        scale = np.maximum(np.abs(self.drift[:, :n]), LEAST_DRIFT * largest)
-        is_still = (self.reach[:, :n] <= STILL * scale).all(axis=1)
+        storeys = np.flatnonzero(self.is_storey)
+        scale = np.maximum(np.abs(self.drift[:, storeys]), LEAST_DRIFT * largest[:, storeys])
+        is_still = (self.reach[:, storeys] <= STILL * scale).all(axis=1)
         friction = np.where(self.is_held, e["p"][:, :n, FRICTION], math.inf)
         holds = (np.abs(self.drive) + self.drive_reach < friction).all(axis=1)
         return self.is_stable & fits.all(axis=1) & holds & ((is_open | stays).all(axis=1) | is_still)

@@ -16,6 +16,7 @@ from pounding_cli.solver.events import (
     ends_of_elements,
     enter_all,
     first_event,
+    gather_lines,
     summarise,
     unpin,
 )
@@ -126,9 +127,14 @@ def keep(dofs, elements, r, watch):
     for e in range(r.m):
         el = elements[e]
         f = el.acts * (el.f1 if el.smooth else line_force(el, el.v1, el.r1))
+        if el.twists:
+            f += el.coupled_k * elements[el.mate].v1
         if el.drifts:
             f -= 0.0 if el.smooth else el.c * el.r1
             f += el.f1 if el.holds else 0.0
+            if e >= r.n:  # what its storey has beside its own work and force
+                watch.storeys[t, el.mate] += el.work
+                watch.elements[t, el.storey, 1] += el.along * f if el.smooth else 0.0
         elif e < r.n + r.drags:
             on_drags += el.work
         else:
@@ -152,6 +158,8 @@ def integrate(all_dofs, all_elements, terms, run, all_series, all_columns, rooms
         pinned = r.resumes != 0  # what was known exactly at the end of the run before
         if not pinned:
             begin(dofs, elements, terms, r, series)
+            if r.lines:
+                gather_lines(elements, r)
         if watch.times.size > 0:
             keep(dofs, elements, r, watch)
         for segment in range(ends[scene] - first):

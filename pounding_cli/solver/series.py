@@ -72,6 +72,13 @@ def push_by_storey(dofs, el, i, f, has_lean):
 
 
 @njit(**PART)
+def coupled_force(elements, el):
+    """Return what the lines of a storey whose floors twist add to its force at the start of a step by its mate [N]."""
+    mate = elements[el.mate]
+    return el.coupled_k * mate.v0 + el.coupled_c * mate.r0
+
+
+@njit(**PART)
 def start(dofs, elements, terms, r, series):
     """Order 0: forces of all elements, and accelerations of all degrees of freedom, which go to order 1 of w."""
     for i in range(r.n):
@@ -90,14 +97,16 @@ def start(dofs, elements, terms, r, series):
     for i in range(r.n):
         el = elements[i]
         f = line_force(el, el.v0, el.r0)
+        if el.twists:
+            f += coupled_force(elements, el)
         push_by_storey(dofs, el, i, f, r.has_lean)
     for i in range(r.n):
         d = dofs[i]
         a = -d.inv_mass * d.push - d.drag * d.w[0]
         d.push = d.mass * d.loaded * r.g1
-        d.a0 = a + r.g0
+        d.a0 = a + d.felt * r.g0
         d.w[1] = a * r.h
-        d.allowed = 1.0 / (r.tolerance * max(d.scale, r.least))
+        d.allowed = 1.0 / (r.tolerance * max(d.scale, r.least * d.unit))
 
 
 @njit(**PART)
@@ -174,18 +183,59 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
     return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
 
 
+@njit(**CALLED)
+def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
+    """The same where floors twist: a storey has a drift and a twist, whose forces are those of its lines together."""
+    size = left = before = own = left_turn = before_turn = own_turn = 0.0
+    last = np.int64(-1)
+    for i in range(n):
+        d, el = dofs[i], elements[i]
+        if el.twists and el.mate < np.uint64(i):  # a twist, which comes with its drift
+            continue
+        w, earlier = d.w[k], d.w[k - 1]
+        moved, rate = part * (earlier - d.below * before), w - d.below * left
+        f = el.stiffness * moved + el.c * rate
+        leaned = leaned_rate = 0.0
+        if has_lean:
+            foot = dofs[d.foot]
+            leaned, leaned_rate = d.lean * part * foot.w[k - 1], d.lean * foot.w[k]
+        if el.twists:
+            turn, mate = dofs[el.mate], elements[el.mate]
+            w_turn, earlier_turn = turn.w[k], turn.w[k - 1]
+            turned = part * (earlier_turn - turn.below * before_turn)
+            turned_rate = w_turn - turn.below * left_turn
+            f += el.coupled_k * turned + el.coupled_c * turned_rate
+            f_turn = mate.stiffness * turned + mate.c * turned_rate
+            f_turn += el.coupled_k * (moved + leaned) + el.coupled_c * (rate + leaned_rate)
+            if turn.below != 0.0:
+                size = max(size, _next_velocity(dofs[el.mate - np.uint64(1)], k, left_turn, own_turn - f_turn, after))
+            left_turn, before_turn, own_turn = w_turn, earlier_turn, f_turn
+            if el.twists > 1:
+                size = max(size, _next_velocity(turn, k, left_turn, own_turn, after))
+        if has_lean:
+            lean_force = el.k * leaned + el.c * leaned_rate
+            foot.push += d.lean * (f + el.load * moved + lean_force)
+            f += lean_force
+        if last >= 0:
+            size = max(size, _next_velocity(dofs[last], k, left, own - d.below * f, after))
+        left, before, own, last = w, earlier, f, i
+    return max(size, _next_velocity(dofs[last], k, left, own, after))
+
+
 @njit(**PART)
 def expand(dofs, elements, terms, r, series):
     """Series of the velocities, up to the order at which two terms of all accelerations in a row are small enough or
     the highest one. Returns whether they are; the order goes to run.order."""
-    n, h, count, has_lean = r.n, r.h, r.active, r.has_lean
+    n, h, count, has_lean, has_lines = r.n, r.h, r.active, r.has_lean, r.lines > 0
     least = ORDER_FROM_REST if r.still else MIN_ORDER
     most = max(r.max_order, least)
     small, k, size = 0, np.int64(1), 0.0  # for the constant 1 all that takes k would be compiled once more
     while (small < 2 or k <= least) and k < most and size < DIVERGED:
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
-        if has_lean:  # as constants, so that each is compiled by itself
+        if has_lines:
+            size = max(size, _walk_up_twisting(dofs, elements, n, k, part, after, has_lean))
+        elif has_lean:  # as constants, so that each is compiled by itself
             size = max(size, _walk_up(dofs, elements, n, k, part, after, True))
         else:
             size = max(size, _walk_up(dofs, elements, n, k, part, after, False))

@@ -106,15 +106,23 @@ def _derivative(dofs, elements, terms, r, series, room, stage):
         dofs[i].push = dofs[i].mass * dofs[i].loaded * ground
     for a in range(r.active):
         el = elements[series[a].element]
-        if el.state > 0:
+        if el.state > 0 and not el.drifts:
             states[el.state].k[stage] = el.k * el.r1 - el.relaxation * el.h[0]
         if el.acts:
             push(dofs, terms, el, force(el, el.v1, el.r1, formulas[el.formula]))
+    for e in range(n + r.drags, n + r.drags + r.lines):
+        el = elements[e]
+        if el.state > 0:
+            states[el.state].k[stage] = history_rate(el, el.r1, el.h[0])
     for i in range(n):
         el = elements[i]
         if el.state > 0:
             states[el.state].k[stage] = history_rate(el, el.r1, el.h[0])
-        push_by_storey(dofs, el, i, force(el, el.v1, el.r1, formulas[el.formula]), r.has_lean)
+        f = force(el, el.v1, el.r1, formulas[el.formula])
+        if el.twists:
+            mate = elements[el.mate]
+            f += el.coupled_k * mate.v1 + el.coupled_c * mate.r1
+        push_by_storey(dofs, el, i, f, r.has_lean)
     for i in range(n):
         d = dofs[i]
         states[n + i].k[stage] = -d.inv_mass * d.push - d.drag * d.v1
@@ -212,13 +220,13 @@ def _take_polynomials(dofs, elements, terms, r, series, room):
             state.c[k + 1] = r.h * total
     for i in range(n):
         d, state = dofs[i], states[n + i]
-        d.a0 = state.k[0] + r.g0
+        d.a0 = state.k[0] + d.felt * r.g0
         for k in range(1, ORDER + 1):
             d.w[k] = state.c[k]
         d.w[ORDER + 1] = 0.0
     for e in range(r.m):
         el = elements[e]
-        if el.closed if e >= n else el.smooth:
+        if el.smooth if e < n or el.drifts else el.closed:
             rate_series(dofs, elements, terms, r, e)
             _fit_force(el, r, series[el.row], states[el.state], room.formulas[el.formula], el.drifts)
 

@@ -29,7 +29,8 @@ from pounding_cli.solver.response import COLLAPSED, DONE, Flag, Response, no_pea
 from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT, find_rest
 
 InitialState = tuple[Sequence[np.ndarray], Sequence[np.ndarray]]
-"""Floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building."""
+"""Floor displacements [m] and velocities [m/s] relative to the ground, one array (n,) a building; of one whose floors
+twist (n,), or (2n,) with the rotations [rad] and their rates [rad/s] behind them."""
 
 
 def solve(
@@ -217,13 +218,17 @@ class SceneRun:
             "dropped": effects.dropped,
         }
         if status not in outcome.OUTCOMES:
-            final = tuple((np.full(count, nan), np.full(count, nan)) for count in storeys)
+            final, final_turns = (
+                tuple((np.full(span.stop - span.start, nan), np.full(span.stop - span.start, nan)) for span in spans)
+                for spans in (layout.floors, layout.turns)
+            )
             no_energy = dict.fromkeys(energy, nan)
-            return Response(no_peaks(storeys, len(scene.links)), **facts, energy=no_energy, final=final)
+            peaks = no_peaks(storeys, len(scene.links), layout.most_lines)
+            return Response(peaks, **facts, energy=no_energy, final=final, final_turns=final_turns)
         peaks = peaks.copy()
         flags = outcome.flags_of(scene, peaks)
         if status == COLLAPSED:
-            building, storey = outcome.collapse_of(layout, self.data.elements[number, : layout.number])
+            building, storey = outcome.collapse_of(layout, self.data.elements[number])
             time = float(run["time"])
             outcome.put_collapse(peaks, layout, building, storey, time)
             flags = (outcome.collapse_flag(layout.buildings[building].name, storey, time), *flags)
@@ -231,8 +236,11 @@ class SceneRun:
             kind = "time steps cut in half, because Newton found no root where a contact force jumps"
             detail = f"{run['trials']} of {run['steps']} steps"
             flags += (Flag(kind, detail, float(run["trials"] / run["steps"])),)
-        final = tuple((dofs["u0"][span].copy(), dofs["w"][span, 0].copy()) for span in layout.floors)
-        return Response(peaks, **facts, energy=energy, flags=flags, final=final)
+        final, final_turns = (
+            tuple((dofs["u0"][span].copy(), dofs["w"][span, 0].copy()) for span in spans)
+            for spans in (layout.floors, layout.turns)
+        )
+        return Response(peaks, **facts, energy=energy, flags=flags, final=final, final_turns=final_turns)
 
 
 def prepare_run(
@@ -278,11 +286,13 @@ def _initial_energy(layout: Layout, data: Data, links: Sequence[Link]) -> float:
     deformations = term_matrix(layout) @ displacements
     storey_forces = stiffness[:n] * deformations[:n]
     stored, _ = outcome.stored_in_storeys(layout, deformations[:n], storey_forces, displacements)
+    lines = layout.of_lines
+    in_lines, _ = outcome.stored_in_lines(layout, deformations[lines], stiffness[lines] * deformations[lines])
     in_links = sum(
         link.law.stored_energy(float(closing), float(k * closing))
         for link, closing, k in zip(links, deformations[layout.of_links], stiffness[layout.of_links], strict=True)
     )
-    return 0.5 * float(data.dofs["mass"][0] @ velocities**2) + float(stored) + in_links
+    return 0.5 * float(data.dofs["mass"][0] @ velocities**2) + float(stored + in_lines) + in_links
 
 
 def explain_refusal(method: Method, scene: Scene) -> str:

@@ -52,9 +52,17 @@ def _add_storey_above(dofs, elements, terms, r, series, j, f):
     own, foot = d.w, dofs[d.foot].w
     smooth = series[el.row].f
     f[0] += (0.0 if el.smooth else el.k * el.v0 + el.f0) - el.load * (d.u0 - dofs[j - 1].u0)
+    mate, mate_below = dofs[el.mate], dofs[elements[el.mate].right]
+    if el.twists:
+        f[0] += el.coupled_k * elements[el.mate].v0
     for k in range(r.order):
         rate = own[k] + d.lean * foot[k]
         f[k] += el.c * rate
+        if el.twists:
+            f[k] += el.coupled_c * (mate.w[k] - mate.below * mate_below.w[k])
+            if k > 0:
+                turned = mate.w[k - 1] - mate.below * mate_below.w[k - 1]
+                f[k] += r.h * INVERSE[k] * el.coupled_k * turned
         if el.smooth:
             f[k] += smooth[k]
         if k > 0:

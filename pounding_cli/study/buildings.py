@@ -14,7 +14,7 @@ from pounding_cli.model.separation import CODE_RULES, UBC
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.building_spec import BaseShearSpec, BuildingSpec, StiffnessAtSpec
-from pounding_cli.study.floor_plans import build_plan, sum_stiffness, sum_yield_shear
+from pounding_cli.study.floor_plans import PlanError, build_plan, sum_stiffness, sum_yield_shear
 from pounding_cli.study.issues import Issue, IssuesFound
 from pounding_cli.study.link_specs import own_parameters
 
@@ -29,9 +29,12 @@ def build_building(name: str, spec: BuildingSpec) -> Building:
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
             return _build_wall(name, spec.wall) if spec.wall is not None else _build_frame(name, spec)
+    except PlanError as error:
+        raise IssuesFound([Issue(("buildings", name, "plan", *error.key), str(error), error.hint)]) from None
     except (ValueError, ArithmeticError) as error:
         path = ("buildings", name, "p_delta") if isinstance(error, UnstableError) else ("buildings", name)
-        hint = "check its masses, heights, period, stiffness and P-Delta"
+        parts = "period, stiffness" if spec.plan is None else "period, stiffness, plan"
+        hint = f"check its masses, heights, {parts} and P-Delta"
         raise IssuesFound([Issue(path, str(error), hint)]) from None
 
 

@@ -35,8 +35,14 @@ def _find_units(dims: tuple[str, ...]) -> dict[str, str]:
 STOREY = _find_units(variables.STOREY_DIMS)
 FLOOR = _find_units(variables.FLOOR_DIMS)
 LINK = _find_units(variables.LINK_DIMS)
+LINE = _find_units(variables.LINE_DIMS)
+"""Quantities of frame lines by the names of their variables, `line_mu`; people write `mu in line 1 of NAME`."""
+
 QUANTITIES = STOREY | FLOOR | LINK
 """SI unit of every quantity that an expression may name, by its name in the tables."""
+
+TWISTING = {variable.name for variable in variables.TWIST_VARIABLES}
+"""Variables that studies without plans do not have."""
 
 REDUCTIONS = ("largest", "smallest", "mean")
 """Reductions of several storeys, floors or links; `largest` unless written."""
@@ -63,7 +69,8 @@ _SIGNS: Mapping[type[ast.operator], Callable[..., np.ndarray]] = {
 _KEEP_UNIT = (ast.Add, ast.Sub, "max", "min", "abs")
 _PHRASE = (
     r"(?<![\w.])(?:(?P<how>largest|smallest|mean)\s+)?(?P<name>[^\W\d]\w*)"
-    r"(?P<in>\s+in\b(?:\s+(?P<building>{buildings})(?!\w))?(?:\s+(?P<kind>storey|floor)\s+(?P<level>[0-9]{{1,3}}))?)?"
+    r"(?P<in>\s+in\b(?:\s+line\s+(?P<line>[0-9]{{1,3}})\s+of\b)?(?:\s+(?P<building>{buildings})(?!\w))?"
+    r"(?:\s+(?P<kind>storey|floor)\s+(?P<level>[0-9]{{1,3}}))?)?"
 )
 
 
@@ -71,16 +78,18 @@ _PHRASE = (
 class TableQuantity:
     """One number of the tables.
 
-    name : of QUANTITIES
+    name : of QUANTITIES, or of LINE
     reduction : of REDUCTIONS, over storeys, floors or links and, where none is named, over buildings
     building : its place in the group from 0; None for all
     level : storey or floor from 1; 0 for all
+    line : frame line of the building, from 1, of a quantity of LINE; 0 of others
     """
 
     name: str
     reduction: str = "largest"
     building: int | None = None
     level: int = 0
+    line: int = 0
 
 
 Value = Callable[[TableQuantity], np.ndarray]
@@ -159,17 +168,47 @@ def _parse_quantity(match: re.Match[str], buildings: Sequence[str]) -> TableQuan
     name = match["name"]
     building = match["building"]
     level = 0
+    if name == "line":
+        raise ExpressionError("a frame line stands before its building", f"write e.g. `mu in line 1 of {buildings[0]}`")
+    if name in LINE:
+        of_storey = name.removeprefix("line_")
+        raise ExpressionError(f"{name} belongs to a frame line", f"write `{of_storey} in line 1 of {buildings[0]}`")
     if name not in QUANTITIES:
         raise ExpressionError(f"no quantity '{name}' is known", nearest(name, (*QUANTITIES, *_FUNCTIONS)))
     if match["in"] is not None:
         if name in LINK:
             raise ExpressionError(f"{name} belongs to links, not to a building", f"write `{name}`: of all links")
-        if building is None and match["kind"] is None:
+        if building is None and (match["kind"] is None or match["line"] is not None):
             unknown = re.split(r"[-+*/(),]", match.string[match.end() :])[0].strip()[:40]
+            if re.match(r"line\s+[0-9]", unknown):
+                raise ExpressionError(f"{unknown} of which building?", _hint_of_line(name, match, buildings))
             raise ExpressionError(f"no building '{unknown}' in the group", nearest(unknown, buildings))
         level = _parse_level(match, name in FLOOR, name)
     place = None if building is None else buildings.index(building)
-    return TableQuantity(name, match["how"] or REDUCTIONS[0], place, level)
+    line = _parse_line(match, name, [each.removeprefix("line_") for each in LINE])
+    return TableQuantity(f"line_{name}" if line else name, match["how"] or REDUCTIONS[0], place, level, line)
+
+
+def _parse_line(match: re.Match[str], name: str, of_lines: Sequence[str]) -> int:
+    """Return the number of the frame line of a quantity or limit, from 1; 0 where it names none.  Raises
+    ExpressionError: lines do not have the quantity, or there is no line 0.
+
+    of_lines : quantities that lines have
+    """
+    if match["line"] is None:
+        return 0
+    if name not in of_lines:
+        hint = f"write one of {', '.join(of_lines)}, or leave the line out"
+        raise ExpressionError(f"frame lines have no {name}", hint)
+    if int(match["line"]) < 1:
+        raise ExpressionError("there is no line 0", "the first is `line 1`, as the plan lists them")
+    return int(match["line"])
+
+
+def _hint_of_line(name: str, match: re.Match[str], buildings: Sequence[str]) -> str:
+    """Return how a quantity of a frame line is written."""
+    number = re.search("[0-9]+", match.string[match.end() :])
+    return f"write `{name} in line {number[0] if number else 1} of {buildings[0]}`"
 
 
 def _parse_level(match: re.Match[str], is_of_floors: bool, owner: str) -> int:
@@ -194,7 +233,7 @@ def _compile_node(node: ast.expr, quantities: Sequence[TableQuantity]) -> tuple[
             return "", lambda value: np.asarray(float(number))
         case ast.Name(id=name) if name not in _FUNCTIONS:
             quantity = quantities[int(name[1:])]
-            return QUANTITIES[quantity.name], lambda value: value(quantity)
+            return {**QUANTITIES, **LINE}[quantity.name], lambda value: value(quantity)
         case ast.UnaryOp(op=ast.USub(), operand=inner):
             unit, work = _compile_node(inner, quantities)
             return unit, lambda value: -work(value)
@@ -238,7 +277,7 @@ def statement_hint(buildings: Sequence[str]) -> str:
 
 
 _STATEMENT = re.compile(r"(?P<expression>[^<>=]+)(?P<sign>[<>])(?P<value>[^<>=]*)\Z")
-_VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s"}
+_VALUES = {"": "4", "m": "2 cm", "m/s2": "1 g", "N": "500 kN", "s": "0.1 s", "N s": "20 kN s", "rad": "0.01 rad"}
 
 
 @dataclass(frozen=True)
@@ -280,7 +319,7 @@ def parse_statement(text: str, buildings: Sequence[str]) -> Statement:
     unit = expression.unit
     example = f"{expression} {match['sign']} {_VALUES[unit]}"
     if unit == "m" and written.endswith("%"):
-        example = text.replace("drift", DRIFT_RATIO)  # of the storey height
+        example = re.sub(r"\b(edge_)?drift\b", rf"\1{DRIFT_RATIO}", text)  # of the storey height
     value = _parse_number(text, Quantity("value", unit, _VALUES[unit]), written, f"write e.g. `{example}`")
     return Statement(text, expression, match["sign"] == ">", value)
 
@@ -305,22 +344,45 @@ DRIFT_RATIO = "drift_ratio"
 DAMAGE_LIMITS = {f"{state} damage": state for state in DAMAGE_STATES}
 """Limits of buildings that are only seen: the drift at which a damage state of their type begins."""
 
-LIMITS = ("mu", "drift", DRIFT_RATIO, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE, *DAMAGE_LIMITS)
+EDGE_DRIFT = "edge_drift"
+EDGE_DRIFT_RATIO = "edge_drift_ratio"
+TWIST = "twist"
+LIMITS = (
+    *("mu", "drift", DRIFT_RATIO, EDGE_DRIFT, EDGE_DRIFT_RATIO, TWIST, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE),
+    *DAMAGE_LIMITS,
+)
 """Quantities that may be limited."""
+
+OF_HEIGHT = {DRIFT_RATIO: "drift", EDGE_DRIFT_RATIO: EDGE_DRIFT}
+"""Quantity that is a part of the storey's height -> the same as a length."""
+
+LIMITS_OF_LINES = ("mu", "drift")
+"""Limits that may concern one frame line."""
 
 LIMITS_OF_PAIRS = (CONTACT, SHEAR_DEMAND)
 """Limits that a building alone cannot pass."""
 
-LIMIT_FORM = "write e.g. `mu > 4`, `drift > 2 %`, `acceleration > 1 g`, `shear_demand > 1`, `contact` or `collapse`"
+LIMIT_FORM = (
+    "write e.g. `mu > 4`, `mu > 4 in line 1 of NAME`, `drift > 2 %`, `edge_drift > 2 %`, `acceleration > 1 g`, "
+    "`shear_demand > 1`, `contact` or `collapse`"
+)
 _MEASURES = {
     "mu": Quantity("ductility", "", "mu > 4", 0.0, 1e6, open_low=True),
     SHEAR_DEMAND: Quantity("shear demand", "", "shear_demand > 1", 0.0, 1e6, open_low=True),
     "acceleration": ACCELERATION.replace(example="acceleration > 1 g"),
     "drift": LENGTH.replace(name="drift", example="drift > 6 cm"),
     DRIFT_RATIO: Quantity("drift ratio", "", "drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True),
+    EDGE_DRIFT: LENGTH.replace(name="edge drift", example="edge_drift > 6 cm"),
+    EDGE_DRIFT_RATIO: Quantity(
+        "edge drift ratio", "", "edge_drift_ratio > 2 %", 0.0, 1.0, open_low=True, open_high=True
+    ),
+    TWIST: Quantity("twist", "rad", "twist > 0.01 rad", 0.0, 1.0, open_low=True),
 }
 _WHERE = re.compile(r"(?P<comparison>.*)\s+in\s+(?P<where>\S.*)\Z")  # the last `in`: one before it may be inches
-_PLACE = re.compile(r"(?P<building>.*?)\s*(?:\b(?P<kind>storey|floor)\s+(?P<level>[0-9]{1,3}))?\Z")
+_PLACE = re.compile(
+    r"(?:line\s+(?P<line>[0-9]{1,3})\b\s*(?P<of>of\b)?\s*)?"
+    r"(?P<building>.*?)\s*(?:\b(?P<kind>storey|floor)\s+(?P<level>[0-9]{1,3}))?\Z"
+)
 
 
 @dataclass(frozen=True)
@@ -333,6 +395,7 @@ class Limit:
     of_height : the value is a part of the storey's height
     building : the only one it concerns, "" for each of them
     level : its only storey or floor, from 1 at the ground; 0 for any of them
+    line : the only frame line of that building it concerns, from 1; 0 for the storeys
     """
 
     text: str
@@ -341,6 +404,7 @@ class Limit:
     of_height: bool = False
     building: str = ""
     level: int = 0
+    line: int = 0
 
     def __str__(self) -> str:
         return self.text
@@ -379,14 +443,22 @@ def parse_limit(value: Any) -> Limit:
     place = _PLACE.match(where)
     assert place is not None  # it matches everything
     building = place["building"].strip()
-    of_height = quantity == DRIFT_RATIO or (quantity == "drift" and written_unit(written) in ("%", "percent", "pct"))
-    measure = _MEASURES.get(DRIFT_RATIO if of_height else quantity)
+    if written_unit(written) in ("%", "percent", "pct") and quantity in OF_HEIGHT.values():
+        quantity = next(ratio for ratio, length in OF_HEIGHT.items() if length == quantity)
+    of_height = quantity in OF_HEIGHT
+    measure = _MEASURES.get(quantity)
+    quantity = OF_HEIGHT.get(quantity, quantity)
     try:
-        level = _parse_level(place, quantity == "acceleration", f"'{text}': {quantity}")
+        line = _parse_line(place, quantity, LIMITS_OF_LINES)
+        if line and not (place["of"] and building):
+            raise ExpressionError(
+                f"'{text}': line {line} of which building?", f"write `{comparison} in line {line} of NAME`"
+            )
+        level = _parse_level(place, quantity in FLOOR, f"'{text}': {quantity}")
         number = 0.0 if measure is None else _parse_number(text, measure, written, LIMIT_FORM)
     except ExpressionError as error:
         raise refuse(*error.args) from None
     if measure is None and (level or (where and quantity == CONTACT)):
         concerns = "two buildings, not one of them" if quantity == CONTACT else "a building, not one of its storeys"
         raise refuse(f"'{text}': {quantity} concerns {concerns}", f"write `{quantity}`")
-    return Limit(text, "drift" if of_height else quantity, number, of_height, building, level)
+    return Limit(text, quantity, number, of_height, building, level, line)

@@ -8,11 +8,30 @@ from typing import Any
 import numpy as np
 
 from pounding_cli.model.plan import FloorPlan, FrameLine
+from pounding_cli.model.stiffness import frequencies
+from pounding_cli.study.issues import KeyPath
 from pounding_cli.study.plan_spec import PlanSpec
 
 EVENLY_SPREAD = 1.0 / math.sqrt(12.0)
 """Distance of two equal lines from their centre, over the width, at which they resist the twist as frames do that stand
 evenly across the width [-]."""
+
+
+NO_RESISTANCE = 1e-9
+"""Torsional stiffness about the centre of stiffness over that of frames spread evenly [-] that counts as none."""
+
+
+class PlanError(ValueError):
+    """Raised by a plan that cannot stand.
+
+    key : what is wrong in it, from `plan:` down
+    hint : what to write instead
+    """
+
+    def __init__(self, key: KeyPath, message: str, hint: str) -> None:
+        self.key = key
+        self.hint = hint
+        super().__init__(message)
 
 
 def sum_stiffness(plan: PlanSpec) -> np.ndarray:
@@ -36,29 +55,42 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
 
     Raises
     ------
-    ValueError : its eccentricity leaves no torsional stiffness
+    PlanError : nothing resists the twist, or a short form asks for what no lines give
     """
-    centre = plan.centre_of_mass + plan.accidental * plan.width
-    if abs(centre) >= 0.5 * plan.width:
-        raise ValueError(f"plan: the centre of mass stands {centre:g} m off the middle of {plan.width:g} m")
+    centre = plan.centre
     inertia = _find_inertia(plan, mass)
     torsional_stiffness = _fill(plan.torsional_stiffness or 0.0, mass.size)
     across = tuple(
-        _build_line(f"across {number}", line.x, line, stiffness, yield_shear)
+        _build_line(f"across {number}", line.x, line.stiffness, line.yield_shear, stiffness, yield_shear)
         for number, line in enumerate(plan.across, 1)
     )
     if plan.lines is None:
         lines, torsional_stiffness = _build_short_form(plan, centre, mass, inertia, stiffness, yield_shear)
     else:
-        lines = tuple(
-            _build_line(str(number), line.y - centre, line, stiffness, yield_shear)
-            for number, line in enumerate(plan.lines, 1)
-        )
+        places = [line.y - centre for line in plan.lines]
+        parts = zip(places, plan.fill_rest("stiffness"), plan.fill_rest("yield_shear"), strict=True)
+        lines = tuple(_build_line(str(number), *part, stiffness, yield_shear) for number, part in enumerate(parts, 1))
     half = 0.5 * plan.width
-    return FloorPlan(
+    built = FloorPlan(
         inertia, lines, torsional_stiffness, across, -half - centre, half - centre, plan.shift + centre,
         plan.twist == "always",
     )  # fmt: skip
+    if plan.lines is not None:
+        _check_resistance(built, plan)
+    return built
+
+
+def _check_resistance(built: FloorPlan, plan: PlanSpec) -> None:
+    """Refuse a plan whose floors can turn about their centre of stiffness.  Raises PlanError."""
+    matrices = built.storey_matrices()
+    about_centre = matrices[:, 1, 1] - built.eccentricity**2 * built.stiffness
+    of_spread = (EVENLY_SPREAD * plan.width) ** 2 * built.stiffness
+    free = np.flatnonzero(about_centre <= NO_RESISTANCE * of_spread)
+    if free.size:
+        which = "line stands" if len(built.lines) == 1 else "lines stand"
+        message = f"nothing resists the twist of storey {free[0] + 1}: its {which} at one place along the street"
+        hint = "write a second line at another `y`, lines `across:`, or `torsional_stiffness:`, e.g. `5e9 N m`"
+        raise PlanError(("lines",), message, hint)
 
 
 def _find_inertia(plan: PlanSpec, mass: np.ndarray) -> np.ndarray:
@@ -69,14 +101,28 @@ def _find_inertia(plan: PlanSpec, mass: np.ndarray) -> np.ndarray:
     return mass * (plan.width**2 + plan.depth**2) / 12.0
 
 
-def _build_line(name: str, place: float, line: Any, stiffness: np.ndarray, yield_shear: np.ndarray) -> FrameLine:
-    """Return a line; stiffness, yield_shear : of the storeys of the building, shape (storeys,)."""
-    own_stiffness = _take_share(line.stiffness, stiffness)
-    if line.yield_shear is None:
-        return FrameLine(name, place, own_stiffness, yield_shear * (own_stiffness / stiffness))
-    if line.yield_shear == "never":
-        return FrameLine(name, place, own_stiffness, _take_never(line.yield_shear, stiffness.size))
-    return FrameLine(name, place, own_stiffness, _take_share(line.yield_shear, yield_shear))
+def _build_line(
+    name: str,
+    place: float,
+    stiffness: Any,
+    yield_shear: Any,
+    whole_stiffness: np.ndarray,
+    whole_yield_shear: np.ndarray,
+) -> FrameLine:
+    """Return a line.
+
+    Parameters
+    ----------
+    place : from the centres of mass [m]
+    stiffness, yield_shear : of its storeys, or its shares; yield_shear None for its share of the stiffness
+    whole_stiffness, whole_yield_shear : of the storeys of the building, shape (storeys,)
+    """
+    own_stiffness = _take_share(stiffness, whole_stiffness)
+    if yield_shear is None:
+        return FrameLine(name, place, own_stiffness, whole_yield_shear * (own_stiffness / whole_stiffness))
+    if yield_shear == "never":
+        return FrameLine(name, place, own_stiffness, _take_never(yield_shear, own_stiffness.size))
+    return FrameLine(name, place, own_stiffness, _take_share(yield_shear, whole_yield_shear))
 
 
 def _take_never(value: Any, storeys: int) -> np.ndarray:
@@ -103,27 +149,55 @@ def _build_short_form(
     the ratio of frequencies asks for less.
 
     centre : y of the centre of mass from the middle of the plan [m]
+
+    Raises
+    ------
+    PlanError : the eccentricity is too large for the plan, or for the ratio of frequencies
     """
     assert plan.eccentricity is not None
     assert plan.frequency_ratio is not None
     eccentricity = plan.eccentricity * plan.width
-    square_radius = np.cumsum(inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1]
-    square_reach = float(plan.frequency_ratio**2 * square_radius.min()) - eccentricity**2
+    written = f"an eccentricity of {100 * plan.eccentricity:.4g} %"
     to_edge = 0.5 * plan.width - abs(centre + eccentricity)
-    if square_reach <= 0.0 or to_edge <= 0.0:
-        least = abs(eccentricity) / math.sqrt(float(square_radius.min()))
-        raise ValueError(
-            f"plan: an eccentricity of {100 * plan.eccentricity:.4g} % takes a frequency_ratio above {least:.4g} and a "
-            f"centre of stiffness inside of the plan"
-        )
+    if to_edge <= 0.0:
+        message = f"{written} puts the centre of stiffness {centre + eccentricity:.4g} m from the middle of the plan, "
+        low, high = (100 * (side * 0.5 - centre / plan.width) for side in (-1.0, 1.0))
+        hint = f"write an eccentricity above {max(low, -50.0):.4g} % and below {min(high, 50.0):.4g} %"
+        raise PlanError(("eccentricity",), f"{message}outside of its {plan.width:g} m", hint)
+    arms_at_one = _find_arms_at_ratio_one(mass, inertia, stiffness)
+    whole_arms = plan.frequency_ratio * arms_at_one
+    square_reach = float(whole_arms.min() ** 2) - eccentricity**2
+    if square_reach <= 1e-9 * eccentricity**2:
+        least = abs(eccentricity) / float(arms_at_one.min())
+        most = 100 * float(whole_arms.min()) / plan.width
+        message = f"{written} at a frequency_ratio of {plan.frequency_ratio:g} leaves nothing that resists the twist"
+        hint = f"write a frequency_ratio above {_round_up(least):g}, or an eccentricity within {most:.3g} %"
+        raise PlanError(("frequency_ratio",), message, hint)
     arm = min(EVENLY_SPREAD * plan.width, to_edge, math.sqrt(square_reach))
     lines = tuple(
         FrameLine(name, eccentricity + side * arm, 0.5 * stiffness, 0.5 * yield_shear)
         for name, side in (("1", -1.0), ("2", 1.0))
     )
-    whole = plan.frequency_ratio**2 * square_radius * stiffness
+    whole = whole_arms**2 * stiffness
     rest = whole - stiffness * (arm**2 + eccentricity**2)
     return lines, np.where(rest > 1e-12 * whole, rest, 0.0)
+
+
+def _find_arms_at_ratio_one(mass: np.ndarray, inertia: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """Return the square roots of torsional over storey stiffness [m] with which a building turns as fast as it moves
+    along the row, each without the other, shape (storeys,).
+
+    They are in proportion to the radii of gyration of what stands above.
+    """
+    square_radius = np.cumsum(inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1]
+    ratio = frequencies(mass, stiffness)[0] / frequencies(inertia, square_radius * stiffness)[0]
+    return np.asarray(ratio * np.sqrt(square_radius))
+
+
+def _round_up(value: float) -> float:
+    """Return a number rounded up to three digits."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return math.ceil(value / step) * step
 
 
 def _fill(value: Any, storeys: int) -> np.ndarray:

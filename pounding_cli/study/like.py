@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pounding_cli.study.building_spec import BASE_SHEAR
-from pounding_cli.study.file import Map, get, nearest
+from pounding_cli.study.file import Items, Map, get, nearest
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 
 CODE = frozenset({"code", "zone", "soil", "importance", "Rw", "K"})
@@ -20,8 +20,18 @@ ALTERNATIVES: dict[str, tuple[Sides, ...]] = {
         (frozenset({"rayleigh"}), frozenset({"damping"})),
     ),
     "yield": ((frozenset({"K"}), frozenset({"Rw"})), (BASE_SHEAR, CODE)),
+    "plan": (
+        (frozenset({"lines", "across", "torsional_stiffness"}), frozenset({"eccentricity", "frequency_ratio"})),
+        (frozenset({"depth"}), frozenset({"inertia"})),
+    ),
 }
 """Keys of which one mapping may give one side only; an inherited key is replaced by its alternative."""
+
+GIVEN_BY_LINES = {
+    "stiffness": frozenset({"stiffness", "period", "taper"}),
+    "yield_shear": frozenset({"yield_shear", "yield"}),
+}
+"""Keys of a building that its lines replace, by the key of the lines that has numbers, not shares."""
 
 
 def resolve_like(buildings: Map, name: str, resolved: dict[str, Any] | None = None) -> Any:
@@ -72,6 +82,8 @@ def _merge(parent: Any, child: Any, kind: str = "") -> Any:
     for one, other in _find_alternatives(kind, child.get("stiffness") or parent.get("stiffness")):
         replaced |= other if child.keys() & one else set()
         replaced |= one if child.keys() & other else set()
+    if kind == "building":
+        replaced |= _find_keys_given_by_lines(child)
     merged = Map((), child.mark)
     for key in parent:
         if key not in replaced:
@@ -89,6 +101,18 @@ def _find_alternatives(kind: str, stiffness: Any) -> tuple[Sides, ...]:
     if kind == "building" and isinstance(stiffness, Map):
         return ((frozenset({"stiffness"}), frozenset({"period"})), *pairs[1:])
     return pairs
+
+
+def _find_keys_given_by_lines(building: Map) -> frozenset[str]:
+    """Return the keys of a building that the lines of its own plan replace."""
+    lines = get(building, "plan", "lines")
+    first = get(lines, 0) if isinstance(lines, Items) else None
+    replaced = frozenset[str]()
+    for key, beside in GIVEN_BY_LINES.items():
+        value = get(first, key)
+        if isinstance(value, Items) or value == "never":
+            replaced |= beside
+    return replaced
 
 
 def resolve_all_likes(tree: Map) -> Map:

@@ -25,6 +25,7 @@ from pounding_cli.numbers import pluralize
 from pounding_cli.study.base import Model, Name, SpecIssue, one_or_many, spec_field, tagged_union
 from pounding_cli.study.floor_places import FloorPair, FloorPairParser
 from pounding_cli.study.issues import KeyPath
+from pounding_cli.study.plan_spec import REST, fill_rest, find_fault_in_shares
 from pounding_cli.study.quantity import (
     GAP,
     LENGTH,
@@ -221,6 +222,9 @@ FloorChoice: Any = tagged_union(
 DISTANCE = LENGTH.replace(name="distance", example="2 m", high=100.0)
 
 
+SHARE_OF_LINK = Quantity("share", "", "50 %", 0.0, 1.0, open_low=True, words=(REST,))
+
+
 class LinkSpec(Model):
     """A link between floors of neighbours."""
 
@@ -254,9 +258,17 @@ class LinkSpec(Model):
         "their plans; default: both ends of the edge that the neighbours share, half of the link at each",
         ["-5 m", "5 m"],
     )
-    shares: tuple[Annotated[float, Quantity("share", "", "50 %", 0.0, 1.0, open_low=True)], ...] | None = spec_field(
-        None, "part of the link at each of `places` [-]; default: equal parts", ["30 %", "70 %"]
+    shares: tuple[Annotated[float | str, SHARE_OF_LINK], ...] | None = spec_field(
+        None,
+        "part of the link at each of `places` [-], one of them may be `rest`; default: equal parts",
+        ["30 %", "70 %"],
     )
+
+    @property
+    def part_shares(self) -> tuple[float, ...]:
+        """Part of the link at each of its places [-]."""
+        places = self.places or ()
+        return (1.0 / len(places),) * len(places) if self.shares is None else fill_rest(self.shares)
 
     def issues(self) -> Iterator[SpecIssue]:
         places = self.places or ()
@@ -265,9 +277,10 @@ class LinkSpec(Model):
         elif self.shares is not None and len(self.shares) != len(places):
             what = f"'shares' has {pluralize(len(self.shares), 'value')} for {pluralize(len(places), 'place')}"
             yield ("shares",), what, "write one share for each of `places`", True
-        elif self.shares is not None and abs(sum(self.shares) - 1.0) > 1e-9:
-            what = f"the shares add up to {100 * sum(self.shares):.6g} %"
-            yield ("shares",), what, "let them add up to 100 %", True
+        elif self.shares is not None:
+            message, hint = find_fault_in_shares(self.shares)
+            if message:
+                yield ("shares",), f"the shares {message}", hint, True
         if self.at is not None and self.floors != "all":
             yield (
                 ("floors",),

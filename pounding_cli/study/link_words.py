@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from pounding_cli.laws.infill import InfillOnColumns
 from pounding_cli.laws.law import in_series
@@ -12,28 +13,100 @@ from pounding_cli.model.links import BASE, Link
 from pounding_cli.numbers import Unit, join_limited
 from pounding_cli.study.group import Group
 from pounding_cli.study.link_places import LinkEnds, Meeting
+from pounding_cli.study.street_places import find_shared_edge
 from pounding_cli.study.warnings import format_value, units_of_size
 
 SOFTENED = ("stiffness", "impact_stiffness")
 """Parameters of laws that the bending of columns softens."""
 
 
-def describe_links(links: Sequence[Link], group: Group, width: Unit, strength: Unit) -> str:
+def describe_links(
+    links: Sequence[Link], group: Group, width: Unit, strength: Unit, tells_street_places: bool = False
+) -> str:
     """Return the links of a case in words: how many of every law, where those end that stand at unequal places, how
     much columns that bend soften them, and which places are left without a link.
 
     width, strength : units of gaps and of stiffnesses
+    tells_street_places : whether to say where they stand along the street, beside buildings that have plans
     """
     if not links:
         return "no links: runs as buildings alone"
-    alike: dict[str, list[Link]] = {}
-    for link in links:
-        alike.setdefault(_describe_law(link, width, strength), []).append(link)
-    parts = []
+    alike: dict[str, dict[Link, list[Link]]] = {}
+    for whole, parts in _join_parts(links).items():
+        alike.setdefault(_describe_law(whole, width, strength), {})[whole] = parts
+    sentences = []
     for words, members in alike.items():
-        places = _describe_places(members, group)
-        parts.append(", ".join(filter(None, (f"{len(members)} x {words}", places, _describe_bending(members, group)))))
-    return "; ".join([*parts, *_describe_free_places(links, group)])
+        wholes = [*members]
+        places = _describe_places(wholes, group)
+        along_street = _describe_street_places(members, group) if tells_street_places else ""
+        texts = (f"{len(members)} x {words}", places, along_street, _describe_bending(wholes, group))
+        sentences.append(", ".join(filter(None, texts)))
+    return "; ".join([*sentences, *_describe_free_places(links, group)])
+
+
+def _join_parts(links: Sequence[Link]) -> dict[Link, list[Link]]:
+    """Return every whole link with its parts at several places along the street; one that is whole is its own part."""
+    parts: dict[Link, list[Link]] = {}
+    for link in links:
+        whole = link
+        if link.whole_law is not None:
+            whole = replace(link, law=link.whole_law, whole_law=None, left_y=0.0, right_y=0.0)
+        parts.setdefault(whole, []).append(link)
+    return parts
+
+
+def _describe_street_places(links: Mapping[Link, Sequence[Link]], group: Group) -> str:
+    """Return where links stand along the street, with their shares; "" beside buildings without plans.
+
+    links : whole links with their parts
+    """
+    texts: dict[str, None] = {}
+    for whole, parts in links.items():
+        meeting = group.meetings[whole.left]
+        if meeting.left.street is None and meeting.right.street is None:
+            continue
+        pair = f"{meeting.left.name}|{meeting.right.name} " if len(group.meetings) > 1 else ""
+        texts[f"{pair}{_describe_places_of_parts(parts, meeting)}"] = None
+    return join_limited(texts)
+
+
+def _describe_places_of_parts(parts: Sequence[Link], meeting: Meeting) -> str:
+    """Return where the parts of a link stand along the street, with their shares."""
+    places = [_find_ends_along_street(part, meeting) for part in parts]
+    texts = [_format_street_place(*ends) for ends in places]
+    if len(parts) == 1:
+        return f"at {texts[0]} along the street"
+    low, high = find_shared_edge(meeting.left.street, meeting.right.street)
+    is_level = all(left == right for left, right in places)
+    ends = [_drop_rounding(low), _drop_rounding(high)]
+    has_ends_of_edge = is_level and [left for left, _ in places] == ends
+    shares = [f"{100 * part.share:.3g} %" for part in parts]
+    if len(set(shares)) == 1:
+        part = "half" if len(parts) == 2 else f"1/{len(parts)}"
+        if has_ends_of_edge:
+            return f"{part} at each end of the edge that they share, {' and '.join(texts)} along the street"
+        return f"{part} at each of {join_limited(texts)} along the street"
+    each = (f"{share} at {text}" for share, text in zip(shares, texts, strict=True))
+    return f"{join_limited(each)} along the street"
+
+
+def _find_ends_along_street(link: Link, meeting: Meeting) -> tuple[float, float]:
+    """Return the places of both ends of a link along the street [m], of a side without a plan that of the other."""
+    left, right = meeting.left.street, meeting.right.street
+    left_place = None if left is None else left.centre + link.left_y
+    right_place = None if right is None else right.centre + link.right_y
+    ends = [place for place in (left_place, right_place) if place is not None]
+    return _drop_rounding(ends[0]), _drop_rounding(ends[-1])
+
+
+def _drop_rounding(place: float) -> float:
+    """Return a place [m] to the nearest nanometre, so that two that were computed apart compare as equal."""
+    return round(place, 9) + 0.0
+
+
+def _format_street_place(left: float, right: float) -> str:
+    """Return the places of both ends of a link along the street, as one where they are level."""
+    return f"{left:.4g} m" if left == right else f"{left:.4g} m | {right:.4g} m"
 
 
 def _describe_law(link: Link, width: Unit, strength: Unit) -> str:

@@ -464,15 +464,13 @@ def _build_links_at(
 
     numbers : of these links among those of the case
     """
+    parts_by_law: dict[LinkLaw, list[list[Link]]] = {}
     built: list[Link] = []
-    for place, number in enumerate(numbers):
+    for number in numbers:
         path = links[number].path
         law = laws[number]
         assert law is not None
-        alike = [other for other in numbers[:place] if laws[other] == law]
-        if any(links[other].spec.places == links[number].spec.places for other in alike):
-            message = f"two {law.name} links alike between the same floors"
-            issues[Issue(path, message, "give one, or let them differ")] = None
+        alike = parts_by_law.setdefault(law, [])
         distance = links[number].spec.distance
         if distance is not None and not law.joins:
             message = f"'distance' does not apply to link: {links[number].title}, which acts level across its gap"
@@ -491,10 +489,25 @@ def _build_links_at(
             pair, ends.left_floor, ends.right_floor, law, ends.left_at, ends.right_at, ends.columns, ends.cosine
         )
         try:
-            built += _part_link(whole, links[number], meeting)
+            parts = _part_link(whole, links[number], meeting)
         except IssuesFound as refused:
             issues |= {issue: None for issue in refused.issues if isinstance(issue, Issue)}
+            continue
+        if any(_act_at_one_place(parts, others) for others in alike):
+            message = f"two {laws[number].name} links alike between the same floors"  # type: ignore[union-attr]
+            issues[Issue(path, message, "give one, or let them differ")] = None
+        elif any(len(parts) > 1 or len(others) > 1 for others in alike):
+            message = f"two {laws[number].name} links alike between the same floors, at several places"  # type: ignore[union-attr]
+            issues[Issue(path, message, "write one link with all of the `places:` and their `shares:`")] = None
+        alike.append(parts)
+        built += parts
     return built
+
+
+def _act_at_one_place(parts: Sequence[Link], others: Sequence[Link]) -> bool:
+    """Return whether two links of one law between the same ends have the same places along the street."""
+    places, other_places = ({(link.left_y, link.right_y, link.law) for link in each} for each in (parts, others))
+    return places == other_places
 
 
 def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:

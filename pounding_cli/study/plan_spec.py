@@ -2,22 +2,75 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
-from pounding_cli.numbers import pluralize
 from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field
-from pounding_cli.study.quantity import FORCE, LENGTH, STIFFNESS, Quantity, quote, refuse
+from pounding_cli.study.quantity import FORCE, LENGTH, PLAUSIBLE_RANGES, STIFFNESS, Quantity, quote, refuse
 
 PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 """A place across the row [m], from the middle of a plan."""
 
-WIDTH = LENGTH.replace(name="width", example="20 m", high=500.0)
+_SIZE = LENGTH.replace(high=500.0, usual=PLAUSIBLE_RANGES["size of a plan"])
+WIDTH = _SIZE.replace(name="width", example="20 m")
+DEPTH = _SIZE.replace(name="depth", example="14 m")
 RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
 
-_SHARE = Quantity("share of the storey", "", "60 %", 0.0, 1.0, open_low=True, percent=True)
+
+REST = "rest"
+"""Word for the share that all others leave."""
+
+
+def find_fault_in_shares(shares: Sequence[float | str]) -> tuple[str, str]:
+    """Return what is wrong with shares that must add up to the whole, and what to write; "" where nothing is."""
+    numbers = [share for share in shares if isinstance(share, float)]
+    total = sum(numbers)
+    missing = len(shares) - len(numbers)
+    if missing > 1:
+        return f"have `{REST}` {missing} times", "write it once: it stands for what all others leave"
+    if missing == 1 and total > 1.0 - 1e-9:
+        return f"beside `{REST}` add up to {100 * total:.6g} %", "let them add up to less than 100 %"
+    if missing == 0 and abs(total - 1.0) > 1e-9:
+        return f"add up to {100 * total:.6g} %", f"let them add up to 100 %, or write `{REST}` for one of them"
+    return "", ""
+
+
+def fill_rest(shares: Sequence[float | str]) -> tuple[float, ...]:
+    """Return shares with a number in place of `rest` [-]."""
+    left = 1.0 - sum(share for share in shares if isinstance(share, float))
+    return tuple(share if isinstance(share, float) else left for share in shares)
+
+
+@dataclass(frozen=True)
+class _Share(Quantity):
+    """A share of what all lines of a storey have, in place of a list of numbers.
+
+    numbers : how a list of them is written
+    """
+
+    numbers: str = ""
+
+    def read(self, value: Any) -> Any:
+        """Return the share, or one of `words`.  Raises PydanticCustomError: one number is neither share nor list."""
+        is_number = isinstance(value, int | float | str) and not isinstance(value, bool)
+        if not is_number or value in self.words or str(value).strip().endswith("%"):
+            return super().read(value)
+        words = "".join(f", or `{word}`" for word in self.words)
+        hint = (
+            f"write a share such as `60 %`, or the numbers of all storeys from the ground up, `{self.numbers}`{words}"
+        )
+        raise refuse(f"{quote(value)} is neither a share nor a list", hint)
+
+
+_SHARE = _Share("share of the storey", "", "60 %", 0.0, 1.0, open_low=True, percent=True)
+_SHARE_OF_STIFFNESS = dataclasses.replace(_SHARE, numbers="[200 kN/mm, 150 kN/mm]")
+_SHARE_OF_YIELD_SHEAR = dataclasses.replace(_SHARE, numbers="[900 kN, 700 kN]", words=("never",))
+_PART_OF_STIFFNESS = dataclasses.replace(_SHARE_OF_STIFFNESS, words=(REST,))
+_PART_OF_YIELD_SHEAR = dataclasses.replace(_SHARE_OF_YIELD_SHEAR, words=(REST, "never"))
 Inertias: Any = one_or_many(Annotated[float, Quantity("rotary inertia", "kg m2", "1e7 kg m2", 0.0, open_low=True)])
 TorsionalStiffnesses: Any = one_or_many(Annotated[float, Quantity("torsional stiffness", "N m", "5e9 N m", 0.0)])
 _SHORT_FORM = ("eccentricity", "frequency_ratio")
@@ -29,23 +82,13 @@ def _each_storey(quantity: Quantity, one: Any) -> Any:
     return list_or(Annotated[tuple[Annotated[float, quantity], ...], Field(min_length=1, max_length=100)], one)
 
 
-def _check_share_or_never(value: Any) -> Any:
-    """Return the word for lines that stay elastic, or a share.  Raises PydanticCustomError."""
-    if value == "never":
-        return value
-    if isinstance(value, str) and not value.strip().endswith("%"):
-        hint = "write the yield shears of the line from the ground up, e.g. `[900 kN, 700 kN]`, a share such as "
-        raise refuse(f"{quote(value)} is not a list of yield shears", f"{hint}`60 %`, or `never`")
-    return _SHARE.read(value)
-
-
 class _LineSpec(Model):
     """A frame or wall of the plan; lists run from the ground up."""
 
-    stiffness: _each_storey(STIFFNESS, Annotated[float, _SHARE]) = spec_field(  # type: ignore[valid-type]
+    stiffness: _each_storey(STIFFNESS, Annotated[float, _SHARE_OF_STIFFNESS]) = spec_field(  # type: ignore[valid-type]
         ..., "stiffness of its storeys [N/m], a list, or its share of those of the building", "60 %"
     )
-    yield_shear: _each_storey(FORCE, Annotated[Any, BeforeValidator(_check_share_or_never)]) | None = spec_field(  # type: ignore[valid-type]
+    yield_shear: _each_storey(FORCE, Annotated[float | str, _SHARE_OF_YIELD_SHEAR]) | None = spec_field(  # type: ignore[valid-type]
         None,
         "yield shears of its storeys [N], a list; `never`: it stays elastic; or its share of those of the building; "
         "default: its share of the stiffness",
@@ -56,20 +99,36 @@ class _LineSpec(Model):
 class LineSpec(_LineSpec):
     """A frame or wall along the row; lists run from the ground up."""
 
-    y: Annotated[float, PLACE] = spec_field(..., "its place across the row [m], from the middle of the plan")
+    stiffness: _each_storey(STIFFNESS, Annotated[float | str, _PART_OF_STIFFNESS]) = spec_field(  # type: ignore[valid-type]
+        ...,
+        "stiffness of its storeys [N/m], a list, or its share of those of the building; `rest`: what other lines leave",
+        "60 %",
+    )
+    yield_shear: _each_storey(FORCE, Annotated[float | str, _PART_OF_YIELD_SHEAR]) | None = spec_field(  # type: ignore[valid-type]
+        None,
+        "yield shears of its storeys [N], a list; `never`: it stays elastic; or its share of those of the building, "
+        "`rest` for what other lines leave; default: its share of the stiffness",
+        "60 %",
+    )
+    y: Annotated[float, PLACE] = spec_field(..., "its place across the row [m], from the middle of the plan", "-8 m")
 
 
 class AcrossSpec(_LineSpec):
     """A frame or wall across the row, which resists the twist alone; lists run from the ground up."""
 
-    x: Annotated[float, PLACE] = spec_field(..., "its place along the row [m], from the centre of mass")
+    x: Annotated[float, PLACE] = spec_field(..., "its place along the row [m], from the centre of mass", "-6 m")
+
+
+def _is_share(value: Any) -> bool:
+    """Return whether a line has a share of its storeys, not numbers."""
+    return isinstance(value, float) or value == REST
 
 
 class PlanSpec(Model):
     """The plan of a building whose floors may twist."""
 
-    width: Annotated[float, WIDTH] = spec_field(..., "width of the floors across the row, along the street [m]")
-    depth: Annotated[float, LENGTH.replace(name="depth", example="14 m", high=500.0)] | None = spec_field(
+    width: Annotated[float, WIDTH] = spec_field(..., "width of the floors across the row, along the street [m]", "20 m")
+    depth: Annotated[float, DEPTH] | None = spec_field(
         None, "depth of the floors along the row [m], for their rotary inertia"
     )
     shift: Annotated[float, PLACE] = spec_field(
@@ -85,7 +144,7 @@ class PlanSpec(Model):
         None, "rotary inertia of the floors about their centres of mass [kg m2]; default: m (width^2 + depth^2) / 12"
     )
     lines: Annotated[tuple[LineSpec, ...], Field(min_length=1, max_length=30)] | None = spec_field(
-        None, "frames and walls along the row", [{"y": "-8 m", "stiffness": "60 %"}]
+        None, "frames and walls along the row", [{"y": "-8 m", "stiffness": "60 %"}, {"y": "8 m", "stiffness": "40 %"}]
     )
     across: Annotated[tuple[AcrossSpec, ...], Field(max_length=30)] = spec_field(
         (), "frames and walls across the row that may yield", [{"x": "-6 m", "stiffness": "60 %"}]
@@ -98,12 +157,17 @@ class PlanSpec(Model):
     )
     frequency_ratio: Annotated[float, Quantity("ratio of frequencies", "", "1.1", 0.05, 20.0)] | None = spec_field(
         None,
-        "beside `eccentricity`: frequency of the twist over that along the row, each without the other [-]; the "
-        "torsional stiffness follows from it",
+        "beside `eccentricity`: first frequency of the twist about the centres of mass over that along the row, each "
+        "without the other [-]; the torsional stiffness follows from it",
     )
     twist: Literal["auto", "always"] = spec_field(
         "auto", "`auto`: floors twist where something is eccentric; `always`: they may turn in any case"
     )
+
+    @property
+    def centre(self) -> float:
+        """y of the centres of mass from the middle of the plan [m]."""
+        return self.centre_of_mass + self.accidental * self.width
 
     def list_lengths(self) -> dict[str, int]:
         """Return the lengths of its lists, by key."""
@@ -129,12 +193,26 @@ class PlanSpec(Model):
     def gives_yield_shear(self) -> bool:
         """True where the lines give the yield shears of the storeys, not shares of them."""
         values = [line.yield_shear for line in self.lines or ()]
-        return bool(values) and all(isinstance(value, tuple | str) for value in values)
+        return bool(values) and not any(value is None or _is_share(value) for value in values)
+
+    def fill_rest(self, name: str) -> tuple[Any, ...]:
+        """Return what the lines along the row have at a key, with a share in place of `rest`.
+
+        name : "stiffness" or "yield_shear"
+        """
+        values = tuple(getattr(line, name) for line in self.lines or ())
+        return fill_rest(values) if REST in values else values
 
     def issues(self) -> Iterator[SpecIssue]:
         if self.depth is None and self.inertia is None:
             hint = "write the depth of the floors along the row, e.g. `depth: 14 m`, or `inertia`"
             yield (), "'depth' is missing: the rotary inertia of the floors needs it", hint
+        half = 0.5 * self.width
+        if abs(self.centre) >= half:
+            key = "centre_of_mass" if abs(self.centre_of_mass) >= half else "accidental"
+            message = f"the centres of mass stand {self.centre:g} m from the middle of the plan, outside of its "
+            hint = f"let `centre_of_mass` and `accidental` put them between {-half:g} and {half:g} m"
+            yield (key,), f"{message}{self.width:g} m", hint
         if self.lines is not None:
             for name in _SHORT_FORM:
                 if getattr(self, name) is not None:
@@ -158,20 +236,26 @@ class PlanSpec(Model):
         for name in ("stiffness", "yield_shear"):
             values = [getattr(line, name) for line in self.lines]
             given = [value for value in values if value is not None]
-            shares = [value for value in given if isinstance(value, float)]
+            shares = [value for value in given if _is_share(value)]
             if name == "yield_shear" and given and len(given) < len(values):
                 number = values.index(None)
                 hint = "write it in every line, or in none: each has its share of the stiffness"
                 yield ("lines", number), f"'{name}' is missing, but other lines have it", hint
             elif shares and len(shares) < len(given):
-                number = next(place for place, value in enumerate(values) if isinstance(value, float))
-                message = f"'{name}' is a share here, but a list of numbers in other lines"
+                number = next(place for place, value in enumerate(values) if _is_share(value))
+                other = "`never`" if "never" in given else "a list of numbers"
+                message = f"'{name}' is a share here, but {other} in other lines"
                 yield ("lines", number, name), message, "write shares in all lines, or numbers in all", True
-            elif shares and abs(sum(shares) - 1.0) > 1e-9:
-                message = f"the shares of 'lines' in '{name}' add up to {100 * sum(shares):.6g} %"
-                yield ("lines",), message, f"let the {pluralize(len(shares), 'share')} add up to 100 %", True
+            elif shares:
+                message, hint = find_fault_in_shares(shares)
+                if message:
+                    yield ("lines",), f"the shares of 'lines' in '{name}' {message}", hint, True
         half = 0.5 * self.width
         for number, line in enumerate(self.lines):
             if abs(line.y) > half * (1.0 + 1e-12):
                 message = f"the line stands at {line.y:g} m, outside of the plan"
                 yield ("lines", number, "y"), message, f"write a place from {-half:g} to {half:g} m, or a larger width"
+        for number, across in enumerate(self.across):
+            if self.depth is not None and abs(across.x) > self.depth:
+                message = f"the line stands {across.x:g} m from the centre of mass, outside of the plan"
+                yield ("across", number, "x"), message, f"write a place within its depth of {self.depth:g} m"

@@ -59,6 +59,7 @@ _RANGES = (
     (1e-4, 1.0, LENGTHS, "gap", "gaps are millimetres to decimetres; the largest a code asks for is near 1 m"),
     (5e3, 1e7, MASSES, "floor mass", "floors weigh 0.5 to 1.5 t a square metre: 5 t is a shed, 10000 t a whole block"),
     (2.0, 12.0, LENGTHS, "storey height", "people stand in a storey; halls and lobbies reach 12 m"),
+    (3.0, 200.0, LENGTHS, "size of a plan", "floors measure 3 to 200 m from one joint to the next"),
     (0.02, 10.0, TIMES, "period", "the tallest buildings there are have about 10 s"),
     (0.02, 0.5, TIMES, "period of a storey", "frames and walls have 0.05 to 0.2 s a storey"),
     (0.006, 0.3, {"%": 0.01}, "damping ratio", "structures have 1 to 10 % of critical; dampers reach 30 %"),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pounding_cli.model.building import Building
 from pounding_cli.study.issues import Issue, IssuesFound, KeyPath
 from pounding_cli.study.plan_spec import PLACE
-from pounding_cli.study.quantity import ValueParser, quote, refuse
+from pounding_cli.study.quantity import ParsedText, Quantity, quote, refuse
 
 if TYPE_CHECKING:
     from pounding_cli.study.link_specs import LinkSpec
@@ -34,28 +35,32 @@ class PlaceOfLink(NamedTuple):
         return f"[{self.left:g} m, {self.right:g} m]" if self.is_pair else f"{self.left:g} m"
 
 
-class PlaceParser(ValueParser):
+def _read_place(value: Any) -> PlaceOfLink:
+    """Return a place of a link.  Raises PydanticCustomError."""
+    if isinstance(value, PlaceOfLink):
+        return value
+    if not isinstance(value, list | tuple):
+        place = PLACE.read(value)
+        return PlaceOfLink(place, place)
+    if len(value) != 2:
+        raise refuse(f"{quote(value)} is no place of a link", _USAGE)
+    left, right = value
+    return PlaceOfLink(PLACE.read(left), PLACE.read(right), is_pair=True)
+
+
+@dataclass(frozen=True)
+class PlaceParser(ParsedText):
     """Read `4 m`, a place along the street, or `[4 m, -2 m]`, from the middle of each plan."""
 
-    form = "m, or [left, right]"
-    examples = ("4 m", ["4 m", "-2 m"])
-
-    def read(self, value: Any) -> PlaceOfLink:
-        """Return a place.  Raises PydanticCustomError."""
-        if isinstance(value, PlaceOfLink):
-            return value
-        if not isinstance(value, list | tuple):
-            place = PLACE.read(value)
-            return PlaceOfLink(place, place)
-        if len(value) != 2:
-            raise refuse(f"{quote(value)} is no place of a link", _USAGE)
-        left, right = value
-        return PlaceOfLink(PLACE.read(left), PLACE.read(right), is_pair=True)
+    reader: Callable[[Any], PlaceOfLink] = _read_place
+    form: str = "m, or [left, right]"
+    examples: tuple[Any, ...] = ("4 m", ("4 m", "-2 m"))
+    quantity: Quantity | None = PLACE
 
     def schema(self) -> dict[str, Any]:
         place = {"anyOf": [{"type": "number"}, {"type": "string"}]}
         both = {"type": "array", "items": place, "minItems": 2, "maxItems": 2}
-        return {"anyOf": [{"type": "number"}, {"type": "string"}, both], "examples": [*self.examples]}
+        return {"anyOf": [{"type": "number"}, {"type": "string"}, both], "examples": ["4 m", ["4 m", "-2 m"]]}
 
 
 class StreetSide(NamedTuple):
@@ -124,15 +129,17 @@ def find_arms(
     low, high = find_shared_edge(left, right)
     if link.places is None:
         if low >= high:
-            hint = "let the plans overlap along the street (`shift:`), write `places:`, or leave the link out"
-            message = f"{names[0]} and {names[1]} share no edge: their plans end {low - high:.4g} m apart"
+            hint = "let the plans overlap along the street (`shift:`), write where both ends stand, e.g. "
+            hint += "`places: [[2 m, -3 m]]`, or leave the link out"
+            apart = f"their plans end {low - high:.4g} m apart" if low > high else "one ends where the other begins"
+            message = f"{names[0]} and {names[1]} share no edge: along the street {apart}"
             raise IssuesFound([Issue(path, message, hint)])
         places: tuple[PlaceOfLink, ...] = (PlaceOfLink(low, low), PlaceOfLink(high, high))
         shares: tuple[float, ...] = (0.5, 0.5)
     else:
         places = link.places
-        shares = link.shares or (1.0 / len(places),) * len(places)
-    arms = []
+        shares = link.part_shares
+    arms: list[LinkArms] = []
     for number, (place, share) in enumerate(zip(places, shares, strict=True)):
         ends = []
         for name, y, side in zip(names, (place.left, place.right), (left, right), strict=True):
@@ -147,5 +154,8 @@ def find_arms(
                 hint = f"write a place from {side.low - origin:g} to {side.high - origin:g} m"
                 raise IssuesFound([Issue((*path, "places", number), message, hint)])
             ends.append(along_street - side.centre)
+        if any((each.left_y, each.right_y) == (ends[0], ends[1]) for each in arms):
+            hint = "remove it, and let its share go to the other"
+            raise IssuesFound([Issue((*path, "places", number), f"the place {place} stands here twice", hint)])
         arms.append(LinkArms(ends[0], ends[1], share))
     return tuple(arms)

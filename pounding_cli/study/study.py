@@ -93,6 +93,15 @@ class Study:
             _names_residual_drift(self.tree.get(name)) for name in find_section_names(type(self.spec))
         )
 
+    @property
+    def has_plans(self) -> bool:
+        """True if a building of the group has a plan at some point of the sweep."""
+        return any(
+            spec.plan is not None
+            for name in self.spec.group
+            for _, spec in self.resolved.building_specs[name].iter_values()
+        )
+
     def with_axes(self, axes: Sequence[Axis], tree: Map | None = None) -> Study:
         """Return the study with other axes; title, units and warnings stay.
 

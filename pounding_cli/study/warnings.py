@@ -17,6 +17,7 @@ from pounding_cli.errors import Problem
 from pounding_cli.laws.joints import MAX_STABLE_STEP_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
+from pounding_cli.model.twist import is_eccentric
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import join_limited, pluralize
 from pounding_cli.study.archetype_words import warn_storeys_outside
@@ -32,6 +33,7 @@ from pounding_cli.study.link_places import build_ends
 from pounding_cli.study.link_specs import ImpactSpec
 from pounding_cli.study.links import CompleteLink
 from pounding_cli.study.motions import MotionUse, Suite
+from pounding_cli.study.plan_spec import PlanSpec
 from pounding_cli.study.quantity import (
     FORCES,
     NUMBER,
@@ -92,6 +94,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     notes.extend(warner.doubts.iter_merged())
     warn_held_period(study, notes)
     warn_storeys_outside(study, notes)
+    warn_codes_without_twist(study, notes)
     if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
@@ -374,6 +377,8 @@ def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, 
             hint = _hint(text, shear, fits, compared.share, "N" if is_bare else "")
             doubts.add(root, at, at[:-1], message, hint, is_bare, excess=fits.excess(shear * compared.share))
     _warn_base(building, root, path, doubts)
+    if spec.plan is not None:
+        _warn_plan(spec.plan, building, root, (*path, "plan"), doubts)
 
 
 FORCE_OF_STOREY = Quantity("force", "N", "900 kN")
@@ -420,6 +425,55 @@ def _warn_base(building: Building, root: Any, path: KeyPath, doubts: Doubts) -> 
         is_bare = doubts.needs_units and base.isolation is None and bool(re.fullmatch(rf"\s*{NUMBER}\s*", text))
         hint = f"did you mean {text} kN/m? otherwise write `{text} N/m`" if is_bare else "check its stiffness"
         doubts.add(root, at, at, message, hint, is_bare, excess=fits.excess(period))
+
+
+RATIOS_OF_TWIST = (0.7, 3.0)
+"""Frequency of the twist over that along the row [-] beyond which it is warned of: frames at all edges give 1 to 1.5, a
+core alone in the middle 0.7, walls at all edges 2."""
+
+RADII_OF_GYRATION = (0.2, 0.8)
+"""Radius of gyration of a floor over its width [-] beyond which it is warned of: a narrow strip along the street has
+0.29, a floor that is twice as deep as wide 0.65."""
+
+MAX_ECCENTRICITY = 0.35
+"""Eccentricity over the width [-] above which it is warned of: a core at one end, frames at the other give a third."""
+
+
+def _warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, doubts: Doubts) -> None:
+    """Note a plan that hardly any building has: eccentricity, rotary inertia, resistance to the twist."""
+    plan = building.plan
+    assert plan is not None
+    lines_key = "lines" if spec.lines is not None else "eccentricity"
+    largest = float(np.abs(plan.eccentricity).max()) / spec.width
+    if largest > MAX_ECCENTRICITY:
+        at: KeyPath = (*path, lines_key)
+        message = f"the centre of stiffness stands {100 * largest:.3g} % of the width from the centre of mass: "
+        message += "a core at one end with frames at the other gives a third"
+        hint = f"check the places and the stiffness of the lines; otherwise leave it, {AS_MEANT}"
+        doubts.add(root, at, at, message, hint, excess=largest)
+    radius = np.sqrt(plan.inertia / building.mass) / spec.width
+    low, high = RADII_OF_GYRATION
+    wrong = np.flatnonzero((radius < low) | (radius > high))
+    if spec.inertia is not None and wrong.size:
+        storey = int(wrong[0])
+        at = (*path, "inertia", storey) if isinstance(spec.inertia, tuple) else (*path, "inertia")
+        usual = building.mass[storey] * spec.width**2 / np.array([9.0, 4.0])
+        message = f"floor {storey + 1} turns as if its mass stood {radius[storey] * spec.width:.3g} m from its centre"
+        message += f", on a plan {spec.width:g} m wide"
+        units = units_of_size("kg m2")
+        hint = f"write an inertia near {' to '.join(format_value(float(each), units) for each in usual)}; "
+        hint += f"otherwise leave it, {AS_MEANT}"
+        doubts.add(root, at, (*path, "inertia"), message, hint, excess=abs(float(np.log10(radius[storey]))))
+    ratio = plan.frequency_ratio(building.mass)
+    low, high = RATIOS_OF_TWIST
+    if not low <= ratio <= high:
+        keys = ("frequency_ratio", "torsional_stiffness", "lines")
+        key = next(each for each in keys if each in spec.model_fields_set)
+        at = (*path, key)
+        message = f"{building.name} turns {ratio:.3g} times as fast as it moves along the row, each by itself: "
+        message += "frames at the edges give 1 to 1.5, a core in the middle 0.7, walls at all edges 2"
+        hint = f"check the places of lines, the torsional stiffness and the inertia; otherwise leave it, {AS_MEANT}"
+        doubts.add(root, at, at, message, hint, excess=abs(float(np.log10(ratio))))
 
 
 def warn_case(
@@ -666,6 +720,23 @@ def warn_held_period(study: Study, notes: Problems) -> None:
         hint = _hint_to_hold(study, names[0], has_code_strength)
         likewise = f" (of {names[0]}; likewise in the others)" if len(names) > 1 else ""
         notes.add(mark, message, f"{hint}{likewise}; otherwise leave it, {AS_MEANT}")
+
+
+def warn_codes_without_twist(study: Study, notes: Problems) -> None:
+    """Note that the displacements of codes, with which `gap:` compares, leave out the twist of the floors."""
+    if study.tree.get("gap") is None:
+        return
+    names = []
+    for name in dict.fromkeys(study.spec.group):
+        building = study.resolved.types[name].at(study.first_point)
+        has_displacements = bool(study.resolved.displacements(name).at(study.first_point))
+        if has_displacements and is_eccentric(building):
+            names.append(name)
+    if names:
+        message = f"the displacements that codes expect of {join_limited(names)} leave out the twist of the floors"
+        hint = "the gap that the motions require has it; "
+        hint += "a code that asks for the displacement of the edge takes a larger one than is told of it here"
+        notes.at(study.tree, ("gap",), message, hint, key=True)
 
 
 MASS_KEYS = frozenset({"mass"})

@@ -103,6 +103,9 @@ def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float
     for reader in _parsers_at(model, path):
         try:
             found = reader.read(given)
+            quantity = reader.quantity if isinstance(reader, ParsedText) else None
+            if quantity is not None and not isinstance(found, int | float | str):
+                found = quantity.read(given)  # of which the reader makes more than a number
             break
         except PydanticCustomError:
             continue

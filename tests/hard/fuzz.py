@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from .generate import studies
 from .make_motions import FOLDER
-from .verdict import Tally, faults_in
+from .verdict import TWIST, Tally, faults_in
 
 FOUND = Path(__file__).parent / "found"
 MOST_KEPT = 8
@@ -48,6 +48,9 @@ class Hunt:
         if new:
             self.kept.update(new)
             head = "".join(f"# {fault}\n" for fault in faults)
+            if text.startswith(TWIST):  # which stays on the first line
+                twist, _, text = text.partition("\n")
+                head = f"{twist}\n{head}"
             word = re.sub(r"[^a-z]+", "-", new[0].lower()).strip("-")[:40]
             moved = text.replace(str(FOLDER), os.path.relpath(FOLDER, self.keep))
             (self.keep / f"{word}-{self.tally.studies}.yaml").write_text(head + moved, encoding="utf-8")
@@ -55,7 +58,7 @@ class Hunt:
     def summary(self) -> str:
         t = self.tally
         return (
-            f"{t.scenes} scenes of {t.studies} studies, {t.refused} refused; "
+            f"{t.scenes} scenes of {t.studies} studies, {t.twisting} that twist, {t.refused} refused; "
             f"outcomes {dict(t.outcomes)}; worst energy residual {t.worst_residual:.1e} ({t.over} above 1e-8); "
             f"slowest scene {t.slowest:.2f} s; faults {dict(self.kinds)}"
         )

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from .draw import CONTACTS, LINKS, MULTIPLE, RESTITUTION, STOREYS, decades, law_keys, own_law, some
 from .make_motions import FOLDER
+from .verdict import TWIST
 
 MOTIONS = ("shake", "fine", "coarse", "spikes", "push")
 
@@ -150,4 +151,5 @@ def studies(draw: Any) -> str:
     if impact:
         study["impact"] = impact
     some(draw, study, "tail", decades(0.01, 0.5, 0, far=False), 6)
-    return yaml.safe_dump(study, sort_keys=False, width=120)
+    twist = f"{TWIST}{draw(st.integers(0, 10**6))}\n" if draw(st.integers(1, 2)) == 1 else ""
+    return twist + yaml.safe_dump(study, sort_keys=False, width=120)

@@ -12,7 +12,8 @@ import numpy as np
 import pounding_cli as pound
 from pounding_cli.model.effects import RESIDUAL_DRIFTS
 from pounding_cli.solver.rest import NO_RESIDUAL_DRIFT
-from tests.adapter import FLOORS, LINKS, Run, scenes, solve
+from tests.adapter import FLOORS, LINKS, Run, UnstableError, scenes, solve
+from tests.hard.twisted import twist_scene
 
 BOUNDS = (2_000, 2_000)
 """Most steps and events of a fuzzed scene: it may end at a bound, but has to end."""
@@ -26,15 +27,24 @@ PATIENCE = 5.0
 
 @dataclass
 class Tally:
-    """What came of the scenes so far: outcomes by name, refusals, the worst energy balance."""
+    """What came of the scenes so far: outcomes by name, refusals, those with floors that twist, the worst energy
+    balance."""
 
     scenes: int = 0
     studies: int = 0
     refused: int = 0
+    twisting: int = 0
     outcomes: Counter[str] = field(default_factory=Counter)
     worst_residual: float = 0.0
     over: int = 0
     slowest: float = 0.0
+
+
+OF_LINES = "line_shear", "line_drift", "line_ductility", "line_residual_drift"
+EDGES = "twist", "edge_drift_low", "edge_drift_high"
+
+TWIST = "# twist: "
+"""First line of a study whose scenes get plans and places of links by the seed behind it (`twisted.twist_scene`)."""
 
 
 def closes_to(accuracy: float) -> float:
@@ -55,8 +65,12 @@ def fault_of(run: Run, accuracy: float) -> str:
         return named or ("" if run.advice else "an outcome without advice")
     if run.status == "collapsed" and not (run.time >= 0 and run.place[1] >= 1):
         return "a collapse without time and place"
-    for name in (*FLOORS, *LINKS, "shear_below", "shear_above", "end"):
-        if not np.isfinite(getattr(run, name)).all() and not (name == "residual_drift" and may_lack_rest(run)):
+    of_lines = [name for name in (*OF_LINES, *EDGES) if name in run.numbers]
+    for name in (*FLOORS, *LINKS, *of_lines, "shear_below", "shear_above", "end"):
+        values = getattr(run, name)
+        if name in EDGES:
+            values = values[~np.isnan(getattr(run, EDGES[0]))]  # floors that do not twist have none
+        if not np.isfinite(values).all() and not ("residual_drift" in name and may_lack_rest(run)):
             return f"{name} is not finite"
     return "" if abs(residual) <= closes_to(accuracy) else f"energy residual {residual:.1e}"
 
@@ -74,8 +88,16 @@ def faults_in(path: Path, tally: Tally) -> list[str]:
     with warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
         try:
-            for where, scene, accuracy in scenes(path):
+            first_line = path.read_text(encoding="utf-8").partition("\n")[0]
+            for number, (where, scene, accuracy) in enumerate(scenes(path)):
                 tally.scenes += 1
+                if first_line.startswith(TWIST):
+                    try:
+                        scene = twist_scene(scene, int(first_line.removeprefix(TWIST)) + number)
+                    except UnstableError:
+                        tally.refused += 1
+                        continue
+                    tally.twisting += 1
                 run = solve(scene, accuracy, bounds=BOUNDS)
                 tally.outcomes[run.status] += 1
                 tally.slowest = max(tally.slowest, run.seconds)

@@ -16,6 +16,7 @@ import pounding_cli as pound
 from tests.adapter import scenes
 from tests.hard.catalogue import studies
 from tests.physics.cases import referenced, variant
+from tests.physics.twisting import referenced_scenes
 from tests.reference.events import integrate
 
 KEPT = Path(__file__).with_name("references.npz")
@@ -25,6 +26,10 @@ FIELDS = (
     "peak_force", "max_closing", "impulse", "contact_time", "impacts", "columns", "work",
 )  # fmt: skip
 """What is kept of a run; "columns" below and above each struck column in turn, "work" of ground and dashpots [J]."""
+
+
+TWISTING = "line_shear", "line_drift", "edge_drift", "twist", "turns", "turn_rate"
+"""What is kept beside it of scenes whose floors twist."""
 
 
 def hard_scenes() -> dict[str, pound.Scene]:
@@ -39,19 +44,24 @@ def hard_scenes() -> dict[str, pound.Scene]:
 
 
 def run(scene: pound.Scene) -> np.ndarray:
-    """One run: FIELDS behind one another, each with its length before it."""
-    found = integrate(scene)
+    """One run: FIELDS behind one another, each with its length before it; then TWISTING, where floors twist."""
+    found = integrate(scene, per_radian=0.1 if any(b.plan is not None for b in scene.buildings) else 0.25)
     values = {"end": found.displacement, "end_velocity": found.velocity}
     values["work"] = np.array([found.energy["input"], found.energy["damping"]])
-    parts = [np.asarray(values[name] if name in values else getattr(found, name), float) for name in FIELDS]
+    parts = [
+        np.asarray(values[name] if name in values else getattr(found, name), float)
+        for name in (*FIELDS, *(TWISTING if found.twist.size else ()))
+    ]
     return np.concatenate([np.concatenate(([part.size], part)) for part in parts])
 
 
 def read(key: str) -> dict[str, np.ndarray]:
-    """What is kept of the run of a key, by FIELDS."""
+    """What is kept of the run of a key, by FIELDS and TWISTING."""
     with np.load(KEPT) as kept:
         values, found = kept[key], {}
-    for name in FIELDS:
+    for name in (*FIELDS, *TWISTING):
+        if not values.size:
+            break
         size = int(values[0])
         found[name], values = values[1 : 1 + size], values[1 + size :]
     return found
@@ -62,6 +72,7 @@ def main(*words: str) -> int:
     kept = dict(np.load(KEPT)) if KEPT.exists() else {}
     wrong = 0
     jobs = {key: variant(*each).built for key, each in referenced().items()} | hard_scenes()
+    jobs |= {f"twist; {name}": make() for name, make in referenced_scenes().items()}
     for key, scene in jobs.items():
         if words and not any(word in key for word in words):
             continue

@@ -107,7 +107,7 @@ def infill_in_series(link, v, rate, branch: str, root: float):
 class Branches:
     """Which branch every storey and link is on; what `Laws` needs besides q and q'.
 
-    storey : 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] of an elastic storey
+    storey : of all that resists 0 elastic, +1 or -1 yielding that way; plastic : plastic drift [m] where elastic
     link : "open", "on", "cut" (closed, but its law would pull), "beyond" (infill compressed past its gap), "pressed"
         (infill on columns at the jump of the printed law), "gaining" (Hertz contact whose approach speed is the largest
         so far), "parting" (of floors that approach no longer);
@@ -132,8 +132,7 @@ class Laws:
         self.c: Coordinates = coordinates(scene)
         self.elastic = str(scene.analysis) == "elastic"
         self.reduced = [reduced_mass(scene, e) for e in range(len(scene.links))]
-        each = [law for b in scene.buildings for law in b.laws]
-        self.pens = [None if self.elastic else pen_of(law) for law in each]
+        self.pens = [None if self.elastic else pen_of(law) for law in self.c.laws]
         self.pushed: Any = None  # impulse of every link so far [N s]
         self.smooth = [j for j, pen in enumerate(self.pens) if isinstance(pen, WenPen)]
         self.offset = np.array([e.gap if e.kind in ("pounding", "bilinear", *HERTZ) else 0.0 for e in scene.links])
@@ -146,7 +145,7 @@ class Laws:
         return Branches(np.zeros(storeys, int), np.zeros(storeys), links, slips)
 
     def shears(self, drift: np.ndarray, b: Branches) -> np.ndarray:
-        """Storey shears [N], a k D + (1 - a) k (D - Dp), D - Dp = +-Dy while yielding; (storeys, times)."""
+        """Shears [N] a k D + (1 - a) k (D - Dp), D - Dp = +-Dy while yielding; (resisting, times)."""
         slope, still = self.storey_lines(b)
         shears = slope[:, None] * drift + still[:, None]
         if self.smooth:

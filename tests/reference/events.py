@@ -26,7 +26,14 @@ FINEST = 1e-17
 
 @dataclass
 class Result:
-    """Peaks and end of a run over all storeys, floors and links; names as in `solve.response`."""
+    """Peaks and end of a run over all storeys, floors and links; names as in `solve.response`.
+
+    line_shear, line_drift : of all frame lines: building by building, line by line, storey by storey; those of a
+        building whose floors do not twist are its storeys
+    edge_drift : of all storeys at the low edge of floors that twist, then at the high edge
+    twist : largest |rotation| of all floors that twist
+    turns, turn_rate : rotations and their rates at the end
+    """
 
     shear: np.ndarray
     drift: np.ndarray
@@ -42,6 +49,12 @@ class Result:
     velocity: np.ndarray
     energy: dict[str, float]
     columns: np.ndarray
+    line_shear: np.ndarray
+    line_drift: np.ndarray
+    edge_drift: np.ndarray
+    twist: np.ndarray
+    turns: np.ndarray
+    turn_rate: np.ndarray
     changes: list[tuple[float, tuple]] = field(default_factory=list)
 
 
@@ -51,6 +64,7 @@ class _Run:
         self.c = self.laws.c
         self.n, self.links = self.c.mass.size, len(scene.links)
         self.floors = np.concatenate(self.c.floors)
+        self.turns = np.concatenate(self.c.turns)
         q, rate = start(scene, self.c, initial)
         # q, q', impulse of every link, z of every smooth storey, work of ground, dashpots, storeys, links
         self.y = np.concatenate((q, rate, np.zeros(self.links + len(self.laws.smooth) + 4)))
@@ -120,10 +134,14 @@ class _Run:
         force = self.laws.link_forces(closing - self.laws.offset[:, None], c.closing @ rate, self.b)
         total = self.acceleration(q, rate, a_g)[self.floors] + a_g
         u = q[self.floors]
-        shear = self.laws.shears(drift, self.b)
+        resisting = self.laws.shears(drift, self.b)
+        shear = c.storey @ resisting
         struck = np.abs(self.columns(shear, force)).reshape(-1, shear.shape[1])
         closing = closing / c.cosine[:, None]
-        return np.vstack((np.abs(shear), np.abs(drift), np.abs(total), u, -u, np.abs(force), closing, struck))
+        values = [np.abs(shear), np.abs(c.travel @ q), np.abs(total), u, -u, np.abs(force), closing, struck]
+        if self.turns.size:
+            values += [np.abs(resisting), np.abs(drift), np.abs(c.edges @ q), np.abs(q[self.turns])]
+        return np.vstack(values)
 
     def columns(self, shear: np.ndarray, force: np.ndarray) -> list[np.ndarray]:
         """Shear below and above the end of every link on columns whose share of the storey is given: cuts through a
@@ -239,14 +257,18 @@ class _Run:
         c, floors = self.c, self.floors
         q, rate = self.split(self.y)
         assert self.peak is not None
-        s, n, m = c.stiffness.size, floors.size, self.links
-        parts = np.split(self.peak, np.cumsum([s, s, n, n, n, m, m]))
+        s, n, m = c.travel.shape[0], floors.size, self.links
+        struck = 2 * sum(bool(link.columns) for link in self.scene.links)
+        free = np.isfinite(c.mass)
+        lines = c.stiffness.size if self.turns.size else 0
+        sizes = [s, s, n, n, n, m, m, struck, lines, lines, c.edges.shape[0]]
+        parts = np.split(self.peak, np.cumsum(sizes))
         work = dict(zip(("input", "damping", "storeys", "links"), self.y[-4:], strict=True))
         return Result(
             parts[0], parts[1], parts[2], parts[3], -parts[4], parts[5], parts[6],
             self.y[2 * self.n : 2 * self.n + m].copy(), self.contact_time, self.impacts,
-            q[floors], rate[floors], work | {"kinetic": float(c.mass @ rate**2 / 2), "springs": float(q @
-            c.springs @ q / 2)}, parts[7], self.changes,
+            q[floors], rate[floors], work | {"kinetic": float(c.mass[free] @ rate[free] ** 2 / 2), "springs": float(q @
+            c.springs @ q / 2)}, *parts[7:], q[self.turns], rate[self.turns], self.changes,
         )  # fmt: skip
 
 

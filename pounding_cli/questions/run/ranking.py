@@ -11,6 +11,7 @@ import numpy as np
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import join_limited
+from pounding_cli.questions.run.twist import does_twist, line_values
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import is_void
@@ -32,16 +33,25 @@ MEASURES = ((Analysis.ELASTIC, "V_ratio"), (Analysis.INELASTIC, "mu_ratio"), (An
 
 @dataclass(frozen=True)
 class Worst:
-    """The worst response of any building in a case: the largest mean over the motions of any storey.
+    """The worst response of any building in a case: the largest mean over the motions of any storey, or of any frame
+    line where floors twist.
 
     value : [-]
     storey : from 1
+    line : frame line from 1, of floors that twist; 0 of others
     """
 
     case: str
     value: float
     building: str
     storey: int
+    line: int = 0
+
+    @property
+    def place(self) -> str:
+        """Building, frame line where its floors twist, and storey."""
+        line = f"line {self.line}, " if self.line else ""
+        return f"{self.building}, {line}storey {self.storey}"
 
 
 @dataclass(frozen=True)
@@ -69,12 +79,11 @@ class Ranking:
         """
         best = self.worst[0]
         label = f"{'mean ' if motions > 1 else ''}{column_of(self.variable).label}"
-        where = f"{best.building}, storey {best.storey}"
         others = self.worst[len(self.best_cases) :]
         flagged = [f"flagged: {join_limited(flags, MAX_NAMES)}"] if flags else []
         next_best = [f"next {others[0].case}, {others[0].value:#.3g}"] if others else []
         last = [f"last {others[-1].case}, {others[-1].value:#.3g}"] if len(others) > 1 else []
-        details = "; ".join([where, *flagged, *next_best, *last])
+        details = "; ".join([best.place, *flagged, *next_best, *last])
         return f"{self.analysis} {label} {best.value:#.3g} ({details})"
 
 
@@ -100,23 +109,24 @@ def _iter_worst(shown: Evidence, analysis: str, variable: str) -> Iterator[Worst
     for case in shown.cases:
         if not _is_comparable(shown, case, analysis):
             continue
-        worst = [
-            Worst(case, float(np.nanmax(means)), building, int(np.nanargmax(means)) + 1)
-            for building in shown.buildings_without_walls
-            if np.isfinite(means := mean_over_motions(shown, variable, case, analysis, building)).any()
-        ]
+        worst = []
+        for building in shown.buildings_without_walls:
+            means = mean_over_motions(shown, variable, case, analysis, building)
+            if np.isfinite(means).any():
+                storey, *line = (int(each) + 1 for each in np.unravel_index(int(np.nanargmax(means)), means.shape))
+                worst.append(Worst(case, float(np.nanmax(means)), building, storey, *line))
         if worst:
             yield max(worst, key=lambda each: each.value)
 
 
 def mean_over_motions(shown: Evidence, variable: str, case: str, analysis: str, building: str) -> np.ndarray:
-    """Return the mean of a response over the motions, NaN where there is none, shape (storeys,)."""
+    """Return the mean of a response over the motions, NaN where there is none, shape (storeys,); of a building whose
+    floors twist that of its frame lines along the row, shape (storeys, lines)."""
     place = {"case": case, "analysis": analysis, "building": building}
-    if f"{variable}_mean" in shown.results.arrays:  # of ratios
-        mean: np.ndarray = shown.values(f"{variable}_mean", **place)
-        return mean
-    values: np.ndarray = shown.values(variable, **place)
-    return values.mean(axis=0)
+    is_ratio = f"{variable}_mean" in shown.results.arrays
+    name = f"{variable}_mean" if is_ratio else variable
+    values = line_values(shown, f"line_{name}", **place) if does_twist(shown, building) else shown.values(name, **place)
+    return values if is_ratio else values.mean(axis=0)
 
 
 def _is_comparable(shown: Evidence, case: str, analysis: str) -> bool:

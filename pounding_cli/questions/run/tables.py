@@ -12,6 +12,7 @@ import pandas as pd
 
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import NOTHING, count_histories, pluralize
+from pounding_cli.questions.run.twist import CONTACT_MARK, replace_by_lines
 from pounding_cli.report.evidence import MARK, RESPONSES, Evidence, list_acting_keys
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
@@ -21,9 +22,6 @@ from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
-
-CONTACT_MARK = "*"
-"""Stands behind an acceleration that the contact stiffness governs."""
 
 BEYOND_MARK = "‡"
 """Stands behind a ductility far beyond the range of the storey law."""
@@ -38,7 +36,8 @@ class Peak:
     name : of its column in the table of peaks
     label : heading
     of : column of results that has its unit
-    rows : of all storeys, floors or struck columns, with a column `name`
+    rows : of all storeys, floors or struck columns, with a column `name`; their column `part`, where they have it, says
+        in which part of a floor that twists the value stands: "line 1", "high edge"
     level : "storey" or "floor"
     """
 
@@ -53,7 +52,7 @@ def build_peaks_table(results: ResultTables) -> Table:
     """Return the peak responses of every case and analysis, over buildings, storeys, motions and points of the sweep.
 
     A row has, for every quantity NAME, the value NAME, that of the same place of the building alone NAME_alone, and
-    the place NAME_building, NAME_level, NAME_record and NAME_point.
+    the place NAME_building, NAME_level, NAME_part, NAME_record and NAME_point.
     """
     scene = results.scene()
     histories = scene[["case", "analysis"]].drop_duplicates().reset_index(drop=True)
@@ -145,17 +144,16 @@ def mean_ratios(shown: Evidence, case: str, analysis: str, building: str, ratio:
 
 
 def _list_quantities(results: ResultTables, scene: pd.DataFrame) -> Iterator[Peak]:
-    names = ["mu", "mu0", "mu_ratio", "V_ratio", "drift", "drift0", "drift_ratio"]
+    edges = ["edge_drift_low", "edge_drift_high", "edge_drift", "edge_drift0", "edge_drift_ratio"]
+    has_edges = "edge_drift" in results.arrays
+    names = ["mu", "mu0", "mu_ratio", "V_ratio", "drift", "drift0", "drift_ratio", *edges * has_edges]
     storey = _without_walls(results, results.storey(*names))  # no more: sweeps may be long
-    is_inelastic = storey["analysis"] == Analysis.INELASTIC
-    demand = storey.assign(mu=storey["mu"].where(is_inelastic), mu_alone=storey["mu0"])
-    yield Peak("mu", "μ", "mu", demand)
-    ratio = storey.assign(ratio=storey["mu_ratio"].where(is_inelastic, storey["V_ratio"]))
-    yield Peak("ratio", _ratio_label(scene["analysis"].unique().tolist()), "mu_ratio", ratio)
-    drift = storey["drift"].where(storey["drift"] > 0)
-    alone = storey["drift_ratio"] * storey["drift0"] / drift
-    drifts = storey.rename(columns={"drift": "drift_length"})
-    yield Peak("drift", "drift", "drift_ratio", drifts.assign(drift=storey["drift_ratio"], drift_alone=alone))
+    demand = replace_by_lines(results, storey)
+    is_inelastic = demand["analysis"] == Analysis.INELASTIC
+    yield Peak("mu", "μ", "mu", demand.assign(mu=demand["mu"].where(is_inelastic), mu_alone=demand["mu0"]))
+    ratio = demand["mu_ratio"].where(is_inelastic, demand["V_ratio"])
+    yield Peak("ratio", _ratio_label(scene["analysis"].unique().tolist()), "mu_ratio", demand.assign(ratio=ratio))
+    yield _find_drifts(storey, "edge_drift" if has_edges else "drift")
     floor = _without_walls(results, results.floor("acceleration"))
     yield Peak("acceleration", "acceleration", "acceleration", floor, "floor")
     struck = _without_walls(results, results.struck())
@@ -163,6 +161,23 @@ def _list_quantities(results: ResultTables, scene: pd.DataFrame) -> Iterator[Pea
     has_joints = not loaded["kind"].map(results.is_contact).all()
     label = "loaded columns" if has_joints else "struck columns"
     yield Peak("struck_columns", label, "shear_demand", loaded.assign(struck_columns=loaded["shear_demand"]))
+
+
+def _find_drifts(storey: pd.DataFrame, name: str) -> Peak:
+    """Return the drifts of storeys over their height, with those of the buildings alone.
+
+    name : "drift", or "edge_drift" where floors twist, which says at which edge it is largest
+    """
+    drift = storey[name].where(storey[name] > 0)
+    drifts = storey.rename(columns={"drift": "drift_length"})
+    drifts = drifts.assign(
+        drift=storey[f"{name}_ratio"], drift_alone=storey[f"{name}_ratio"] * storey[f"{name}0"] / drift
+    )
+    if name == "edge_drift":
+        low, high = storey["edge_drift_low"], storey["edge_drift_high"]
+        edge = np.where(high > low, "high edge", "low edge")
+        drifts["part"] = np.where(np.isclose(low, high, rtol=1e-9), "", edge)
+    return Peak("drift", "drift", "drift_ratio", drifts)
 
 
 def _ratio_label(analyses: Sequence[str]) -> str:
@@ -185,6 +200,7 @@ def _find_places(results: ResultTables, peak: Peak) -> pd.DataFrame:
     places: dict[str, Any] = {
         f"{name}_building": rows["building"],
         f"{name}_level": rows[peak.level],
+        f"{name}_part": rows.get("part", ""),
         f"{name}_record": rows["record"],
         f"{name}_point": points,
     }
@@ -221,6 +237,7 @@ def _peak_column(results: ResultTables, peak: Peak) -> Column:
         if not np.isfinite(row[name]):
             return ""
         place = [row[f"{name}_building"], f"{peak.level} {row[f'{name}_level']:.0f}"]
+        place += [row[f"{name}_part"]] if row[f"{name}_part"] else []
         place += [row[f"{name}_record"]] if has_motions else []
         return "\n".join(filter(None, (", ".join(place), row[f"{name}_point"])))
 

@@ -14,10 +14,16 @@ from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.questions.run.ranking import describe_ranking
 from pounding_cli.questions.run.tables import (
     BEYOND_MARK,
-    CONTACT_MARK,
     PEAKS,
     build_means_table,
     build_peaks_table,
+)
+from pounding_cli.questions.run.twist import (
+    CONTACT_MARK,
+    does_twist,
+    does_twist_anywhere,
+    line_values,
+    list_twist_tables,
 )
 from pounding_cli.report.background import ADVICE, describe_accuracy, list_advice
 from pounding_cli.report.evidence import MARK, Evidence, describe_motions, find_nominal, list_acting_keys
@@ -64,6 +70,8 @@ class Change:
     peak, peak_storey, peak_motion : largest ratio of a single motion, and where
     motions : number of motions that the means are of
     is_apart : whether no link of the case acts under any motion
+    line, peak_line : where floors twist, the frame lines from 1 of the largest mean and of the largest ratio, and the
+        ratios are those of frame lines; 0 of others
     """
 
     case: str
@@ -75,6 +83,8 @@ class Change:
     peak_motion: str
     motions: int
     is_apart: bool
+    line: int = 0
+    peak_line: int = 0
 
     @property
     def is_rise(self) -> bool:
@@ -126,7 +136,8 @@ def list_tables(results: ResultTables) -> list[Table]:
     tables = [build_peaks_table(results)]
     if not np.isfinite(results.values("V_ratio")).any():
         return tables
-    return [*tables, build_means_table(find_nominal(results))]
+    shown = find_nominal(results)
+    return [*tables, build_means_table(shown), *list_twist_tables(shown)]
 
 
 def list_notes(results: ResultTables) -> list[str]:
@@ -156,23 +167,30 @@ def find_changes(shown: Evidence, building: str, response: Response) -> list[Cha
     changes = []
     for case in cases:
         place = {"case": case, "analysis": response.analysis, "building": building}
-        ratios = shown.values(response.ratio, **place)
-        means = shown.values(f"{response.ratio}_mean", **place)
+        if does_twist(shown, building):
+            ratios = line_values(shown, f"line_{response.ratio}", **place)
+            means = line_values(shown, f"line_{response.ratio}_mean", **place)
+        else:
+            ratios = shown.values(response.ratio, **place)
+            means = shown.values(f"{response.ratio}_mean", **place)
         is_meaningless = _count_meaningless(shown, case, response.analysis) == len(ratios)
         if not _has_links(shown, case) or is_meaningless or not np.isfinite(means).any():
             continue
-        motion, storey = np.unravel_index(int(np.nanargmax(ratios)), ratios.shape)
+        motion, *peak_place = (int(each) for each in np.unravel_index(int(np.nanargmax(ratios)), ratios.shape))
+        mean_place = [int(each) for each in np.unravel_index(int(np.nanargmax(means)), means.shape)]
         changes.append(
             Change(
                 case=shown.mark_case(case),
                 highest=float(np.nanmax(means)),
-                storey=int(np.nanargmax(means)) + 1,
+                storey=mean_place[0] + 1,
                 lowest=float(np.nanmin(means)),
-                peak=float(ratios[motion, storey]),
-                peak_storey=int(storey) + 1,
+                peak=float(np.nanmax(ratios)),
+                peak_storey=peak_place[0] + 1,
                 peak_motion=shown.names("record")[motion],
-                motions=int(np.isfinite(ratios).any(axis=1).sum()),
+                motions=int(np.isfinite(ratios.reshape(len(ratios), -1)).any(axis=1).sum()),
                 is_apart=not _acts(shown, case, response.analysis),
+                line=mean_place[1] + 1 if mean_place[1:] else 0,
+                peak_line=peak_place[1] + 1 if peak_place[1:] else 0,
             )
         )
     return sorted(changes, key=lambda change: -change.highest)
@@ -204,34 +222,49 @@ def describe_changes(changes: Sequence[Change], building: str, noun: str, motion
     rises = [change for change in changes if change.is_rise]
     falls = sorted((change for change in changes if change.is_fall), key=lambda change: change.lowest)
     unchanged = [change for change in changes if not (change.is_rise or change.is_fall)]
-    subject = f"the {noun} of {building}"
     clauses = []
+    subject = f"the {noun} of {building}"
+    afterwards = "them"
+    named_line = 0
+    if any(change.line for change in changes):  # floors twist
+        noun = noun.replace("storey shears", "shears")
+        subject = f"the {noun} of the lines of {building}"
+        lines = {change.line for change in rises}
+        if len(lines) == 1:
+            named_line = lines.pop()
+            subject = f"the {noun} of line {named_line} of {building}"
+            afterwards = "those of all its lines"
     for verb, group in (("raises", rises), ("lowers", falls)):
         if group:
-            clauses.append(_describe_group(verb, group, subject, motions))
-            subject = "them"
+            clauses.append(_describe_group(verb, group, subject, motions, named_line))
+            subject = afterwards
     if unchanged:
         clauses.append(_describe_unchanged(unchanged, subject))
     return f"{'; '.join(clauses)}."
 
 
-def _describe_group(verb: str, group: Sequence[Change], subject: str, motions: int) -> str:
+def _describe_group(verb: str, group: Sequence[Change], subject: str, motions: int, named_line: int) -> str:
+    """Return a clause on the cases that raise or lower a response.
+
+    named_line : frame line that the subject names, 0 where it names none
+    """
     first, *others = group
-    clause = f"case {first.case} {verb} {subject} {first.amount} ({_describe_details(first, motions)})"
+    clause = f"case {first.case} {verb} {subject} {first.amount} ({_describe_details(first, motions, named_line)})"
     if len(others) < MAX_CASES:
         return ", ".join([clause, *(f"{change.case} {change.amount}" for change in others)])
     most, least = others[0], others[-1]
     return f"{clause}, {len(others)} others by {least.size} ({least.case}) to {most.size} ({most.case})"
 
 
-def _describe_details(change: Change, motions: int) -> str:
+def _describe_details(change: Change, motions: int, named_line: int) -> str:
     """Return where a change is largest, and the largest rise of a single motion."""
-    storey = f"storey {change.storey}" if change.is_rise else ""
+    storey = _format_place(change.line, change.storey, named_line) if change.is_rise else ""
     if motions == 1:
         return storey or _describe_highest(change)
     known = str(motions) if change.motions == motions else f"{change.motions} of {motions}"
     mean = f"mean of {known} motions" if change.motions > 1 else f"{change.peak_motion} alone of {motions} motions"
-    place = [f"storey {change.peak_storey}"] if change.peak_storey != change.storey or not change.is_rise else []
+    is_elsewhere = (change.peak_line, change.peak_storey) != (change.line, change.storey) or not change.is_rise
+    place = [_format_place(change.peak_line, change.peak_storey, named_line)] if is_elsewhere else []
     if change.peak > 1 + MIN_CHANGE:
         word = "largest" if change.is_rise else "but largest rise"
         peak = ", ".join([f"{word} {_format_rise(change.peak)}", *place, change.peak_motion])
@@ -245,7 +278,15 @@ def _describe_details(change: Change, motions: int) -> str:
 def _describe_highest(change: Change) -> str:
     """Return by how little a case lowers a response at least."""
     least = 1 - change.highest
-    return f"by {_format_percent(least)} or more in every storey" if least > MIN_CHANGE else "no storey rises"
+    part = "storey of every line" if change.line else "storey"
+    if least > MIN_CHANGE:
+        return f"by {_format_percent(least)} or more in every {part}"
+    return "no line rises" if change.line else "no storey rises"
+
+
+def _format_place(line: int, storey: int, named_line: int) -> str:
+    """Return a storey in words, with its frame line where floors twist and the sentence names another one or none."""
+    return f"storey {storey}" if line == named_line else f"line {line}, storey {storey}"
 
 
 def _describe_unchanged(group: Sequence[Change], subject: str) -> str:
@@ -384,7 +425,8 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
     for response in (ELASTIC_SHEARS, DUCTILITIES):
         if response.analysis not in shown.analyses:
             continue
-        array = results.arrays[f"{response.ratio}_mean"]
+        by_line = does_twist_anywhere(results, shown.main_building)
+        array = results.arrays[f"{'line_' * by_line}{response.ratio}_mean"]
         analysis = array.dims.index("analysis")
         building = array.dims.index("building")
         means = array.values.take([shown.analyses.index(response.analysis)], analysis)
@@ -393,8 +435,9 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
             continue
         place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
         ratio = float(np.nanmax(means))
+        noun = response.noun.replace("storey shears", "shears of lines") if by_line else response.noun
         if ratio <= 1 + MIN_CHANGE:
-            sentences.append(f"Nowhere in the sweep do the {response.noun} of {shown.main_building} rise.")
+            sentences.append(f"Nowhere in the sweep do the {noun} of {shown.main_building} rise.")
             continue
         case = shown.cases[place["case"]]
         point = {key: results.axes[key][place[keys[0]]] for keys in results.swept for key in keys if keys[0] in place}
@@ -404,9 +447,10 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
         motions = len(shown.names("record"))
         mean = f", mean of {motions} motions" if motions > 1 else ""
         where = f"at {', '.join(words)}" if words else f"in case {case}, which the sweep does not change"
-        details = f"storey {place['storey'] + 1}{mean}"
+        line = int(place["line"]) + 1 if by_line else 0
+        details = f"{_format_place(line, int(place['storey']) + 1, 0)}{mean}"
         sentences.append(
-            f"Over the sweep the {response.noun} of {shown.main_building} rise most {where}: {amount} "
+            f"Over the sweep the {noun} of {shown.main_building} rise most {where}: {amount} "
             f"({f'case {case}, {details}' if words else details})."
         )
     return sentences
@@ -426,6 +470,11 @@ def _explain_table(results: ResultTables) -> list[str]:
     words.append(f"{ratio}: ratio to the same building alone")
     words.append("alone: the same storey of the same building alone, under the same motion")
     words.append("drift in % of the storey height")
+    if any(does_twist_anywhere(results, name) for name in results.names("building")):
+        words.append(
+            "where floors twist, μ and ratios are those of frame lines, and drift is that of an edge of the plan; V/V₀ "
+            "and μ/μ₀ of storeys are of the sum of their lines and of the line that governs"
+        )
     if "gap" in results.arrays:
         words.append(
             "gap: largest closing of two floors; floors in contact press into each other by the penetration, which the "

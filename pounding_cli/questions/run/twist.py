@@ -1,0 +1,286 @@
+"""Tables of buildings whose floors twist: their frame lines, the edges of their floors, and contact by place along the
+street."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from pounding_cli.model.scene import Analysis
+from pounding_cli.report.evidence import Evidence
+from pounding_cli.results.columns import column_of
+from pounding_cli.tables import Column, FormatRow, Row, Table
+from pounding_cli.variables import SCENE_DIMS
+
+if TYPE_CHECKING:
+    from pounding_cli.results.results import ResultTables
+
+MIN_TWIST = 1e-9
+"""Rotation of a floor up to which it is rounding [rad]."""
+
+CONTACT_MARK = "*"
+"""Stands behind an acceleration or a force that the contact stiffness governs."""
+
+
+def does_twist(shown: Evidence, building: str) -> bool:
+    """Return whether floors of a building twist in any time history, with its neighbours or alone."""
+    if "twist" not in shown.results.arrays:
+        return False
+    turns = [shown.values(name, building=building) for name in ("twist", "twist0")]
+    return bool((np.nan_to_num(turns) > MIN_TWIST).any())
+
+
+def does_twist_anywhere(results: ResultTables, building: str) -> bool:
+    """Return whether floors of a building twist in any time history at any point of the sweep."""
+    if "twist" not in results.arrays:
+        return False
+    place = results.names("building").index(building)
+    turns = [results.values(name)[..., place, :] for name in ("twist", "twist0")]
+    return bool((np.nan_to_num(turns) > MIN_TWIST).any())
+
+
+def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.ndarray:
+    """Return a variable of the frame lines of a building, NaN of those across the row, shape (..., storeys, lines)."""
+    is_along = np.isfinite(shown.values("line_y", building=building))
+    return np.where(is_along, shown.values(name, building=building, **places), np.nan)
+
+
+def replace_by_lines(results: ResultTables, storey: pd.DataFrame) -> pd.DataFrame:
+    """Return rows of storeys, those of floors that twist replaced by rows of their frame lines along the row.
+
+    storey : swept keys, case, analysis, record, building, storey, V_ratio, mu, mu0, mu_ratio; other columns are left
+        out of lines
+
+    The column `part` has the line in words, "" of storeys whose floors do not twist.
+    """
+    if "line" not in results.arrays:
+        return storey.assign(part="")
+    keys = [*results.axes, *SCENE_DIMS, "building"]
+    turns = results.floor("twist", "twist0")
+    twisting = turns[(turns[["twist", "twist0"]] > MIN_TWIST).any(axis=1)][keys].drop_duplicates()
+    lines = results.line("V_ratio", "mu", "mu0", "mu_ratio", "y")
+    lines = lines[lines["y"].notna()].merge(twisting, on=keys)
+    lines["part"] = "line " + lines["line"].astype(str)
+    others = storey.merge(twisting, on=keys, how="left", indicator="side")
+    others = others[others["side"] == "left_only"].drop(columns="side").assign(part="")
+    return pd.concat([others, lines], ignore_index=True) if len(lines) else others
+
+
+def list_twist_tables(shown: Evidence) -> list[Table]:
+    """Return the tables of buildings that twist and of contact by place; none where nothing twists."""
+    twisting = [name for name in shown.buildings_without_walls if does_twist(shown, name)]
+    if not twisting:
+        return []
+    tables = [_build_line_table(shown, twisting), _build_edge_table(shown, twisting), _build_place_table(shown)]
+    return [table for table in tables if len(table.frame)]
+
+
+# Frame lines
+
+
+def _build_line_table(shown: Evidence, twisting: list[str]) -> Table:
+    """Return the mean responses of the frame lines of buildings that twist, each in the storey where it is largest."""
+    rows = [
+        row
+        for case, analysis, building in product(shown.cases, shown.analyses, twisting)
+        for row in _iter_lines(shown, case, analysis, building)
+    ]
+    columns = [
+        *(column_of(name) for name in ("case", "analysis", "building")),
+        Column("line", "frame line", below=_format_line_place),
+        replace(_with_alone("V", "V"), optional=True),
+        _with_storey("V_ratio", "V/V₀"),
+        _with_alone("mu", "μ"),
+        _with_storey("mu_ratio", "μ/μ₀"),
+        replace(_with_alone("drift_ratio", "drift"), optional=True),
+    ]
+    frame = pd.DataFrame(rows)
+    if len(frame):
+        columns = [column for column in columns if column.name not in frame or frame[column.name].notna().any()]
+    return Table("", frame, columns, f"Frame lines of floors that twist: largest of all storeys{_over_motions(shown)}")
+
+
+def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Iterator[dict[str, Any]]:
+    """Yield a row for every frame line of a building: the largest means over the motions of all storeys, the same
+    storey alone, and the storeys of the largest ratios."""
+    place = {"case": case, "analysis": analysis, "building": building}
+    means = {
+        name: shown.values(f"line_{name}", **place).mean(axis=0)
+        for name in ("V", "V0", "mu", "mu0", "drift", "drift0", "drift_ratio")
+    }
+    means |= {name: shown.values(f"line_{name}_mean", **place) for name in ("V_ratio", "mu_ratio")}
+    if analysis == Analysis.ELASTIC:
+        for name in ("mu", "mu0", "mu_ratio"):
+            means[name] = np.full_like(means[name], np.nan)
+    with np.errstate(invalid="ignore"):
+        means["drift_ratio0"] = means["drift_ratio"] * means["drift0"] / np.where(means["drift"] > 0, means["drift"], 1)
+    along = shown.values("line_y", building=building)
+    across = shown.values("line_x", building=building)
+    for number in np.flatnonzero(np.isfinite(along) | np.isfinite(across)).tolist():
+        row: dict[str, Any] = {"case": shown.mark_case(case), "analysis": analysis, "building": building}
+        row |= {"line": number + 1, "y": along[number], "x": across[number]}
+        for name in ("V", "V_ratio", "mu", "mu_ratio", "drift_ratio"):
+            by_storey = means[name][:, number]
+            known = np.isfinite(by_storey).any()
+            storey = int(np.nanargmax(by_storey)) if known else 0
+            row |= {name: by_storey[storey] if known else np.nan, f"{name}_storey": storey + 1}
+            if f"{name}0" in means:
+                row[f"{name}_alone"] = means[f"{name}0"][storey, number]
+        if np.isfinite(row["V"]):
+            yield row
+
+
+def _format_line_place(row: Row) -> str:
+    """Return the place of a frame line: along the street, or of one across the row from the centre of mass."""
+    return f"y {_format_length(row['y'])}" if np.isfinite(row["y"]) else f"across, x {_format_length(row['x'])}"
+
+
+def _format_length(value: float) -> str:
+    """Return a length in metres as it is written."""
+    return f"{round(value, 2) + 0.0:g} m".replace("-", "−")
+
+
+def _with_alone(name: str, label: str) -> Column:
+    """Return the column of a response, that of the building alone below it."""
+    of = column_of(f"line_{name}")
+    number = Column(name, of.text, of.unit, label, digits=3)
+
+    def write_alone(row: Row) -> str:
+        alone = row[f"{name}_alone"]
+        return f"alone {number.format(alone)}" if np.isfinite(alone) else ""
+
+    return Column(name, of.text, of.unit, label, digits=3, below=write_alone)
+
+
+def _with_storey(name: str, label: str) -> Column:
+    """Return the column of a ratio, its storey below it."""
+
+    def write_storey(row: Row) -> str:
+        return f"storey {row[f'{name}_storey']:.0f}" if np.isfinite(row[name]) else ""
+
+    of = column_of(f"line_{name}")
+    return Column(name, of.text, of.unit, label, digits=3, below=write_storey)
+
+
+# Edges
+
+
+def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
+    """Return the mean drifts at the edges and the centre of mass of buildings that twist, and their twist; each the
+    largest of all storeys or floors."""
+    rows = []
+    for case, analysis, building in product(shown.cases, shown.analyses, twisting):
+        place = {"case": case, "analysis": analysis, "building": building}
+        height = shown.values("height", building=building)
+        row: dict[str, Any] = {**place, "case": shown.mark_case(case)}
+        for name in ("edge_drift_low", "drift", "edge_drift_high", "twist"):
+            scale = 1.0 if name == "twist" else height
+            for state in ("", "0"):
+                mean = (shown.values(f"{name}{state}", **place) / scale).mean(axis=0)
+                row[f"{name}{state}"] = np.nanmax(mean) if np.isfinite(mean).any() else np.nan
+        if np.isfinite(row["twist"]):
+            rows.append(row)
+    drift = column_of("edge_drift_ratio").unit
+    twist = column_of("twist").unit
+
+    def build_column(name: str, label: str, unit: Any) -> Column:
+        number = Column(name, column_of(name).text, unit, label, digits=3)
+
+        def write_alone(row: Row) -> str:
+            return f"alone {number.format(row[f'{name}0'])}" if np.isfinite(row[f"{name}0"]) else ""
+
+        return Column(name, number.text, unit, label, digits=3, below=write_alone)
+
+    columns = [
+        *(column_of(name) for name in ("case", "analysis", "building")),
+        build_column("edge_drift_low", "low edge", drift),
+        replace(build_column("drift", "centre", drift), optional=True),
+        build_column("edge_drift_high", "high edge", drift),
+        build_column("twist", "twist", twist),
+    ]
+    caption = (
+        "Drift of floors that twist at the edges of the plan and at the centre of mass: largest of all storeys"
+        f"{_over_motions(shown)}"
+    )
+    return Table("", pd.DataFrame(rows), columns, caption)
+
+
+# Contact by place
+
+
+def _build_place_table(shown: Evidence) -> Table:
+    """Return contacts, forces and closings of every case by place along the street, over all floors and motions."""
+    link = shown.link
+    rows: list[dict[str, Any]] = []
+    has_places = "y" in link and len(link)
+    if has_places:
+        link = link.assign(y=link["y"].round(6))
+        keys = ["case", "analysis", "left", "right", "y"]
+        for place, here in link.groupby(keys, sort=False):
+            if not np.isfinite(here["peak_force"]).any():
+                continue
+            force = here.iloc[int(here["peak_force"].argmax())]
+            closing = here.iloc[int(here["max_closing"].argmax())]
+            rows.append(
+                dict(zip(keys, place, strict=True))
+                | {
+                    "pair": f"{force['left']}|{force['right']}",
+                    "contacts": here.groupby("record", sort=False)["impacts"].sum().mean(),
+                    "peak_force": force["peak_force"],
+                    "force_floors": _format_floors(force),
+                    "max_closing": closing["max_closing"],
+                    "closing_floors": _format_floors(closing),
+                    "is_blow": shown.results.is_contact(force["kind"]) and force["peak_force"] > 0,
+                }
+            )
+        shared = [tuple(row[key] for key in keys[:-1]) for row in rows]
+        rows = [row for row, pair in zip(rows, shared, strict=True) if shared.count(pair) > 1]
+    force_column = column_of("peak_force")
+    number = Column("peak_force", force_column.text, force_column.unit, digits=3)
+
+    def write_force(row: Row) -> str:
+        return f"{number.format(row['peak_force'])}{f' {CONTACT_MARK}' if row['is_blow'] else ''}"
+
+    def below(name: str) -> FormatRow:
+        return lambda row: str(row[name])
+
+    closing_column = column_of("max_closing", shown.results.units)
+    columns = [
+        *(column_of(name) for name in ("case", "analysis")),
+        Column("pair", "buildings", label="between"),
+        Column("y", "place along the street", column_of("y").unit, "y"),
+        Column("contacts", "number of contacts of all floors", label="contacts", write=_format_contacts, is_right=True),
+        Column("peak_force", number.text, number.unit, "force", write=write_force, below=below("force_floors")),
+        Column(
+            "max_closing", closing_column.text, closing_column.unit, "closing", digits=3,
+            below=below("closing_floors"), optional=True,
+        ),
+    ]  # fmt: skip
+    many = len(shown.names("record")) > 1
+    over = "force and closing the largest of all floors"
+    over = f"contacts the mean of the motions, {over} and motions" if many else f"contacts of all floors, {over}"
+    point = f", at {shown.label}" if shown.label else ""
+    return Table("", pd.DataFrame(rows), columns, f"Contact by place y along the street: {over}{point}")
+
+
+def _format_contacts(row: Row) -> str:
+    return f"{row['contacts']:.1f}".removesuffix(".0")
+
+
+def _format_floors(link: Any) -> str:
+    """Return the floors that a link joins: "floor 3", "floors 3|2" where they differ."""
+    if link["floor"] == link["right_floor"]:
+        return f"floor {link['floor']}"
+    return f"floors {link['floor']}|{link['right_floor']}"
+
+
+def _over_motions(shown: Evidence) -> str:
+    """Return what the means are over, and the point of a sweep, as they stand in captions."""
+    motions = len(shown.names("record"))
+    mean = f", mean of {motions} motions" if motions > 1 else ""
+    return f"{mean}{f', at {shown.label}' if shown.label else ''}"
