@@ -58,7 +58,9 @@ def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
         widths.append(f"{gaps} {evidence.unit.name} {_describe_kind(row, number)}")
     shares = ", ".join(f"{100 * share:.0f} %" for share in NEIGHBOUR_SHARES)
     needs = f"for {shares} {where}the gap is {'; '.join(widths)}"
-    return f"Over {count}: {'; '.join([*parts, needs])}."
+    point = evidence.shown.format_point(rows)
+    over = f"At {point}, over" if point else "Over"
+    return f"{over} {count}: {'; '.join([*parts, needs])}."
 
 
 def _describe_kind(row: Row, number: int) -> str:
@@ -108,6 +110,6 @@ def note_median(results: ResultTables) -> str:
     if not names or NEIGHBOURS_TABLE not in results.answers:
         return ""
     return (
-        f"All numbers but those over what {join_limited(names)} may be are of the median building, which `pound run` "
-        "simulates; `pound check` lists where its numbers come from and how uncertain they are."
+        f"Annual rates are over what {join_limited(names)} may be too; all other numbers but the first ones are of the "
+        "median building, which `pound run` simulates. `pound check` lists its numbers with their sources."
     )

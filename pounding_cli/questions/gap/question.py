@@ -113,12 +113,12 @@ class Gap(StudyQuestion):
         arrays = solver.solve_arrays(plan)
         separations = build_separations(plan, self.spec, arrays)
         distances = build_distances(plan, self.spec, arrays)
+        basis = self._build_rate_basis(separations)
         of_neighbours: list[Table] = []
         if self.neighbours is not None:
             of_neighbours = build_neighbour_tables(self.study, plan, separations)
             separations = select_median(separations, len(self.neighbours))
             distances = select_median(distances, len(self.neighbours))
-        basis = self._build_rate_basis(separations)
         tables = [
             build_statistics_table(plan, GAP_TABLE, self.spec, separations),
             build_cases_table(self.study, plan, separations),
@@ -139,4 +139,5 @@ class Gap(StudyQuestion):
             return None
         from pounding_cli.questions.gap.rate import build_rate_basis  # with scipy: few studies need it
 
-        return build_rate_basis(self.plan, self.intensity_axis, self.intensities, self.hazard, separations)
+        buildings = 1 if self.neighbours is None else len(self.neighbours)
+        return build_rate_basis(self.plan, self.intensity_axis, self.intensities, self.hazard, separations, buildings)

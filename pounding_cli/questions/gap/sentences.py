@@ -353,7 +353,7 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
     share = column.name.removeprefix("contact_")
     sentence = f"A probability of contact of {share} % at {floors}{where} needs {', '.join(widths)}."
-    return _add_point(evidence.shown.format_point(evidence.gaps), sentence)
+    return _add_point(evidence.shown.label, sentence)
 
 
 def _add_point(point: str, sentence: str) -> str:
