@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from pounding_cli.numbers import Unit, pluralize
+from pounding_cli.numbers import Unit, join_limited, pluralize
 from pounding_cli.study.archetypes import KEY, Seen, is_sample_key, list_seen
 from pounding_cli.study.axes import Axis, sweep_maps
 
@@ -61,3 +61,20 @@ def describe_seen(building: Mapping[str, Any], name: str) -> str:
     """
     seen = building[KEY]
     return f"{name} ({seen['type']}, {seen['design']}, {pluralize(seen['storeys'], 'storey')})"
+
+
+def note_median_buildings(results: ResultTables) -> str:
+    """Return which buildings are the median ones of what they may be; "" where all are certain."""
+    buildings = results.resolved["buildings"]
+    seen = []
+    for name in dict.fromkeys(results.resolved["group"]):
+        archetype = buildings[name].get(KEY)
+        if archetype and archetype["uncertain"] and archetype["sample"] == 0:
+            seen.append(describe_seen(buildings[name], name))
+    if not seen:
+        return ""
+    is_are = "is the median building" if len(seen) == 1 else "are the median buildings"
+    return (
+        f"{join_limited(seen)} {is_are} of what it may be, seen from the street: `pound gap` and `pound fragility` "
+        "answer over the others too, `pound check` lists the numbers with their sources."
+    )
