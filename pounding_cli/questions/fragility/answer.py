@@ -11,7 +11,7 @@ import pandas as pd
 
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.bootstrap import build_estimate, draw_motions
-from pounding_cli.questions.fragility.curves import Curve, find_brackets, fit_curve
+from pounding_cli.questions.fragility.curves import Curve, Outcome, find_brackets, fit_curve
 from pounding_cli.questions.fragility.demands import UNDECIDED, CurvePlace, find_demands
 from pounding_cli.questions.fragility.tables import (
     CONTRIBUTIONS,
@@ -149,17 +149,29 @@ def _observe(
 
 
 def _compare_with_median(curve: Curve, of_median: Curve, neighbours: int) -> dict[str, float]:
-    """Return the columns that compare a curve over what a neighbour may be with that of its median building."""
-    spread, spread_of_median = (each.columns.get("spread", np.nan) for each in (curve, of_median))
+    """Return the columns that compare a curve over what a neighbour may be with that of its median building.
+
+    Where the intensities at which motions hold and pass do not overlap, these scatter by less than the step: by 0.
+    """
+    medians = np.full(2, np.nan)
+    spreads = np.full(2, np.nan)
+    for number, each in enumerate((curve, of_median)):
+        if each.columns["outcome"] in (Outcome.FITTED, Outcome.SEPARATED):
+            medians[number] = each.fits.median[0]
+            spreads[number] = each.fits.spread[0]
+    median, median_of_median = medians.tolist()
+    spread, spread_of_median = spreads.tolist()
     added = spread**2 - spread_of_median**2
-    widening = np.sqrt(added) if added > MIN_ADDED * spread**2 else 0.0 * spread
+    widening = 0.0 * added  # NaN where one of both is not known
+    if added > MIN_ADDED * spread**2:
+        widening = added**0.5
     return {
         "neighbours": neighbours,
-        "median": curve.columns.get("median", np.nan),
+        "median": median,
         "spread": spread,
-        "median_of_median": of_median.columns.get("median", np.nan),
+        "median_of_median": median_of_median,
         "spread_of_median": spread_of_median,
-        "widening": float(widening),
+        "widening": widening,
     }
 
 

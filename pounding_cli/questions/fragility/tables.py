@@ -88,7 +88,13 @@ NEIGHBOUR_COLUMNS = (
     Column("median", "median capacity over these and over the motions"),
     Column("spread", "standard deviation of the logarithm of the capacity over both", NUMBER, "β both", digits=3),
     Column("median_of_median", "median capacity with the median building", label="median, median building"),
-    Column("spread_of_median", "that standard deviation with the median building", NUMBER, "β motions", digits=3),
+    Column(
+        "spread_of_median",
+        "that standard deviation with the median building; 0 where motions do not hold above where others pass",
+        NUMBER,
+        "β motions",
+        digits=3,
+    ),
     Column(
         "widening",
         "root of the difference of the squares of both: what is added as the neighbour is only seen, or 0",
