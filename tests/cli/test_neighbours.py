@@ -147,7 +147,7 @@ def test_curves_are_wider_over_what_the_neighbour_may_be(pound):
     ("mass: 100 t", "period: 0.4 s", {"yield.base_shear", "damping"}),
     ("neighbours: 4", "uncertain: false", set()),
     ("neighbours: 4", "neighbours: 4, sample: 2", set()),
-    ("estimate: none", "estimate: none\nsweep: {buildings.theirs.period: [0.3 s, 0.5 s]}", {"yield.base_shear", "damping"}),
+    ("estimate: none", "sweep: {buildings.theirs.period: [0.3 s, 0.5 s]}", {"yield.base_shear", "damping"}),
 ])  # fmt: skip
 def test_what_is_uncertain_of_it_is_varied(tmp_path, old, new, varied):
     """`pound sensitivity` varies what the study leaves to the type, beside what `uncertain:` names."""
