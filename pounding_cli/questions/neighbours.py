@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.results.results import ResultTables
     from pounding_cli.study import Study
+    from pounding_cli.tables import Table
 
 
 def list_drawn(study: Study) -> list[Seen]:
@@ -49,9 +50,12 @@ def build_neighbour_axis(question: StudyQuestion) -> Axis | None:
     return Axis(tuple(seen.sample_key for seen in drawn), rows, [marks] * len(rows), (Unit(),) * len(drawn))
 
 
-def list_drawn_names(results: ResultTables) -> list[str]:
-    """Return the building types of which a question drew several."""
-    return [key.split(".")[1] for key in results.axes if is_sample_key(key)]
+def list_drawn_names(results: ResultTables, table: Table) -> list[str]:
+    """Return the building types of which a question drew several; not those that the study sweeps.
+
+    table : over what they may be, which has no column of what is drawn
+    """
+    return [key.split(".")[1] for key in results.axes if is_sample_key(key) and not table.has(key)]
 
 
 def describe_seen(building: Mapping[str, Any], name: str) -> str:

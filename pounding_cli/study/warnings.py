@@ -760,13 +760,15 @@ def _hint_to_hold(study: Study, name: str, has_code_strength: bool) -> str:
     tree = resolve_like(study.tree["buildings"], name)
     default = BuildingSpec.model_fields["mass"].default
     mass = get(tree, "mass")
+    building = build_building(name, study.spec.buildings[name])
     period = get(tree, "period")
+    if period is None:  # of a building that is only seen
+        period = f"{building.periods[0]:.4g} s"
     hint = (
         f"to hold the stiffness, write `stiffness: {{period: {period}, mass: {default if mass is None else mass}}}` "
         "in place of `period`"
     )
     if has_code_strength:
-        building = build_building(name, study.spec.buildings[name])
         shears = ", ".join(f"{shear / 1e3:.5g} kN" for shear in building.yield_shear.tolist())
         hint += f"; to hold the yield shears too, `yield_shear: [{shears}]` in place of `yield`"
     return hint

@@ -21,7 +21,7 @@ def describe_drawn(results: ResultTables) -> str:
     """Return over what the curves are; "" where all buildings are certain."""
     if NEIGHBOURS not in results.answers:
         return ""
-    names = list_drawn_names(results)
+    names = list_drawn_names(results, results.answer(NEIGHBOURS))
     buildings = results.resolved["buildings"]
     count = int(results.answer(NEIGHBOURS).frame["neighbours"].iloc[0])
     seen = join_limited(describe_seen(buildings[name], name) for name in names)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from pounding_cli.numbers import format_number, join_limited
+from pounding_cli.numbers import format_number, join_limited, pluralize
 from pounding_cli.questions.gap.evidence import GapEvidence, describe_pair
 from pounding_cli.questions.gap.tables import (
     NEIGHBOUR_CASES_TABLE,
@@ -16,6 +17,8 @@ from pounding_cli.questions.neighbours import describe_seen, list_drawn_names
 from pounding_cli.tables import Column, Row, Table
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from pounding_cli.results.results import ResultTables
 
 _PAIR = Column("left", "two neighbours, left and right of the gap", label="between", write=describe_pair)
@@ -23,61 +26,72 @@ _KINDS = {"elastic": "elastic", "inelastic": "yielding"}
 
 
 def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
-    """Return how likely the gaps of the cases are enough, and the gaps for some probabilities; "" where all buildings
+    """Return how likely the gaps of the cases are enough, and the gaps for some probabilities; "" where both buildings
     are certain."""
-    results = evidence.results
-    if NEIGHBOURS_TABLE not in results.answers:
-        return ""
-    table = results.answer(NEIGHBOURS_TABLE)
-    rows = evidence.select_pair(evidence.shown.rows_here(table.frame), pair)
-    if rows.empty:
+    drawn = _list_drawn_places(evidence, pair)
+    rows = _select_rows(evidence, pair)
+    if not drawn or rows.empty:
         return ""
     first = rows.iloc[0]
-    places = dict(zip(results.resolved["places"], results.resolved["group"], strict=True))
-    drawn = [place for place in pair if places[place] in list_drawn_names(results)]
-    if not drawn:
-        return ""
-    names = join_limited(describe_seen(results.resolved["buildings"][places[place]], place) for place in drawn)
-    count = f"{first['neighbours']:.0f} buildings that {names} may be and over {first['motions']:.0f} motions"
+    motions = pluralize(int(first["motions"]), "motion")
+    count = f"{first['neighbours']:.0f} buildings that {join_limited(drawn)} may be and over {motions}"
     where = f"between {' and '.join(pair)} " if len(evidence.pairs) > 1 else ""
-    parts = []
-    judged = results.answer(NEIGHBOUR_CASES_TABLE)
+    shares = ", ".join(f"{100 * share:.0f} %" for share in NEIGHBOUR_SHARES)
+    needs = f"for {shares} {where}the gap is {'; '.join(_iter_widths(evidence, rows))}"
+    point = evidence.shown.format_point(rows)
+    over = f"At {point}, over" if point else "Over"
+    return f"{over} {count}: {'; '.join([*_iter_chances(evidence, pair, where), needs])}."
+
+
+def _list_drawn_places(evidence: GapEvidence, pair: tuple[str, str]) -> list[str]:
+    """Return the buildings of a pair of which the question drew several, with what is known of them."""
+    results = evidence.results
+    if NEIGHBOURS_TABLE not in results.answers:
+        return []
+    type_by_place = dict(zip(results.resolved["places"], results.resolved["group"], strict=True))
+    drawn_types = list_drawn_names(results, results.answer(NEIGHBOURS_TABLE))
+    buildings = results.resolved["buildings"]
+    return [
+        describe_seen(buildings[type_by_place[place]], place) for place in pair if type_by_place[place] in drawn_types
+    ]
+
+
+def _select_rows(evidence: GapEvidence, pair: tuple[str, str]) -> pd.DataFrame:
+    """Return the rows of a pair in NEIGHBOURS_TABLE, elastic first."""
+    return evidence.select_pair(evidence.shown.rows_here(evidence.results.answer(NEIGHBOURS_TABLE).frame), pair)
+
+
+def _iter_chances(evidence: GapEvidence, pair: tuple[str, str], where: str) -> Iterator[str]:
+    """Yield how likely each gap of the cases is enough: "40 mm is enough with a probability of 0.8 (0.6 to 0.9)"."""
+    judged = evidence.results.answer(NEIGHBOUR_CASES_TABLE)
+    column = judged.column("enough")
     cases = evidence.select_pair(evidence.shown.rows_here(judged.frame), pair)
     names_cases = cases["case"].nunique() > 1
     for (case, gap), of_case in cases.groupby(["case", "gap"], sort=False):
-        column = judged.column("enough")
         chances = ", ".join(
-            f"{_format_probability(column, row)} {_describe_kind(row, number)}"
+            f"{column.format_with_unit(row)} {_describe_kind(row, number)}"
             for number, row in enumerate(of_case.to_dict("records"))
         )
         named = f" ({case})" if names_cases else ""
-        parts.append(f"{evidence.unit.text(gap)}{named} is enough {where}with a probability of {chances}")
-    widths = []
+        yield f"{evidence.unit.text(gap)}{named} is enough {where}with a probability of {chances}"
+
+
+def _iter_widths(evidence: GapEvidence, rows: pd.DataFrame) -> Iterator[str]:
+    """Yield the gaps for NEIGHBOUR_SHARES in each analysis."""
     for number, row in enumerate(rows.to_dict("records")):
-        gaps = ", ".join(format_number(row[name_enough(share)] / evidence.unit.factor, 3) for share in NEIGHBOUR_SHARES)
-        widths.append(f"{gaps} {evidence.unit.name} {_describe_kind(row, number)}")
-    shares = ", ".join(f"{100 * share:.0f} %" for share in NEIGHBOUR_SHARES)
-    needs = f"for {shares} {where}the gap is {'; '.join(widths)}"
-    point = evidence.shown.format_point(rows)
-    over = f"At {point}, over" if point else "Over"
-    return f"{over} {count}: {'; '.join([*parts, needs])}."
+        gaps = [format_number(row[name_enough(share)] / evidence.unit.factor, 3) for share in NEIGHBOUR_SHARES]
+        yield f"{', '.join(gaps)} {evidence.unit.name} {_describe_kind(row, number)}"
 
 
 def _describe_kind(row: Row, number: int) -> str:
     return f"as {_KINDS[row['analysis']]} {'ones' if number else 'buildings'}"
 
 
-def _format_probability(column: Column, row: Row) -> str:
-    """Return a probability with its interval: "0.8 (0.6 to 0.9)"."""
-    return column.format_with_unit(row)
-
-
 def describe_spread(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return what the neighbour adds to the scatter of the required gap; "" where nothing is known of it."""
-    results = evidence.results
-    if NEIGHBOURS_TABLE not in results.answers:
+    if not _list_drawn_places(evidence, pair):
         return ""
-    rows = evidence.select_pair(evidence.shown.rows_here(results.answer(NEIGHBOURS_TABLE).frame), pair)
+    rows = _select_rows(evidence, pair)
     rows = rows[rows["spread"].notna()]
     parts = [
         f"{format_number(row['spread_motions'], 2)} over the motions and {format_number(row['spread_neighbours'], 2)} "
@@ -106,9 +120,9 @@ def show_neighbours(results: ResultTables) -> list[Table]:
 
 def note_median(results: ResultTables) -> str:
     """Return which neighbour all other numbers are of; "" where all buildings are certain."""
-    names = list_drawn_names(results)
-    if not names or NEIGHBOURS_TABLE not in results.answers:
+    if NEIGHBOURS_TABLE not in results.answers:
         return ""
+    names = list_drawn_names(results, results.answer(NEIGHBOURS_TABLE))
     return (
         f"Annual rates are over what {join_limited(names)} may be too; all other numbers but the first ones are of the "
         "median building, which `pound run` simulates. `pound check` lists its numbers with their sources."
