@@ -66,7 +66,7 @@ def _iter_chances(evidence: GapEvidence, pair: tuple[str, str], where: str) -> I
     judged = evidence.results.answer(NEIGHBOUR_CASES_TABLE)
     column = judged.column("enough")
     cases = evidence.select_pair(evidence.shown.rows_here(judged.frame), pair)
-    names_cases = cases["case"].nunique() > 1
+    names_cases = len(set(cases["case"])) > 1
     for (case, gap), of_case in cases.groupby(["case", "gap"], sort=False):
         chances = ", ".join(
             f"{column.format_with_unit(row)} {_describe_kind(row, number)}"
