@@ -107,6 +107,9 @@ def test_rates_are_over_neighbours_and_motions(tmp_path):
     exceeded = 1e-3 * intensity**-2.0
     rate = -np.sum(norm.cdf(line[:-1]) * np.diff(exceeded))
     assert rate == pytest.approx(0.01, rel=2e-3)
+    rates = results.table("gap_neighbour_cases").groupby("case")["rate"]
+    assert (rates.max() == rates.min()).all()  # the same at every intensity
+    assert rates.first()["near"] > rates.first()["wide"] > 0
 
 
 def test_the_answer_comes_first_and_says_of_which_building(pound):

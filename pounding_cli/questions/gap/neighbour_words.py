@@ -114,7 +114,8 @@ def show_neighbours(results: ResultTables) -> list[Table]:
         tables.append(table.view(*keys, _PAIR, "analysis", *gaps, *spreads, caption=caption))
         judged = results.answer(NEIGHBOUR_CASES_TABLE)
         caption = "Probability that the gaps of the cases are enough, over both"
-        tables.append(judged.view(*keys, "case", _PAIR, "analysis", "gap", "enough", caption=caption))
+        rates = ["rate"] if judged.frame["rate"].notna().any() else []
+        tables.append(judged.view(*keys, "case", _PAIR, "analysis", "gap", "enough", *rates, caption=caption))
     return tables
 
 

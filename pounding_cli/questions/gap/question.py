@@ -116,7 +116,7 @@ class Gap(StudyQuestion):
         basis = self._build_rate_basis(separations)
         of_neighbours: list[Table] = []
         if self.neighbours is not None:
-            of_neighbours = build_neighbour_tables(self.study, plan, separations)
+            of_neighbours = build_neighbour_tables(self.study, plan, separations, basis)
             separations = select_median(separations, len(self.neighbours))
             distances = select_median(distances, len(self.neighbours))
         tables = [

@@ -233,6 +233,12 @@ NEIGHBOUR_CASES_COLUMNS = (
         ),
         _DRAWN_INTERVAL,
     ),
+    *list_estimate_columns(
+        Column(
+            "rate", "annual rate of contact at this gap, with a hazard curve", Unit("%/year", 0.01, "1/year"), digits=2
+        ),
+        "bootstrap interval",
+    ),
     *_DRAWN_COLUMNS,
 )
 """Columns of NEIGHBOUR_CASES_TABLE."""
