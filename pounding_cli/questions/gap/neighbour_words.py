@@ -29,8 +29,10 @@ def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return how likely the gaps of the cases are enough, and the gaps for some probabilities; "" where both buildings
     are certain."""
     drawn = _list_drawn_places(evidence, pair)
+    if not drawn:
+        return ""
     rows = _select_rows(evidence, pair)
-    if not drawn or rows.empty:
+    if rows.empty:
         return ""
     first = rows.iloc[0]
     motions = pluralize(int(first["motions"]), "motion")
