@@ -12,6 +12,7 @@ from scipy.stats import norm
 
 import pounding_cli
 from pounding_cli.questions import load_question
+from pounding_cli.questions.gap.figures import list_figures
 from pounding_cli.questions.gap.neighbours import Closings
 
 STUDY = """\
@@ -83,6 +84,22 @@ def test_other_tables_are_of_the_median_building(gap):
     assert "gap_neighbours" not in certain.answers
     for name in ("gap", "gap_cases", "property_line"):
         pd.testing.assert_frame_equal(gap.table(name), certain.table(name))
+
+
+def test_the_page_draws_how_likely_a_gap_is_enough(gap):
+    """The curve of drawn neighbours has a step for every run, at its largest closing; the other for the median one."""
+    figure = list_figures(gap)[0].draw()
+    (ax,) = [each for each in figure.axes if each.get_title(loc="left")]
+    median, drawn = ax.get_lines()[:2]
+    link = gap.link()
+    sample = "buildings.theirs.archetype.sample"
+    largest = link.groupby([sample, "record"])["max_closing"].max()
+    is_median = largest.index.get_level_values(0) == 0
+    for line, part in ((median, largest[is_median]), (drawn, largest[~is_median])):
+        widths = np.sort(part.to_numpy()) * 1e3
+        assert np.asarray(line.get_xdata()) == pytest.approx([0.0, *widths], rel=1e-9)
+        assert np.asarray(line.get_ydata())[-1] == 1.0
+    assert {line.get_xdata()[0] for line in ax.get_lines()[2:]} == {20.0, 35.0}
 
 
 def test_rates_are_over_neighbours_and_motions(tmp_path):
