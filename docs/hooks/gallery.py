@@ -167,6 +167,23 @@ def draw_gap(solved: Solved, figure: Figure) -> None:
         ax.set_xlabel(f"gap [cm], {analysis}")
 
 
+def draw_neighbours(solved: Solved, figure: Figure) -> None:
+    """Probability that a gap is enough over the drawn neighbours and the motions, and beside the median one."""
+    key = "buildings.theirs.archetype.sample"
+    closings = solved.table("link").groupby([key, "record"])["max_closing"].max()
+    is_median = closings.index.get_level_values(key) == 0
+    ax = figure.subplots()
+    for color, label, part in (
+        (COLORS[4], "with the median neighbour", closings[is_median]),
+        (COLORS[0], "over what it may be", closings[~is_median]),
+    ):
+        widths = 100 * np.sort(part)
+        ax.step(widths, np.arange(1, widths.size + 1) / widths.size, where="post", color=color, label=label)
+    ax.axvline(4.0, color="0.6", lw=0.8)
+    ax.set(xlabel="gap [cm]; line: that of the joint", ylabel="probability that it is enough", ylim=(0, 1))
+    ax.legend()
+
+
 def draw_fragility(solved: Solved, figure: Figure) -> None:
     """Draw the fitted curves of every building, alone and with pounding."""
     ax = figure.subplots()
@@ -328,6 +345,7 @@ ENTRIES = {
     "soft-soil": Entry("run", over("buildings.stiff.foundation.sway_stiffness", "sway stiffness [MN/m]", 1e-6, True)),
     "hospital-moat": Entry("run", over("cases.moat.gap", "width of the moat [cm]", 100)),
     "required-gap": Entry("gap", draw_gap),
+    "seen-neighbour": Entry("gap", draw_neighbours),
     "code-spectrum": Entry("run", draw_target),
     "fragility": Entry("fragility", draw_fragility),
     "paper-pair": Entry("run", heights("stiff"), pair_numbers),

@@ -203,6 +203,7 @@ def _describe_duration(duration: RunDuration) -> str:
 def _describe_plan(plan: Plan) -> list[str]:
     """Return in lines what a run of a plan would solve and leave out."""
     from pounding_cli.batch.forecast import build_forecast
+    from pounding_cli.study.archetype_words import describe_seen_buildings
     from pounding_cli.study.group import format_meetings
 
     study, first = plan.study, (0,) * len(plan.axes)
@@ -224,6 +225,7 @@ def _describe_plan(plan: Plan) -> list[str]:
     group = study.group(first).buildings
     lines += [f"  {line}" for line in format_meetings(group)]
     lines += _isolators(group, study.unit("gap"))
+    lines += describe_seen_buildings(study)
     lines += _plans(plan, group)
     lines.append("cases")
     units = study.unit("gap"), study.unit("link stiffness")

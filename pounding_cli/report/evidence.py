@@ -12,6 +12,7 @@ import pandas as pd
 
 from pounding_cli.numbers import Unit, join_limited
 from pounding_cli.results.flags import FlagGroup, flag_groups_of
+from pounding_cli.study.archetypes import is_sample_key
 from pounding_cli.variables import VARIABLES
 
 if TYPE_CHECKING:
@@ -163,7 +164,14 @@ class Evidence:
 
 def format_point(results: ResultTables, row: Mapping[Any, Any]) -> str:
     """Return the swept keys of a row in the units of the study: "cases.gap.gap = 5 cm"; "" where it has none."""
-    return ", ".join(f"{key} = {results.value_label(key, row[key])}" for key in results.axes if key in row)
+    words = [
+        f"the median building {key.split('.')[1]}"
+        if is_sample_key(key) and row[key] == 0
+        else f"{key} = {results.value_label(key, row[key])}"
+        for key in results.axes
+        if key in row
+    ]
+    return ", ".join(words)
 
 
 def list_acting_keys(results: ResultTables, case: str) -> list[str]:

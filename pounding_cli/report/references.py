@@ -106,6 +106,7 @@ def _iter_scene_references(resolved: Mapping[str, Any], methods: Collection[str]
     yield "pounding_cli", "the computations"
     yield "spiliopoulos1996", "the model of the buildings, eqs (1) to (4)"
     yield from _iter_law_references(resolved)
+    yield from _iter_archetype_references(resolved)
     scale = resolved["records"]["scale"]
     if scale == "table1":
         yield "spiliopoulos1996", "the scales of Table 1"
@@ -119,6 +120,21 @@ def _iter_scene_references(resolved: Mapping[str, Any], methods: Collection[str]
             judge = METHODS["taylor"] if method.takes_step else method  # as solver.estimate has it
             for key, _ in judge.citation:
                 yield key, "the finer runs for error and sensitivity"
+
+
+def _iter_archetype_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield where the numbers of buildings that are only seen come from, and how uncertain they are."""
+    buildings = {name: resolved["buildings"][name].get("archetype") for name in resolved["group"]}
+    seen = {name: archetype for name, archetype in buildings.items() if archetype}
+    if not seen:
+        return
+    types = ", ".join(f"{name} ({each['type']}, {each['design']})" for name, each in seen.items())
+    yield "fema2012", f"the building type of {types}, Tables 5.1, 5.4, 5.5, 5.7 and 5.9"
+    if any(each["uncertain"] or each["sample"] for each in seen.values()):
+        yield "fema2012", "the dispersion of strength and drift capacity, section 5.4"
+        yield "goel1997", "the dispersion of the period"
+        yield "porter2002", "the dispersion of the damping"
+        yield "mckay1979", "the choice of the buildings that a neighbour may be"
 
 
 def _iter_target_references(scale: Any) -> Iterator[tuple[str, str]]:

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, create_model
 from pounding_cli.laws import storey_laws
 from pounding_cli.laws.foundation import Bearings, FrictionPendulum, Rocking, Rubber, Sway
 from pounding_cli.numbers import pluralize
+from pounding_cli.study.archetype_spec import ArchetypeSpec
 from pounding_cli.study.base import Model, SpecIssue, list_or, one_or_many, spec_field, tagged_union, word_or
 from pounding_cli.study.link_specs import RATIO, law_fields, own_parameters
 from pounding_cli.study.plan_spec import PlanSpec
@@ -309,6 +310,11 @@ class _BuildingSpec(Model):
     """One building type; lists run from the ground up."""
 
     like: str | None = spec_field(None, "another building whose keys apply unless given here")
+    archetype: ArchetypeSpec | None = spec_field(
+        None,
+        "a building that is only seen: the keys that are not given here follow from its type, its age and its storeys",
+        {"type": "C1M", "design": "pre-code", "storeys": 5},
+    )
     storeys: Annotated[int, WholeNumber(1, 100)] | None = spec_field(
         None, "number of storeys; default: the length of a list", 5
     )
@@ -417,6 +423,9 @@ class _BuildingSpec(Model):
                 shown = type(self).model_fields[name].alias or name
                 yield (shown,), f"'{shown}' does not apply to a wall", "remove it, or `wall`", True
             return
+        if self.archetype is not None and self.storeys != self.archetype.storeys:
+            message = f"'storeys' is {self.storeys} here, but {self.archetype.storeys} in 'archetype'"
+            yield ("storeys",), message, "write the number of storeys in `archetype` alone", True
         tapered = () if isinstance(self.stiffness, StiffnessAtSpec) else (("stiffness", "taper"),)
         for one, other in (("stiffness", "period"), *tapered, ("yield_shear", "yield_"), ("rayleigh", "damping")):
             if {one, other} <= self.model_fields_set:

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from pounding_cli import variables
+from pounding_cli.model.archetypes import DAMAGE_STATES
 from pounding_cli.study.file import nearest
 from pounding_cli.study.quantity import ACCELERATION, LENGTH, Quantity, refuse, written_unit
 
@@ -340,12 +341,16 @@ def _parse_number(text: str, measure: Quantity, written: str, hint: str) -> floa
 CONTACT = "contact"
 COLLAPSE = "collapse"
 DRIFT_RATIO = "drift_ratio"
+DAMAGE_LIMITS = {f"{state} damage": state for state in DAMAGE_STATES}
+"""Limits of buildings that are only seen: the drift at which a damage state of their type begins."""
+
 EDGE_DRIFT = "edge_drift"
 EDGE_DRIFT_RATIO = "edge_drift_ratio"
 TWIST = "twist"
 LIMITS = (
-    "mu", "drift", DRIFT_RATIO, EDGE_DRIFT, EDGE_DRIFT_RATIO, TWIST, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE,
-)  # fmt: skip
+    *("mu", "drift", DRIFT_RATIO, EDGE_DRIFT, EDGE_DRIFT_RATIO, TWIST, "acceleration", SHEAR_DEMAND, CONTACT, COLLAPSE),
+    *DAMAGE_LIMITS,
+)
 """Quantities that may be limited."""
 
 OF_HEIGHT = {DRIFT_RATIO: "drift", EDGE_DRIFT_RATIO: EDGE_DRIFT}

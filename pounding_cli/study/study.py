@@ -281,7 +281,7 @@ def _resolve_tree(
     if problems is not None:
         note_unknown_names(tree, specs, issues)
         _note_names_of_report(specs, tree, axes, resolved, issues)
-        if tree.get("uncertain") is not None:
+        if tree.get("uncertain") is not None:  # buildings that are only seen have nothing that may be wrong
             from pounding_cli.study.vary import read_uncertain  # here: few studies have distributions
 
             read_uncertain(tree, problems)

@@ -12,6 +12,7 @@ import numpy as np
 
 from pounding_cli.numbers import Unit
 from pounding_cli.study import schema
+from pounding_cli.study.archetypes import UNCERTAIN_KEYS, Seen, list_seen
 from pounding_cli.study.axes import (
     can_vary,
     canonical_value,
@@ -74,6 +75,9 @@ _LEAST = 1e-12
 
 _TAIL = 0.01
 """Probability beyond which the values of a distribution without an end count as its end."""
+
+MAX_OVER_MEDIAN = 6.0
+"""Largest value over the median of an input of a building that is only seen [-]: beyond four standard deviations."""
 
 _MULTIPLE = Quantity("multiple of a storey's stiffness", "", "20 x stiffest storey", 0.0, open_low=True)
 
@@ -361,8 +365,49 @@ def _split_by_option(numbers: np.ndarray, output: np.ndarray) -> tuple[np.ndarra
 def read_uncertain(root: Map, problems: Problems, motion_count: int = 0) -> list[UncertainInput]:
     """Return the inputs under `uncertain:`; keys of one entry of a list move together.  Note what is wrong.
 
+    Behind them stand what is uncertain of buildings that are only seen, unless its key is swept or stands there too.
+
     motion_count : number of the motions of the study, for a choice of motions that is drawn from
     """
+    written = [] if root.get("uncertain") is None else _read_written(root, problems, motion_count)
+    known = {member.key for each in written for member in each.members}
+    return [*written, *(each for each in list_seen_inputs(root) if each.key not in known)]
+
+
+def is_uncertain(root: Map) -> bool:
+    """Return whether a study has keys that are uncertain: by `uncertain:`, or of buildings that are only seen."""
+    return root.get("uncertain") is not None or bool(list_seen_inputs(root))
+
+
+def list_seen_inputs(root: Map) -> list[DistributedInput]:
+    """Return what is uncertain of the buildings of the group that are only seen, without keys that are swept."""
+    swept = {key for holder in sweep_maps(root) for key in holder}
+    inputs = []
+    for seen in list_seen(root):
+        prefix = f"buildings.{seen.name}."
+        is_one_of_them = seen.spec.sample > 0 or any(key.startswith(f"{prefix}archetype.") for key in swept)
+        for quantity in () if is_one_of_them else seen.uncertain_quantities():
+            key = f"{prefix}{UNCERTAIN_KEYS[quantity]}"
+            if key not in swept:
+                inputs.append(_build_seen_input(key, seen, quantity))
+    return inputs
+
+
+def _build_seen_input(key: str, seen: Seen, quantity: str) -> DistributedInput:
+    """Return a lognormal input of a building that is only seen."""
+    kind = quantity_at(schema.StudySpec, tuple(key.split(".")))
+    assert kind is not None
+    fields = {"median": seen.median(quantity), "spread": seen.archetype.spreads[quantity]}
+    if np.isfinite(kind.high):
+        fields["to"] = min(kind.high, MAX_OVER_MEDIAN * fields["median"])
+    unit = Unit(kind.si, 1.0, kind.si)
+    return DistributedInput(
+        key=key, mark=seen.mark, unit=unit, quantity=kind, distribution=Distribution("lognormal", fields)
+    )
+
+
+def _read_written(root: Map, problems: Problems, motion_count: int) -> list[UncertainInput]:
+    """Return the inputs under `uncertain:`.  Note what is wrong."""
     node = root["uncertain"]
     node_mark = root.marks["uncertain"][1]
     is_list = isinstance(node, Items)

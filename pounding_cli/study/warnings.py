@@ -20,6 +20,7 @@ from pounding_cli.model.building import Building
 from pounding_cli.model.twist import is_eccentric
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import join_limited, pluralize
+from pounding_cli.study.archetype_words import warn_storeys_outside
 from pounding_cli.study.axes import UNWRITTEN, Axis, sweep_maps
 from pounding_cli.study.building_spec import BuildingSpec, StiffnessAtSpec
 from pounding_cli.study.buildings import build_building
@@ -92,6 +93,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
             notes.add_issue(study.tree, issue)
     notes.extend(warner.doubts.iter_merged())
     warn_held_period(study, notes)
+    warn_storeys_outside(study, notes)
     warn_codes_without_twist(study, notes)
     if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
@@ -772,13 +774,15 @@ def _hint_to_hold(study: Study, name: str, has_code_strength: bool) -> str:
     tree = resolve_like(study.tree["buildings"], name)
     default = BuildingSpec.model_fields["mass"].default
     mass = get(tree, "mass")
+    building = build_building(name, study.spec.buildings[name])
     period = get(tree, "period")
+    if period is None:  # of a building that is only seen
+        period = f"{building.periods[0]:.4g} s"
     hint = (
         f"to hold the stiffness, write `stiffness: {{period: {period}, mass: {default if mass is None else mass}}}` "
         "in place of `period`"
     )
     if has_code_strength:
-        building = build_building(name, study.spec.buildings[name])
         shears = ", ".join(f"{shear / 1e3:.5g} kN" for shear in building.yield_shear.tolist())
         hint += f"; to hold the yield shears too, `yield_shear: [{shears}]` in place of `yield`"
     return hint

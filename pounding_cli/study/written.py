@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import PydanticCustomError
 
+from pounding_cli.study.archetypes import fill_archetype
 from pounding_cli.study.building_spec import BuildingSpec
 from pounding_cli.study.file import Items, Map, get
 from pounding_cli.study.issues import Issue, Issues, IssuesFound, KeyPath
@@ -95,7 +96,7 @@ def _read_noted(tree: Map, path: KeyPath, kind: Any, issues: Issues, model: type
 
 
 def read_spec(tree: Map, path: tuple[str, ...], parents: dict[str, Any] | None = None) -> Any:
-    """Return a validated section, or an entry of one; `like:` of a building is resolved.
+    """Return a validated section, or an entry of one; `like:` and `archetype:` of a building are resolved.
 
     (`place_issues` resolves it again, to find lines.)
 
@@ -111,7 +112,9 @@ def read_spec(tree: Map, path: tuple[str, ...], parents: dict[str, Any] | None =
             return field.get_default()
         return _validate(tree, path, field.rebuild_annotation(), tree[path[0]])
     section, name = path
-    value = resolve_like(tree[section], name, parents) if section == "buildings" else tree[section][name]
+    value = tree[section][name]
+    if section == "buildings":
+        value = fill_archetype(resolve_like(tree[section], name, parents), name)
     return _validate(tree, path, ENTRIES[section][1], value)
 
 

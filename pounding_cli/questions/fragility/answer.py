@@ -11,13 +11,14 @@ import pandas as pd
 
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.bootstrap import build_estimate, draw_motions
-from pounding_cli.questions.fragility.curves import Curve, find_brackets, fit_curve
+from pounding_cli.questions.fragility.curves import Curve, Outcome, find_brackets, fit_curve
 from pounding_cli.questions.fragility.demands import UNDECIDED, CurvePlace, find_demands
 from pounding_cli.questions.fragility.tables import (
     CONTRIBUTIONS,
     CURVES,
     IN_UNIT_OF_INTENSITY,
     MOTIONS,
+    NEIGHBOURS,
     POINTS,
     RATES,
     TABLES,
@@ -36,6 +37,9 @@ POINTS_OF_CURVE = 200
 
 RANGES_OF_RATE = 40
 """Ranges of intensities whose contributions to a rate are given."""
+
+MIN_ADDED = 1e-6
+"""Part of the square of a spread below which what a neighbour adds is rounding [-]."""
 
 CurveByState = dict[str, Curve]
 """State -> its fitted curve; a state without one is left out."""
@@ -91,22 +95,32 @@ def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Resp
     hazard = question.hazard
     records = np.array(question.plan.records, object)
     draws = draw_motions(len(records), spec.draws)
-    names = list(TABLES) if hazard is not None else [CURVES, MOTIONS, POINTS]
+    names = [CURVES, MOTIONS, POINTS]
+    if hazard is not None:
+        names += [RATES, CONTRIBUTIONS]
+    if question.neighbour_axis is not None:
+        names.append(NEIGHBOURS)
     rows = {name: _Rows() for name in names}
-    for number, place in enumerate(places):
-        intensity = question.intensities[place.number]
+    groups = question.group_neighbours(places)
+    for number, group in enumerate(groups):
+        median_place, *drawn = group
         curves: CurveByState = {}
         blocks: dict[str, dict[str, Any]] = {}
         highest = 0.0  # intensity at which a motion holds or passes
-        for state, histories in place.histories.items():
-            demand = find_demands(question.plan, solved, place, state)
-            curve = fit_curve(intensity, demand, solved.is_known[histories], draws, spec)
+        for state in median_place.histories:
+            observed = _observe(question, solved, drawn or [median_place], state)
+            intensity, demand, _ = observed
+            curve = fit_curve(*observed, draws, spec)
             blocks[state] = curve.columns
+            if drawn:
+                of_median = fit_curve(*_observe(question, solved, [median_place], state), draws, spec)
+                rows[NEIGHBOURS].add(number, state, _compare_with_median(curve, of_median, len(drawn)))
             if curve.is_fitted:
                 curves[state] = curve
             brackets = find_brackets(intensity, demand)
             highest = max(highest, np.where(np.isfinite(brackets.passed), brackets.passed, brackets.held).max())
-            rows[MOTIONS].add(number, state, _build_motions(spec.method, records, intensity, demand))
+            of_rows = np.tile(records, len(demand) // len(records))
+            rows[MOTIONS].add(number, state, _build_motions(spec.method, of_rows, intensity, demand))
         if len(curves) == 2:
             medians = {state: curve.fits.median for state, curve in curves.items()}
             blocks[POUNDING] |= _build_ratio("ratio", medians, curves, spec.confidence)
@@ -116,17 +130,55 @@ def build_tables(question: Fragility, places: Sequence[CurvePlace], solved: Resp
             rows[POINTS].add(number, state, block)
         if hazard is not None:
             rates = _build_rates(hazard, curves, spec.confidence)
-            for state in place.histories:
+            for state in median_place.histories:
                 rows[RATES].add(number, state, rates.get(state, {"rate": np.nan}))
             for state, block in _build_contributions(hazard, curves).items():
                 rows[CONTRIBUTIONS].add(number, state, block)
-    return [_to_table(question, name, rows[name], places) for name in names]
+    firsts = [group[0] for group in groups]
+    return [_to_table(question, name, rows[name], firsts) for name in names]
+
+
+def _observe(
+    question: Fragility, solved: Responses, places: Sequence[CurvePlace], state: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return intensities, demands, and whether time histories were asked for, a row for every place and motion."""
+    intensities = [question.intensities[place.number] for place in places]
+    demands = [find_demands(question.plan, solved, place, state) for place in places]
+    are_asked = [solved.is_known[place.histories[state]] for place in places]
+    return np.concatenate(intensities), np.concatenate(demands), np.concatenate(are_asked)
+
+
+def _compare_with_median(curve: Curve, of_median: Curve, neighbours: int) -> dict[str, float]:
+    """Return the columns that compare a curve over what a neighbour may be with that of its median building.
+
+    Where the intensities at which motions hold and pass do not overlap, these scatter by less than the step: by 0.
+    """
+    medians = np.full(2, np.nan)
+    spreads = np.full(2, np.nan)
+    for number, each in enumerate((curve, of_median)):
+        if each.columns["outcome"] in (Outcome.FITTED, Outcome.SEPARATED):
+            medians[number] = each.fits.median[0]
+            spreads[number] = each.fits.spread[0]
+    median, median_of_median = medians.tolist()
+    spread, spread_of_median = spreads.tolist()
+    added = spread**2 - spread_of_median**2
+    widening = 0.0 * added  # NaN where one of both is not known
+    if added > MIN_ADDED * spread**2:
+        widening = added**0.5
+    return {
+        "neighbours": neighbours,
+        "median": median,
+        "spread": spread,
+        "median_of_median": median_of_median,
+        "spread_of_median": spread_of_median,
+        "widening": widening,
+    }
 
 
 def _to_table(question: Fragility, name: str, rows: _Rows, places: Sequence[CurvePlace]) -> Table:
     """Return the table of some rows."""
     plan = question.plan
-    axes = [axis for number, axis in enumerate(plan.axes) if number != question.axis]
+    axes = [axis for number, axis in enumerate(plan.axes) if number not in (question.axis, question.neighbour_axis)]
     where = _build_where(question, places)
     frame = rows.to_frame(list_columns(name, question.spec.method), where)
     unit = Unit(question.unit.name, question.unit.factor, question.unit.si or "1")
@@ -137,7 +189,7 @@ def _to_table(question: Fragility, name: str, rows: _Rows, places: Sequence[Curv
 def _build_where(question: Fragility, places: Sequence[CurvePlace]) -> pd.DataFrame:
     """Return where curves stand: the swept values but the intensity, case, analysis, limit and building."""
     plan = question.plan
-    others = [number for number in range(len(plan.axes)) if number != question.axis]
+    others = [number for number in range(len(plan.axes)) if number not in (question.axis, question.neighbour_axis)]
     return build_swept_frame(
         [plan.axes[number] for number in others],
         [[place.point[number] for number in others] for place in places],

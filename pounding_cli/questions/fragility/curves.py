@@ -288,11 +288,16 @@ class Curve(NamedTuple):
 def fit_curve(x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec) -> Curve:
     """Return the curve of motions by their demands.
 
-    is_asked : whether a time history was asked for, shape (motions, levels)
+    Over the buildings that a neighbour may be there is a row for every building and motion, building by building; a
+    draw of the motions takes them beside all of these.
+
+    is_asked : whether a time history was asked for, shape (rows, levels)
     draws : `draw_motions`, shape (1 + draws, motions)
     """
+    motions_behind = draws.shape[1]
+    draws = np.tile(draws, (1, len(x) // motions_behind))
     if spec.method == "cloud":
-        return _fit_cloud(x, demand, is_asked, draws, spec)
+        return _fit_cloud(x, demand, is_asked, draws, spec, motions_behind)
     motions = len(x)
     brackets = find_brackets(x, demand)
     is_undecided = demand == UNDECIDED
@@ -323,13 +328,13 @@ def fit_curve(x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np
             high[high > low.max(initial=0.0)].min(initial=np.inf),
         )
     counts = _count_histories(demand, is_asked, is_undecided, brackets.is_open)
-    return _build_curve(outcome, bounds, motions, counts, fits, spec.confidence)
+    return _build_curve(outcome, bounds, motions_behind, counts, fits, spec.confidence)
 
 
 def _fit_cloud(
-    x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec
+    x: np.ndarray, demand: np.ndarray, is_asked: np.ndarray, draws: np.ndarray, spec: FragilitySpec, motions_behind: int
 ) -> Curve:
-    """Return the curve of a line through a cloud; arguments as those of `fit_curve`."""
+    """Return the curve of a line through a cloud; arguments as those of `fit_curve`, with a draw of every row."""
     motions = len(x)
     is_known = np.isfinite(demand) & (demand > 0)
     motion = np.nonzero(is_known)[0]
@@ -348,7 +353,7 @@ def _fit_cloud(
         bounds = (fits.median[0], fits.median[0])
     behind = known_motions if 2 * known_motions > motions and is_decided else motions
     counts = _count_histories(demand, is_asked, ~np.isnan(demand) & ~is_known, is_open)
-    return _build_curve(outcome, bounds, behind, counts, fits, spec.confidence)
+    return _build_curve(outcome, bounds, min(behind, motions_behind), counts, fits, spec.confidence)
 
 
 def _bound_median(brackets: Brackets) -> tuple[float, float]:

@@ -35,6 +35,7 @@ class CurvePlace(NamedTuple):
     case, analysis : numbers
     histories : by state (POUNDING, and ALONE where the building alone can pass the limit) the time histories of all
         motions and intensities by number, shape (motions, levels); intensities rise
+    factor : on the value of the limit, of one of the buildings that a neighbour may be [-]
     """
 
     number: int
@@ -43,6 +44,7 @@ class CurvePlace(NamedTuple):
     analysis: int
     target: Target
     histories: dict[str, np.ndarray]
+    factor: float = 1.0
 
 
 def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -> np.ndarray:
@@ -91,7 +93,8 @@ def _compare_peaks(
     building = plan.study.building(place.point, place.target.building)
     if limit.quantity in (*_PEAKS, EDGE_DRIFT, TWIST):
         peaks = _find_peaks(plan, solved, place, histories, building_place)[..., : building.storeys]
-        parts = peaks / (limit.value * building.height if limit.of_height else limit.value)
+        value = place.factor * limit.value
+        parts = peaks / (value * building.height if limit.of_height else value)
         return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
     if limit.quantity == COLLAPSE:
         return np.zeros(histories.shape)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding_cli.model.archetypes import draw_factors
 from pounding_cli.numbers import Unit
 from pounding_cli.questions.fragility.demands import CurvePlace, find_demands
 from pounding_cli.questions.fragility.hunt import expected_levels, next_levels
@@ -20,10 +21,11 @@ from pounding_cli.questions.hazard import (
     find_intensity_axis,
     measure_motion,
 )
+from pounding_cli.questions.neighbours import build_neighbour_axis, list_drawn
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.questions.specs import Measure
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.expression import LIMITS_OF_PAIRS
+from pounding_cli.study.expression import DAMAGE_LIMITS, LIMITS_OF_PAIRS, Target, parse_limit
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.study.swept import Point
 
@@ -36,6 +38,8 @@ class Fragility(StudyQuestion):
 
     Raises InputError: no limit, one that concerns no building of the group, an intensity that is not swept.
 
+    neighbour_axis : number of the axis of what neighbours may be that are only seen; None where all are certain
+    drawn : the buildings of the study that this axis varies
     axis : number of the swept axis that varies the intensity; None of a cloud without one
     swept : the measure that it varies; "" without one
     measure : the intensity measure of the curves; `swept` unless the study names another
@@ -48,6 +52,13 @@ class Fragility(StudyQuestion):
 
     def __init__(self, study: Study) -> None:
         super().__init__(study)
+        neighbours = build_neighbour_axis(self)
+        self.problems.check()
+        self.neighbour_axis = None
+        self.drawn = list_drawn(study)
+        if neighbours is not None:
+            self.neighbour_axis = len(study.axes)
+            self.study = study.with_axes([*study.axes, neighbours])
         if self.spec.method == "ida":  # the results decide which time histories are solved
             self.extent = "has at most"
             self.refuse_histories("the time histories that `pound fragility` chooses")
@@ -165,7 +176,31 @@ class Fragility(StudyQuestion):
                 histories = {POUNDING: of_case[..., 0]}
                 if target.limit.quantity not in LIMITS_OF_PAIRS:
                     histories = {ALONE: of_case[..., 1 + target.building], **histories}
-                yield CurvePlace(point, self.points[point], case, analysis, target, histories)
+                factor = self._find_limit_factor(self.points[point], target)
+                yield CurvePlace(point, self.points[point], case, analysis, target, histories, factor)
+
+    def _find_limit_factor(self, point: Point, target: Target) -> float:
+        """Return the factor on a damage limit of one of the buildings that a neighbour may be [-], 1 of others."""
+        name = self.study.spec.group[target.building]
+        seen = next((each for each in self.drawn if each.name == name), None)
+        is_damage = parse_limit(str(target.limit)).quantity in DAMAGE_LIMITS
+        if seen is None or self.neighbour_axis is None or not is_damage:
+            return 1.0
+        spreads = seen.archetype.spreads
+        return draw_factors(spreads, name, point[self.neighbour_axis], seen.spec.neighbours)["drift"]
+
+    def group_neighbours(self, places: Sequence[CurvePlace]) -> list[list[CurvePlace]]:
+        """Return the places of the same curve over what neighbours may be, the median buildings first.
+
+        Where all buildings are certain each place is by itself.
+        """
+        if self.neighbour_axis is None:
+            return [[place] for place in places]
+        groups: dict[tuple[Any, ...], list[CurvePlace]] = {}
+        for place in places:
+            others = tuple(index for axis, index in enumerate(place.point) if axis != self.neighbour_axis)
+            groups.setdefault((others, place.case, place.analysis, place.target), []).append(place)
+        return list(groups.values())
 
     def _hunt(self, places: Sequence[CurvePlace], solver: Solver) -> np.ndarray:
         """Return the time histories that bracket where every motion passes each limit (`hunt.next_levels`).

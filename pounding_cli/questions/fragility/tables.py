@@ -13,6 +13,9 @@ RATES = "fragility_rates"
 CONTRIBUTIONS = "fragility_contributions"
 """Names of the tables; the last two where the study gives a hazard curve."""
 
+NEIGHBOURS = "fragility_neighbours"
+"""How much wider curves are over what a neighbour may be that is only seen."""
+
 PER_YEAR = Unit("1/year", 1.0, "1/year")
 PERCENT = Unit("%", 0.01, "1")
 
@@ -80,6 +83,27 @@ CONTRIBUTION_COLUMNS = (
     Column("rate", "part of the mean annual rate that comes from the range", PER_YEAR),
 )
 
+NEIGHBOUR_COLUMNS = (
+    _count("neighbours", "number of the buildings that the neighbour may be"),
+    Column("median", "median capacity over these and over the motions"),
+    Column("spread", "standard deviation of the logarithm of the capacity over both", NUMBER, "β both", digits=3),
+    Column("median_of_median", "median capacity with the median building", label="median, median building"),
+    Column(
+        "spread_of_median",
+        "that standard deviation with the median building; 0 where motions do not hold above where others pass",
+        NUMBER,
+        "β motions",
+        digits=3,
+    ),
+    Column(
+        "widening",
+        "root of the difference of the squares of both: what is added as the neighbour is only seen, or 0",
+        NUMBER,
+        "β neighbour",
+        digits=3,
+    ),
+)
+
 _KNOWN = {column.name: column for column in PLACE_COLUMNS}
 
 PLACES = (
@@ -97,6 +121,7 @@ TABLES = {
     POINTS: (*PLACES, *POINT_COLUMNS),
     RATES: (*PLACES, *RATE_COLUMNS),
     CONTRIBUTIONS: (*PLACES, *CONTRIBUTION_COLUMNS),
+    NEIGHBOURS: (*PLACES, *NEIGHBOUR_COLUMNS),
 }
 """Columns of every table, behind the swept keys."""
 
@@ -104,6 +129,7 @@ IN_UNIT_OF_INTENSITY = (
     "median",
     "median_low",
     "median_high",
+    "median_of_median",
     "low",
     "high",
     "intensity",

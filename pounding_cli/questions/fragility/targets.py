@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,9 +11,11 @@ from pounding_cli.model.links import LinkPlace, link_places
 from pounding_cli.questions.expressions import find_twist_problem
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.study import Study
+from pounding_cli.study.archetypes import list_seen
 from pounding_cli.study.expression import (
     COLLAPSE,
     CONTACT,
+    DAMAGE_LIMITS,
     EDGE_DRIFT,
     SHEAR_DEMAND,
     TWIST,
@@ -64,6 +67,8 @@ def _find_targets_of_limit(question: StudyQuestion, limit: Limit, number: int) -
         message = f"'{limit}': no building '{limit.building}' in the group"
         question.add_problem(path, message, nearest(limit.building, dict.fromkeys((*names, *group))))
         return []
+    if limit.quantity in DAMAGE_LIMITS:
+        return _find_damage_targets(question, limit, number, places)
     if any(question.lacks(place, limit.quantity) for place in places):
         buildings = [name for place, name in enumerate(names) if not question.is_wall(place)]
         message = f"'{limit}': {limit.building} is a wall, which has no {limit.quantity}"
@@ -81,6 +86,39 @@ def _find_targets_of_limit(question: StudyQuestion, limit: Limit, number: int) -
         targets = _keep_able(study, targets, _CAN_PASS[limit.quantity])
         if not targets:
             question.add_problem(path, f"'{limit}': no storey there can pass it", _HINTS[limit.quantity])
+    return targets
+
+
+def _find_damage_targets(
+    question: StudyQuestion, limit: Limit, number: int, places: Sequence[int]
+) -> list[Target]:  # fmt: skip
+    """Return the buildings that are only seen among some, each with the drift at which its damage state begins.
+
+    number : of the limit in the section
+    places : of the buildings in the group
+    """
+    study = question.study
+    seen_by_name = {seen.name: seen for seen in list_seen(study.tree)}
+    targets = []
+    for place in places:
+        seen = seen_by_name.get(study.spec.group[place])
+        if seen is None:
+            continue
+        swept = [
+            key for axis in study.axes for key in axis.names if key in (f"{seen.prefix}type", f"{seen.prefix}design")
+        ]
+        if swept:
+            message = f"'{limit}': the drift of {seen.name} is not one number, as '{swept[0]}' is swept"
+            question.add_problem(("limits", number), message, f"write a drift, e.g. `drift > 2 % in {seen.name}`")
+            return []
+        drift = seen.archetype.drift_limits[DAMAGE_LIMITS[limit.quantity]]
+        targets.append(Target(replace(limit, quantity="drift", value=drift, of_height=True), place))
+    if not targets:
+        names = [name for name in seen_by_name if name in study.spec.group]
+        hint = f"name one that is: {', '.join(names)}" if names else "write a drift, e.g. `drift > 2 %`"
+        question.add_problem(
+            ("limits", number), f"'{limit}': damage states are those of buildings with `archetype`", hint
+        )
     return targets
 
 

@@ -10,11 +10,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from pounding_cli.numbers import Unit, format_number, pluralize
 from pounding_cli.questions.bootstrap import MIN_MOTIONS
 from pounding_cli.questions.fragility.curves import Outcome
-from pounding_cli.questions.fragility.tables import CURVES, PERCENT, RATES
+from pounding_cli.questions.fragility.neighbour_words import describe_drawn, describe_widening, show_neighbours
+from pounding_cli.questions.fragility.tables import CURVES, NEIGHBOURS, PERCENT, RATES
 from pounding_cli.questions.frames import ALONE, POUNDING, STATE
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.report.evidence import find_nominal
-from pounding_cli.study.expression import COLLAPSE, CONTACT, EDGE_DRIFT, SHEAR_DEMAND, TWIST, parse_limit
+from pounding_cli.study.expression import (
+    COLLAPSE,
+    CONTACT,
+    DAMAGE_LIMITS,
+    EDGE_DRIFT,
+    SHEAR_DEMAND,
+    TWIST,
+    parse_limit,
+)
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.tables import Column, Row, Table
 
@@ -100,12 +109,15 @@ def list_sentences(results: ResultTables) -> list[str]:
         sentence = f"{subject}: {compare_medians(curve, median, confidence)}."
         if rates and (words := compare_rates(rates[number], confidence, _count_motions(curve))):
             sentence += f" {words}."
+        if words := describe_widening(evidence, curve.place):
+            sentence += f" {words}."
         sentences.append(sentence)
     if len(curves) > MAX_SENTENCES:
         sentences.append(f"The table has {len(curves) - MAX_SENTENCES} more limits and buildings.")
     if len(evidence.rows_here(answer.frame)) < len(answer.frame):
         sentences.append("The table has the other points of the sweep.")
-    return [*sentences, f"Intensity measure: {describe_measure(results)}."]
+    last = [describe_drawn(results), f"Intensity measure: {describe_measure(results)}."]
+    return [*sentences, *(sentence for sentence in last if sentence)]
 
 
 def format_confidence(results: ResultTables) -> str:
@@ -154,7 +166,7 @@ def describe_limit(text: str, twists: bool = False) -> str:
     twists : whether the floors of the building twist, so that the drift of a storey is that of its centre of mass
     """
     limit = parse_limit(text)
-    if limit.quantity in (CONTACT, COLLAPSE):
+    if limit.quantity in (CONTACT, COLLAPSE, *DAMAGE_LIMITS):
         return limit.quantity
     comparison = text.rpartition(" in ")[0] if limit.building or limit.level else text
     value = comparison.partition(">")[2].strip()
@@ -304,6 +316,10 @@ def list_tables(results: ResultTables) -> list[Table]:
     tables = [_view_medians(results.answer(CURVES))]
     if RATES in results.answers:
         tables.append(_view_rates(results.answer(RATES)))
+    if NEIGHBOURS in results.answers:
+        curves = results.answer(CURVES)
+        median = median_column(curves.column("median"))
+        tables.append(show_neighbours(results, _limit_column(curves), median, _varying(curves)))
     return tables
 
 

@@ -43,7 +43,7 @@ def build_cases_table(study: Study, plan: Plan, separations: pd.DataFrame) -> Ta
     import pandas as pd
 
     keys = ["point", "given", "number", "analysis", "rule"]
-    gaps = _build_gap_frame(study, plan)
+    gaps = build_gap_frame(study, plan)
     rows = separations.merge(gaps, on=["point", "place"])
     values = {name: rows[name].to_numpy() for name in ("motion", "value", "error", "gap")}
     depends_on_motions = rows["rule"].isin(MOTION_RULES).to_numpy()
@@ -97,8 +97,9 @@ def judge_gaps(value: np.ndarray, error: np.ndarray, gap: np.ndarray) -> Verdict
     return Verdict(governing, float(required[governing]), enough, int(fits.sum()), int(is_known.sum()))
 
 
-def _build_gap_frame(study: Study, plan: Plan) -> pd.DataFrame:
-    """Return the gaps of the cases [m] by `point`, `case` and `place` of the plan.
+def build_gap_frame(study: Study, plan: Plan) -> pd.DataFrame:
+    """Return the gaps of the cases [m] by `point`, `case` and `place` of the plan, of neighbours that are only seen at
+    their median buildings.
 
     At each point stands every set of gaps (`given`, by number) that the sweep of the study gives a case.
     """
@@ -161,6 +162,9 @@ def _find_place(plan: Plan, point: int, numbers: Sequence[int], link: Link) -> i
 
 
 def _find_plan_point(plan: Plan, axes: list[BuildingKeys], index: Point) -> int:
-    """Return the number of the plan's point at a point of the study, whose axes have these building keys."""
+    """Return the number of the plan's point at a point of the study, whose axes have these building keys; of further
+    axes it is the first."""
     kept = [keys.values.index(keys.by_point[place]) for keys, place in zip(axes, index, strict=True) if keys.places]
-    return int(np.ravel_multi_index(kept, plan.shape[:-3])) if kept else 0
+    shape = plan.shape[:-3]
+    kept += [0] * (len(shape) - len(kept))
+    return int(np.ravel_multi_index(kept, shape)) if kept else 0

@@ -9,8 +9,10 @@ import numpy as np
 
 from pounding_cli.model.separation import ASCE7, E030, EN1998, GB50011, NBC202, NTC2008, NTC2018, TBDY2018
 from pounding_cli.questions.gap.evidence import PLACE_KEYS, GapEvidence
+from pounding_cli.questions.gap.neighbour_figures import draw_probabilities
+from pounding_cli.questions.gap.neighbour_words import describe_neighbours
 from pounding_cli.questions.gap.sentences import list_sentences
-from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT
+from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, NEIGHBOURS_TABLE
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions
 from pounding_cli.report.style import finish, grid, shared_legend, styled
@@ -46,13 +48,19 @@ _CONTACT_COLOR = "#56B4E9"
 
 
 def list_figures(results: ResultTables) -> list[Picture]:
-    """Return the required gaps over the height; nothing where no run has a result at the point that is shown."""
+    """Return the required gaps over the height, behind how likely gaps are enough beside a neighbour that is only seen;
+    nothing where no run has a result at the point that is shown."""
     evidence = GapEvidence(results)
     is_exact = evidence.gaps["rule"] == EXACT
     if not evidence.gaps.loc[is_exact, "mean"].notna().any():
         return []
     text = " ".join(list_sentences(results))
-    return [Picture("required-gap", "Required gap over the height", text, partial(draw_profiles, evidence))]
+    pictures = [Picture("required-gap", "Required gap over the height", text, partial(draw_profiles, evidence))]
+    if NEIGHBOURS_TABLE in results.answers:
+        text = " ".join(describe_neighbours(evidence, pair) for pair in evidence.pairs)
+        draw = partial(draw_probabilities, evidence)
+        pictures.insert(0, Picture("gap-probability", "Probability that a gap is enough", text, draw))
+    return pictures
 
 
 @styled

@@ -14,10 +14,12 @@ from pounding_cli.questions.gap.apart import build_apart_study, find_street_plac
 from pounding_cli.questions.gap.cases import build_cases_table
 from pounding_cli.questions.gap.codes import build_codes_table
 from pounding_cli.questions.gap.edges import EdgeMovements, EdgePlan, build_edge_plans
+from pounding_cli.questions.gap.neighbours import build_neighbour_tables, drop_axis, select_median
 from pounding_cli.questions.gap.separations import build_distances, build_separations
 from pounding_cli.questions.gap.spec import GapSpec
 from pounding_cli.questions.gap.statistics import build_statistics_table
 from pounding_cli.questions.gap.tables import GAP_TABLE, LINE_TABLE
+from pounding_cli.questions.neighbours import build_neighbour_axis
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.study import Plan, Study, make_plan
 from pounding_cli.study.swept import Swept, sweep_map
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from pounding_cli.questions.gap.rate import RateBasis
     from pounding_cli.questions.hazard import Hazard
     from pounding_cli.questions.specs import Measure
+    from pounding_cli.tables import Table
 
 
 class Gap(StudyQuestion):
@@ -39,6 +42,7 @@ class Gap(StudyQuestion):
 
     apart : the study with nothing between its buildings; swept keys of links are left out, those of buildings and
         motions stay
+    neighbours : its last axis, of what neighbours may be that are only seen; None where all buildings are certain
     intensity_axis : number of its axis that varies the intensity; None of one intensity
     intensities : of the motions [SI], of a study with a hazard curve; empty of others
     hazard : how often a year an intensity is exceeded; None where the study does not say it
@@ -50,6 +54,10 @@ class Gap(StudyQuestion):
     def __init__(self, study: Study) -> None:
         super().__init__(study)
         self.apart = build_apart_study(study)
+        self.neighbours = build_neighbour_axis(self)
+        self.problems.check()
+        if self.neighbours is not None:
+            self.apart = self.apart.with_axes([*self.apart.axes, self.neighbours])
         self.intensity_axis: int | None = None
         self.intensities = np.zeros(0)
         self.hazard: Hazard | None = None
@@ -127,6 +135,11 @@ class Gap(StudyQuestion):
         separations = build_separations(plan, self.spec, arrays, edges)
         distances = build_distances(plan, self.spec, arrays, edges)
         basis = self._build_rate_basis(separations)
+        of_neighbours: list[Table] = []
+        if self.neighbours is not None:
+            of_neighbours = build_neighbour_tables(self.study, plan, separations, basis)
+            separations = select_median(separations, len(self.neighbours))
+            distances = select_median(distances, len(self.neighbours))
         tables = [
             build_statistics_table(plan, GAP_TABLE, self.spec, separations),
             build_cases_table(self.study, plan, separations),
@@ -137,7 +150,9 @@ class Gap(StudyQuestion):
             from pounding_cli.questions.gap.rate import build_rate_table
 
             tables.append(build_rate_table(plan, basis, self.spec.rate))
-        return Answer(plan, arrays, tables)
+        if self.neighbours is not None:
+            tables = [drop_axis(table, self.neighbours.names) for table in tables]
+        return Answer(plan, arrays, [*tables, *of_neighbours])
 
     def _build_rate_basis(self, separations: pd.DataFrame) -> RateBasis | None:
         """Return what annual rates of contact follow from; None without a hazard curve."""
@@ -145,4 +160,5 @@ class Gap(StudyQuestion):
             return None
         from pounding_cli.questions.gap.rate import build_rate_basis  # with scipy: few studies need it
 
-        return build_rate_basis(self.plan, self.intensity_axis, self.intensities, self.hazard, separations)
+        buildings = 1 if self.neighbours is None else len(self.neighbours)
+        return build_rate_basis(self.plan, self.intensity_axis, self.intensities, self.hazard, separations, buildings)

@@ -30,8 +30,9 @@ class RateBasis:
 
     hazard : how often a year an intensity is exceeded
     intensity_axis : number of the axis that varies the intensity; None of one intensity
-    closings : largest of a pair over its floors [m], a row an intensity, a column a motion without a failed run; by
-        point of the other axes, analysis and number of the pair
+    closings : largest of a pair over its floors [m], a row an intensity, a column a motion without a failed run, or a
+        motion beside one of the buildings that a neighbour may be; by point of the other axes, analysis and number of
+        the pair
     """
 
     hazard: Hazard
@@ -50,25 +51,37 @@ class RateBasis:
         number : of the pair
         """
         closings = self.closings[other, analysis, number]
-        motions = closings.shape[1]
+        motions = _count_motions(closings)
         if motions < 2 or gap <= 0:
             return {}
-        draws = draw_motions(motions, DRAWS)
+        draws = _draw_columns(closings)
         log_gaps = np.full(len(draws), np.log(gap))
         rates = compute_contact_rates(self.hazard, log_gaps, *_take_logarithms(closings), draws)
         return build_estimate("rate", rates, CONFIDENCE, motions)
 
 
 def build_rate_basis(
-    plan: Plan, intensity_axis: int | None, intensities: np.ndarray, hazard: Hazard, separations: pd.DataFrame
-) -> RateBasis:  # fmt: skip
+    plan: Plan,
+    intensity_axis: int | None,
+    intensities: np.ndarray,
+    hazard: Hazard,
+    separations: pd.DataFrame,
+    buildings: int = 1,
+) -> RateBasis:
     """Return what annual rates follow from.
+
+    Over what neighbours may be that are only seen, rates are of both the motions and these buildings.
 
     intensities : along the axis of the intensity, or the one [SI]
     separations : of every place, rule, analysis and motion; NaN of a run that failed
+    buildings : points of the last axis of the plan, where it is that of neighbours, the median ones first; 1 of others
     """
     exact = separations[separations["rule"] == EXACT]
-    keys = ["point", "analysis", "number", "motion"]
+    neighbour = exact["point"] % buildings
+    exact = exact.assign(neighbour=neighbour, point=exact["point"] - neighbour)
+    if buildings > 1:
+        exact = exact[neighbour > 0]
+    keys = ["point", "analysis", "number", "neighbour", "motion"]
     largest = exact.groupby(keys, observed=True)["value"].agg(lambda values: values.max(skipna=False)).reset_index()
     basis = RateBasis(hazard, intensity_axis, {})
     points = list_points(plan)
@@ -77,7 +90,7 @@ def build_rate_basis(
     largest["other"] = [others[point] for point in largest["point"]]
     largest["intensity"] = np.asarray(intensities)[places[largest["point"]]]
     closings: dict[Any, pd.DataFrame] = {
-        place: rows.pivot_table("value", "intensity", "motion", dropna=False).dropna(axis=1)
+        place: rows.pivot_table("value", "intensity", ["neighbour", "motion"], dropna=False).dropna(axis=1)
         for place, rows in largest.groupby(["other", "analysis", "number"], observed=True, sort=False)
     }
     return replace(basis, closings=closings)
@@ -110,12 +123,23 @@ def _find_gap(hazard: Hazard, rate: float, closings: pd.DataFrame) -> dict[str, 
 
     closings : [m], a row an intensity, a column a motion
     """
-    motions = closings.shape[1]
+    motions = _count_motions(closings)
     counts = {"motions": motions, "intensities": len(closings)}
     if motions < 2:
         return counts
-    gaps = find_gaps(hazard, rate, *_take_logarithms(closings), draw_motions(motions, DRAWS))
+    gaps = find_gaps(hazard, rate, *_take_logarithms(closings), _draw_columns(closings))
     return counts | build_estimate("gap", gaps, CONFIDENCE, motions)
+
+
+def _count_motions(closings: pd.DataFrame) -> int:
+    """Return the number of motions of closings."""
+    return int(closings.columns.get_level_values("motion").nunique())
+
+
+def _draw_columns(closings: pd.DataFrame) -> np.ndarray:
+    """Return how often every draw of the motions takes each column of closings, shape (1 + draws, columns)."""
+    motion = closings.columns.get_level_values("motion")
+    return draw_motions(motion.nunique(), DRAWS)[:, motion.factorize()[0]]
 
 
 def _take_logarithms(closings: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:

@@ -16,6 +16,7 @@ from pounding_cli.questions.gap.evidence import (
     select_exact,
     select_widest,
 )
+from pounding_cli.questions.gap.neighbour_words import describe_neighbours, describe_spread
 from pounding_cli.questions.gap.tables import CASES_TABLE, EXACT, GAP_TABLE, NO, RATE_TABLE, UNKNOWN, YES
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.study.file import parse
@@ -41,7 +42,10 @@ def list_sentences(results: ResultTables) -> list[str]:
         return [_describe_failure(results)]
     evidence = GapEvidence(results)
     point = f"At {evidence.shown.label}: " if evidence.shown.label else ""
-    sentences = [_describe_rate(evidence, pair) for pair in evidence.pairs] if RATE_TABLE in results.answers else []
+    sentences = [describe_neighbours(evidence, pair) for pair in evidence.pairs]
+    sentences += [describe_spread(evidence, pair) for pair in evidence.pairs]
+    if RATE_TABLE in results.answers:
+        sentences += [_describe_rate(evidence, pair) for pair in evidence.pairs]
     failed = [_describe_failed_analysis(evidence, analysis) for analysis in evidence.analyses]
     for pair in evidence.pairs:
         needs = evidence.find_needs(pair)
@@ -351,7 +355,7 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     where = f" between {' and '.join(pair)}" if len(evidence.pairs) > 1 else ""
     share = column.name.removeprefix("contact_")
     sentence = f"A probability of contact of {share} % at {floors}{where} needs {', '.join(widths)}."
-    return _add_point(evidence.shown.format_point(evidence.gaps), sentence)
+    return _add_point(evidence.shown.label, sentence)
 
 
 def _add_point(point: str, sentence: str) -> str:

@@ -61,7 +61,8 @@ def build_point_table(
 
     points = list_points(plan)
     swept = build_swept_frame(plan.axes, [points[number] for number in rows["point"]])
-    frame = pd.concat([swept, rows[list(names)].astype({"analysis": object, "rule": object})], axis=1)
+    texts = {name: object for name in ("analysis", "rule") if name in names}
+    frame = pd.concat([swept, rows[list(names)].astype(texts)], axis=1)
     declared = [*COLUMNS_BY_TABLE[name], *further]
     unit = plan.study.unit("gap")
     units = {column.name: unit for column in declared if is_length(column)}

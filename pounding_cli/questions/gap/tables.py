@@ -25,6 +25,12 @@ CODES_TABLE = "gap_codes"
 RATE_TABLE = "gap_rate"
 """The gap for an annual rate of contact."""
 
+NEIGHBOURS_TABLE = "gap_neighbours"
+"""What two buildings require, over what a neighbour that is only seen may be and over the motions."""
+
+NEIGHBOUR_CASES_TABLE = "gap_neighbour_cases"
+"""How likely the gaps of the cases are enough, over both."""
+
 EXACT = "exact"
 """Rule of what the motions require: the largest closing over time, located within the step that it lies in."""
 
@@ -46,7 +52,16 @@ UNKNOWN = "unknown"
 CONFIDENCE = 0.90
 """Confidence of the intervals [-]."""
 
+NEIGHBOUR_SHARES = (0.50, 0.84, 0.95)
+"""Probabilities for which a gap beside a neighbour that is only seen is told [-]."""
+
 LENGTH = Unit("m", 1.0, "m")
+
+
+def name_enough(share: float) -> str:
+    """Return the column of the gap that is enough with a probability: "enough_84"."""
+    return f"enough_{100 * share:.0f}"
+
 
 _ANALYSIS = Column("analysis", COORDINATE_VARIABLES["analysis"][1])
 _RULE = Column("rule", "exact, or the name of the rule")
@@ -163,12 +178,87 @@ CODES_COLUMNS = (
 )
 """Columns of CODES_TABLE."""
 
+_DRAWN_COLUMNS = (
+    Column("neighbours", "number of the buildings that the neighbour may be", NUMBER, digits=0),
+    Column("motions", "number of the motions", NUMBER, digits=0),
+    Column("failed", "runs that failed, of all neighbours and motions; they are left out", NUMBER, digits=0),
+)
+
+_DRAWN_INTERVAL = f"{100 * CONFIDENCE:.0f} % interval, a bootstrap over both, from {MIN_MOTIONS} motions on"
+
+NEIGHBOUR_COLUMNS = (
+    _ANALYSIS,
+    _LEFT,
+    _RIGHT,
+    *_DRAWN_COLUMNS,
+    *(
+        column
+        for share in NEIGHBOUR_SHARES
+        for column in list_estimate_columns(
+            Column(
+                name_enough(share),
+                f"gap that is enough with a probability of {100 * share:.0f} % over what the neighbour may be and over "
+                "the motions, at all floors of the pair",
+                LENGTH,
+                f"enough {100 * share:.0f} %",
+                digits=3,
+            ),
+            _DRAWN_INTERVAL,
+        )
+    ),
+    Column(
+        "spread_motions",
+        "standard deviation of the logarithm of the required gap over the motions, mean square of all neighbours",
+        NUMBER,
+        "β motions",
+        digits=2,
+    ),
+    Column(
+        "spread_neighbours",
+        "that of the means of all neighbours: what is added as the neighbour is only seen",
+        NUMBER,
+        "β neighbour",
+        digits=2,
+    ),
+    Column("spread", "that over both, the root of the sum of the squares", NUMBER, "β both", digits=2),
+)
+"""Columns of NEIGHBOURS_TABLE."""
+
+NEIGHBOUR_CASES_COLUMNS = (
+    Column("case", COORDINATE_VARIABLES["case"][1]),
+    _ANALYSIS,
+    _LEFT,
+    _RIGHT,
+    Column("gap", "smallest gap of the case between the pair", LENGTH),
+    *list_estimate_columns(
+        Column(
+            "enough",
+            "probability that the gaps are enough at all floors of the pair, over what the neighbour may be and over "
+            "the motions",
+            NUMBER,
+            "enough with",
+            digits=2,
+        ),
+        _DRAWN_INTERVAL,
+    ),
+    *list_estimate_columns(
+        Column(
+            "rate", "annual rate of contact at this gap, with a hazard curve", Unit("%/year", 0.01, "1/year"), digits=2
+        ),
+        "bootstrap interval",
+    ),
+    *_DRAWN_COLUMNS,
+)
+"""Columns of NEIGHBOUR_CASES_TABLE."""
+
 COLUMNS_BY_TABLE = {
     GAP_TABLE: GAP_COLUMNS,
     CASES_TABLE: CASES_COLUMNS,
     CODES_TABLE: CODES_COLUMNS,
     LINE_TABLE: LINE_COLUMNS,
     RATE_TABLE: GAP_RATE_COLUMNS,
+    NEIGHBOURS_TABLE: NEIGHBOUR_COLUMNS,
+    NEIGHBOUR_CASES_TABLE: NEIGHBOUR_CASES_COLUMNS,
 }
 """Columns of every table; those of `list_share_columns` and of swept keys depend on the study."""
 

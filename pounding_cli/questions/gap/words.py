@@ -22,6 +22,7 @@ from pounding_cli.questions.gap.evidence import (
     select_failed,
     select_widest,
 )
+from pounding_cli.questions.gap.neighbour_words import note_median, show_neighbours
 from pounding_cli.questions.gap.sentences import describe_rate, list_sentences
 from pounding_cli.questions.gap.spec import format_needed_keys
 from pounding_cli.questions.gap.tables import (
@@ -58,6 +59,7 @@ def list_tables(results: ResultTables) -> list[Table]:
         tables.insert(1, _show_codes(results))
     if RATE_TABLE in results.answers:
         tables.insert(0, _show_rate(results))
+    tables = [*show_neighbours(results), *tables]
     return [table for table in tables if len(table.frame)]
 
 
@@ -200,6 +202,8 @@ def list_notes(results: ResultTables) -> list[str]:
 
 def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
     cases = results.answer(CASES_TABLE).frame
+    if median := note_median(results):
+        yield median
     yield from _iter_rate_notes(results)
     scene = results.scene()
     failed_rows = select_failed(scene)

@@ -11,6 +11,7 @@ import numpy as np
 from pounding_cli.laws.apart import Apart
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import Unit, join_limited, pluralize
+from pounding_cli.questions.neighbours import note_median_buildings
 from pounding_cli.questions.run.ranking import describe_ranking
 from pounding_cli.questions.run.tables import (
     BEYOND_MARK,
@@ -147,6 +148,8 @@ def list_notes(results: ResultTables) -> list[str]:
     shown = find_nominal(results)
     scene = results.scene()
     notes = [f"{describe_accuracy(scene, results.units)} {describe_motions(shown.records)}", *_explain_table(results)]
+    if median := note_median_buildings(results):
+        notes.append(median)
     if len(shown.cases) > len(shown.plotted_cases):
         notes.append(f"Figures show {len(shown.plotted_cases)} of the {len(shown.cases)} cases.")
     for group in flag_groups_of(scene, results.units):

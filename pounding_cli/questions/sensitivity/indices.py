@@ -120,7 +120,7 @@ class Sensitivity(StudyQuestion):
         root = study.tree
         self.judge = judge
         self.motions = tuple(study.motion_uses(study.first_point))
-        inputs = read_uncertain(root, problems, len(self.motions)) if root.get("uncertain") is not None else []
+        inputs = read_uncertain(root, problems, len(self.motions))
         self.inputs = tuple(inputs)
         self.motion_sets: np.ndarray | None = None
         if len(inputs) < 2 and not problems.found:

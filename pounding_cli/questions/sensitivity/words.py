@@ -138,7 +138,7 @@ def describe_place(results: ResultTables, row: Row) -> str:
 
 def describe_motions(results: ResultTables) -> str:
     """Return what an output of a sample is over its motions: "mean of 5 motions"; "" where there is one motion."""
-    uncertain = results.resolved["uncertain"]
+    uncertain = results.resolved["uncertain"] or {}
     entries = uncertain if isinstance(uncertain, list) else [uncertain]
     choices = [entry[MOTION] for entry in entries if MOTION in entry]
     if choices == [ANY]:

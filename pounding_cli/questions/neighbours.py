@@ -1,0 +1,84 @@
+"""The buildings that a neighbour may be that is only seen: an axis of a question, behind those of the study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from pounding_cli.numbers import Unit, join_limited, pluralize
+from pounding_cli.study.archetypes import KEY, Seen, is_sample_key, list_seen
+from pounding_cli.study.axes import Axis, sweep_maps
+
+if TYPE_CHECKING:
+    from pounding_cli.questions.question import StudyQuestion
+    from pounding_cli.results.results import ResultTables
+    from pounding_cli.study import Study
+    from pounding_cli.tables import Table
+
+
+def list_drawn(study: Study) -> list[Seen]:
+    """Return the buildings of the group of which a question draws several, those that they may be.
+
+    Left out are those that the study takes as certain, those of which it gives all that is uncertain, and those of
+    which it chooses one by `sample`.
+    """
+    swept = {key for holder in sweep_maps(study.tree) for key in holder}
+    return [
+        seen
+        for seen in list_seen(study.tree)
+        if seen.uncertain_quantities() and seen.spec.sample == 0 and seen.sample_key not in swept
+    ]
+
+
+def build_neighbour_axis(question: StudyQuestion) -> Axis | None:
+    """Return the axis of the buildings that neighbours may be, the median ones first; None where all are certain.
+
+    All neighbours move together: each is drawn apart, by its name. What is wrong is noted.
+    """
+    drawn = list_drawn(question.study)
+    if not drawn:
+        return None
+    counts = {seen.spec.neighbours for seen in drawn}
+    if len(counts) > 1:
+        names = " and ".join(f"{seen.spec.neighbours} of {seen.name}" for seen in drawn)
+        path = ("buildings", drawn[-1].name, KEY)
+        hint = "write the same number of `neighbours` in each `archetype`"
+        question.problems.at(question.study.tree, path, f"the neighbours are drawn together, but {names}", hint)
+        return None
+    rows = [(number,) * len(drawn) for number in range(counts.pop() + 1)]
+    marks = tuple(seen.mark for seen in drawn)
+    return Axis(tuple(seen.sample_key for seen in drawn), rows, [marks] * len(rows), (Unit(),) * len(drawn))
+
+
+def list_drawn_names(results: ResultTables, table: Table) -> list[str]:
+    """Return the building types of which a question drew several; not those that the study sweeps.
+
+    table : over what they may be, which has no column of what is drawn
+    """
+    return [key.split(".")[1] for key in results.axes if is_sample_key(key) and not table.has(key)]
+
+
+def describe_seen(building: Mapping[str, Any], name: str) -> str:
+    """Return what is known of a building that is only seen: "theirs (C1M, pre-code, 5 storeys)".
+
+    building : its keys with every default filled in
+    """
+    seen = building[KEY]
+    return f"{name} ({seen['type']}, {seen['design']}, {pluralize(seen['storeys'], 'storey')})"
+
+
+def note_median_buildings(results: ResultTables) -> str:
+    """Return which buildings are the median ones of what they may be; "" where all are certain."""
+    buildings = results.resolved["buildings"]
+    seen = []
+    for name in dict.fromkeys(results.resolved["group"]):
+        archetype = buildings[name].get(KEY)
+        if archetype and archetype["uncertain"] and archetype["sample"] == 0:
+            seen.append(describe_seen(buildings[name], name))
+    if not seen:
+        return ""
+    is_are = "is the median building" if len(seen) == 1 else "are the median buildings"
+    return (
+        f"{join_limited(seen)} {is_are} of what it may be, seen from the street: `pound gap` and `pound fragility` "
+        "answer over the others too, `pound check` lists the numbers with their sources."
+    )
