@@ -78,7 +78,7 @@ def edge_displacement(plan: FloorPlan, shears: np.ndarray, y: float) -> np.ndarr
     """
     stiffness = plan.stiffness
     coupling = plan.eccentricity * stiffness
-    turning = plan.torsional_stiffness + np.sum([line.place**2 * line.stiffness for line in plan.all_lines], axis=0)
+    turning = plan.torsional_stiffness + np.sum([line.arm**2 * line.stiffness for line in plan.all_lines], axis=0)
     drift = shears / (stiffness - coupling**2 / turning)
     twist = coupling / turning * drift
     return np.cumsum(drift - y * twist)

@@ -263,7 +263,7 @@ class _Building:
             for j, law in enumerate(b.laws_of_line(line)):
                 below = self.floors.start + j - 1 if j else self.base
                 turn, turn_below = self.turns.start + j, self.turns.start + j - 1 if j else -1
-                arm = -line.place if is_along else line.place
+                arm = -line.arm if is_along else line.arm
                 weights = {turn: arm, turn_below: -arm}
                 if is_along:
                     weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
@@ -399,7 +399,7 @@ def layout_of(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
     effects, links = effects_of(scene), scene.links
     ties = tuple(
-        Tie(link.ends, link.columns, link.cosine, (link.left_y, link.right_y), type(link.law)) for link in links
+        Tie(link.ends, link.columns, link.cosine, (link.left_arm, link.right_arm), type(link.law)) for link in links
     )
     return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
 

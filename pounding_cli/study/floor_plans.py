@@ -68,7 +68,7 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
     if plan.lines is None:
         nominal, torsional_stiffness = _build_short_form(plan, mass, inertia, stiffness, yield_shear)
         moved = plan.centre_of_mass - centre
-        lines = tuple(replace(line, place=line.place + moved) for line in nominal)
+        lines = tuple(replace(line, arm=line.arm + moved) for line in nominal)
     else:
         places = [line.y - centre for line in plan.lines]
         parts = zip(places, plan.fill_rest("stiffness"), plan.fill_rest("yield_shear"), strict=True)

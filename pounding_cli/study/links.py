@@ -506,7 +506,7 @@ def _build_links_at(
 
 def _act_at_one_place(parts: Sequence[Link], others: Sequence[Link]) -> bool:
     """Return whether two links of one law between the same ends have the same places along the street."""
-    places, other_places = ({(link.left_y, link.right_y, link.law) for link in each} for each in (parts, others))
+    places, other_places = ({(link.left_arm, link.right_arm, link.law) for link in each} for each in (parts, others))
     return places == other_places
 
 
@@ -522,14 +522,14 @@ def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:
     if arms is WHOLE_AT_CENTRES:
         return [whole]
     if len(arms) == 1:
-        return [replace(whole, left_y=arms[0].left_y, right_y=arms[0].right_y)]
+        return [replace(whole, left_arm=arms[0].left_arm, right_arm=arms[0].right_arm)]
     parts = []
-    for left_y, right_y, share in arms:
+    for left_arm, right_arm, share in arms:
         law = whole.law.scale(share)
         if law is None:
             message = f"link: {link.title} cannot stand at several places, and floors that twist strike at both ends"
             raise IssuesFound([Issue(link.path, message, "write one place, e.g. `places: 0 m`")])
-        parts.append(replace(whole, law=law, left_y=left_y, right_y=right_y, whole_law=whole.law))
+        parts.append(replace(whole, law=law, left_arm=left_arm, right_arm=right_arm, whole_law=whole.law))
     return parts
 
 

@@ -82,20 +82,20 @@ class StreetSide(NamedTuple):
         plan = building.plan
         if plan is None:
             return None
-        low = plan.place + plan.low
-        high = plan.place + plan.high
-        return cls(0.5 * (low + high), plan.place, low, high)
+        low = plan.street + plan.low
+        high = plan.street + plan.high
+        return cls(0.5 * (low + high), plan.street, low, high)
 
 
 class LinkArms(NamedTuple):
     """Where a link, or a part of it, acts on both floors.
 
-    left_y, right_y : from the centres of mass [m]
+    left_arm, right_arm : from the centres of mass [m]
     share : part of the link [-]
     """
 
-    left_y: float
-    right_y: float
+    left_arm: float
+    right_arm: float
     share: float
 
 
@@ -154,7 +154,7 @@ def find_arms(
                 hint = f"write a place from {side.low - origin:g} to {side.high - origin:g} m"
                 raise IssuesFound([Issue((*path, "places", number), message, hint)])
             ends.append(along_street - side.centre)
-        if any((each.left_y, each.right_y) == (ends[0], ends[1]) for each in arms):
+        if any((each.left_arm, each.right_arm) == (ends[0], ends[1]) for each in arms):
             hint = "remove it, and let its share go to the other"
             raise IssuesFound([Issue((*path, "places", number), f"the place {place} stands here twice", hint)])
         arms.append(LinkArms(ends[0], ends[1], share))

@@ -96,16 +96,16 @@ def find_street_places(study: Study) -> tuple[StreetPlace, ...]:
         buildings = study.group(index).buildings
         for case in study.spec.cases:
             for link in study.links(index, case):
-                if link.left_y or link.right_y:
+                if link.left_arm or link.right_arm:
                     left, right = buildings[link.left : link.left + 2]
-                    ends = _find_street_end(left, link.left_y), _find_street_end(right, link.right_y)
+                    ends = _find_street_end(left, link.left_arm), _find_street_end(right, link.right_arm)
                     places[StreetPlace(link.left, *ends)] = None
     return tuple(places)
 
 
 def _find_street_end(building: Building, y: float) -> float:
     """Return the place along the street of an end of a link [m]; NaN where the building has no plan."""
-    return math.nan if building.plan is None else building.plan.place + y
+    return math.nan if building.plan is None else building.plan.street + y
 
 
 def link_all_facing(group: Group, street_places: Collection[StreetPlace] = ()) -> tuple[Link, ...]:
@@ -123,7 +123,7 @@ def link_all_facing(group: Group, street_places: Collection[StreetPlace] = ()) -
             links += facing
             continue
         arms = _find_arms(pair, [place for place in street_places if place.number == left])
-        links += [replace(link, left_y=y[0], right_y=y[1], whole_law=link.law) for link in facing for y in arms]
+        links += [replace(link, left_arm=y[0], right_arm=y[1], whole_law=link.law) for link in facing for y in arms]
     return merge_links(group.buildings, links)
 
 

@@ -154,8 +154,8 @@ def _find_place(plan: Plan, point: int, numbers: Sequence[int], link: Link) -> i
     if len(facing) == 1:
         return facing[0]
     for number in facing:
-        ys = links.left_y[(*where, number)], links.right_y[(*where, number)]
-        if np.allclose((link.left_y, link.right_y), ys, rtol=0.0, atol=SAME_PLACE):
+        ys = links.left_arm[(*where, number)], links.right_arm[(*where, number)]
+        if np.allclose((link.left_arm, link.right_arm), ys, rtol=0.0, atol=SAME_PLACE):
             return number
     return -1
 

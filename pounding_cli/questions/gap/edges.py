@@ -71,7 +71,7 @@ class EdgePlan:
             at = (*index, 0, number)
             if not links.kind[at]:
                 continue
-            link_y = links.right_y[at] if place.left == 0 else links.left_y[at]
+            link_y = links.right_arm[at] if place.left == 0 else links.left_arm[at]
             if abs(link_y - y) <= SAME_PLACE:
                 side = movements.to_left if place.left == 0 else movements.to_right
                 floor = place.right_floor if place.left == 0 else place.left_floor
@@ -119,8 +119,8 @@ def _link_to_walls(group: Group, links: Sequence[Link], places: Sequence[int]) -
     links, places : of the row, and of this building in it
     """
     building = group.buildings[1]
-    ys = {link.left_y for link in links if link.left in places}
-    ys |= {link.right_y for link in links if link.left + 1 in places}
+    ys = {link.left_arm for link in links if link.left in places}
+    ys |= {link.right_arm for link in links if link.left + 1 in places}
     if building.plan is not None:
         ys |= {building.plan.low, building.plan.high}
     to_walls: list[Link] = []
@@ -130,7 +130,7 @@ def _link_to_walls(group: Group, links: Sequence[Link], places: Sequence[int]) -
             for y in sorted(ys):
                 link = Link.apart(left, *both)
                 arms = (y, 0.0) if left else (0.0, y)
-                to_walls.append(replace(link, whole_law=link.law, left_y=arms[0], right_y=arms[1]))
+                to_walls.append(replace(link, whole_law=link.law, left_arm=arms[0], right_arm=arms[1]))
     return tuple(to_walls)
 
 

@@ -162,10 +162,10 @@ def _require_separation(
     left_at = plan.links.left_at[(*state.index, 0, place)]
     right_at = plan.links.right_at[(*state.index, 0, place)]
     ends = ((left, floor, left_at), (left + 1, right_floor, right_at))
-    left_y = plan.links.left_y[(*state.index, 0, place)]
-    right_y = plan.links.right_y[(*state.index, 0, place)]
-    left_peak = state.find_peak(*ends[0], left_y)
-    right_peak = state.find_peak(*ends[1], right_y)
+    left_arm = plan.links.left_arm[(*state.index, 0, place)]
+    right_arm = plan.links.right_arm[(*state.index, 0, place)]
+    left_peak = state.find_peak(*ends[0], left_arm)
+    right_peak = state.find_peak(*ends[1], right_arm)
     rules: Requirements = {}
     largest_closing = np.nanmax(state.closings, axis=-1, initial=0.0)
     rules[EXACT] = (state.closings[..., place], state.error * largest_closing)
@@ -179,8 +179,8 @@ def _require_separation(
     same_floors = _have_same_floors(left_building, right_building)
     for rule, settings in spec.select_rules():
         if floor > 0 or rule.at_base:  # the others do not tell how far a base moves
-            left_moved = state.find_code_displacement(rule.name, *ends[0], left_y)
-            right_moved = state.find_code_displacement(rule.name, *ends[1], right_y)
+            left_moved = state.find_code_displacement(rule.name, *ends[0], left_arm)
+            right_moved = state.find_code_displacement(rule.name, *ends[1], right_arm)
             code_place = CodePlace(
                 left_moved,
                 right_moved,
@@ -214,19 +214,19 @@ def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
     left = links.places[place].left
     pair = [plan.study.building(index, number) for number in (left, left + 1)]
     if not any(map(is_eccentric, pair)):
-        return {"end": "", "y": np.nan}
+        return {"end": "", "street": np.nan}
     sides = [StreetSide.of(building) for building in pair]
     at = (*index, 0, place)
     ys = [
         side.centre + float(y[at])
-        for side, y in zip(sides, (links.left_y, links.right_y), strict=True)
+        for side, y in zip(sides, (links.left_arm, links.right_arm), strict=True)
         if side is not None
     ]
     low, high = find_shared_edge(*sides)
     for name, end in ((LOW_END, low), (HIGH_END, high)):
         if all(abs(y - end) <= ROUNDING * (high - low) for y in ys):
-            return {"end": name, "y": end}
-    return {"end": " | ".join(dict.fromkeys(f"{y:.4g} m" for y in ys)), "y": ys[0]}
+            return {"end": name, "street": end}
+    return {"end": " | ".join(dict.fromkeys(f"{y:.4g} m" for y in ys)), "street": ys[0]}
 
 
 def _interpolate(displacements: np.ndarray, building: int, floor: int, at: float) -> np.ndarray:
@@ -293,7 +293,7 @@ def _iter_distances(
                     displacements = {rule: values[number, floor] for rule, values in by_code.items()}
                     if ends.get("end"):
                         assert building.plan is not None
-                        at_edge = code_edges(index, number, ends["y"] - building.plan.place) or {}
+                        at_edge = code_edges(index, number, ends["street"] - building.plan.street) or {}
                         displacements |= {rule: abs(values[floor - 1]) for rule, values in at_edge.items()}
                     of_codes: Requirements = {
                         rule.name: (rule.line(displacements[rule.name], height), 0.0)
@@ -315,7 +315,7 @@ def _list_ends(
     number : of the building
     """
     plan_of_floors = plan.study.building(index, number).plan
-    nowhere: Place = {"end": "", "y": np.nan} if has_ends(plan) else {}
+    nowhere: Place = {"end": "", "street": np.nan} if has_ends(plan) else {}
     if plan_of_floors is None:
         return [(nowhere, at_centre)]
     ends: list[tuple[Place, Mapping[str, np.ndarray]]] = []
@@ -324,7 +324,7 @@ def _list_ends(
         if movements is None:
             return [(nowhere, at_centre)]
         moved = {"left": movements.to_left[floor], "right": movements.to_right[floor]}
-        ends.append(({"end": end, "y": plan_of_floors.place + y}, moved))
+        ends.append(({"end": end, "street": plan_of_floors.street + y}, moved))
     return ends
 
 
