@@ -20,6 +20,14 @@ SAME = 1e-12
 """Relative difference of two numbers [-] that count as equal, since both were computed."""
 
 
+def find_square_radii(inertia: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Return the squares of the radii of gyration of what stands above every storey [m2], shape (n,).
+
+    inertia, mass : of the floors [kg m2], [kg], shape (n,)
+    """
+    return np.asarray(np.cumsum(inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1])
+
+
 def _as_storeys(values: np.ndarray, storeys: int, name: str) -> np.ndarray:
     """Return numbers of every storey as an array that nobody changes.  Raises ValueError: there are not so many."""
     array = np.array(values, dtype=float)
@@ -59,7 +67,7 @@ class FrameLine:
 
 @dataclass(frozen=True, eq=False)
 class FloorPlan:
-    """What makes the floors of a building twist.
+    """Rotary inertias, frame lines and edges of a building whose floors twist.
 
     Parameters
     ----------
@@ -137,8 +145,8 @@ class FloorPlan:
         matrices = np.zeros((self.storeys, 2, 2))
         for number, line in enumerate(self.all_lines):
             stiffness = np.where(np.isfinite(line.yield_shear), share, 1.0) * line.stiffness
-            arms = np.array([1.0, -line.arm] if number < len(self.lines) else [0.0, line.arm])
-            matrices += stiffness[:, None, None] * np.outer(arms, arms)
+            weights = np.array([1.0, -line.arm] if number < len(self.lines) else [0.0, line.arm])
+            matrices += stiffness[:, None, None] * np.outer(weights, weights)
         matrices[:, 1, 1] += self.torsional_stiffness
         return matrices
 
@@ -150,7 +158,7 @@ class FloorPlan:
         mass : of the floors [kg], shape (n,)
         load_over_height : P / h of every storey [N/m], shape (n,)
         """
-        square_radius = np.cumsum(self.inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1]
+        square_radius = find_square_radii(self.inertia, mass)
         matrices = np.zeros((self.storeys, 2, 2))
         matrices[:, 0, 0] = load_over_height
         matrices[:, 1, 1] = load_over_height * square_radius

@@ -131,27 +131,27 @@ def is_eccentric(building: Building) -> bool:
 def find_eccentric_link(buildings: Sequence[Building], links: Sequence[Link]) -> Link | None:
     """Return the first link that turns the floors that it joins; None where each is at the centres of mass, or is part
     of a link that has a part like it on the other side."""
-    places = [find_arms(buildings, link) for link in links]
-    for number, (link, arms) in enumerate(zip(links, places, strict=True)):
+    arms_by_link = [_find_turning_arms(buildings, link) for link in links]
+    for link, arms in zip(links, arms_by_link, strict=True):
         if not any(arms):
             continue
         if link.whole_law is None:
             return link
         others = [
             other_arms
-            for other, other_arms in zip(links, places, strict=True)
+            for other, other_arms in zip(links, arms_by_link, strict=True)
             if other.ends == link.ends and other.whole_law == link.whole_law and other.law == link.law
         ]
-        if not any(_are_mirrored(buildings, links[number].left, arms, other_arms) for other_arms in others):
+        if not any(_are_mirrored(buildings, link.left, arms, other_arms) for other_arms in others):
             return link
     return None
 
 
-def find_arms(buildings: Sequence[Building], link: Link) -> tuple[float, float]:
-    """Return the distances of the ends of a link from the centres of mass of floors that may twist [m], 0 of others."""
+def _find_turning_arms(buildings: Sequence[Building], link: Link) -> tuple[float, float]:
+    """Return the arms of both ends of a link at floors that may twist [m], 0 at others."""
     has_plans = (buildings[place].plan is not None for place in (link.left, link.left + 1))
     left_arm, right_arm = (
-        y if has_plan else 0.0 for y, has_plan in zip((link.left_arm, link.right_arm), has_plans, strict=True)
+        arm if has_plan else 0.0 for arm, has_plan in zip((link.left_arm, link.right_arm), has_plans, strict=True)
     )
     return left_arm, right_arm
 

@@ -228,7 +228,7 @@ def find_link_ends(link: xr.Dataset, left: PlanOutline, right: PlanOutline) -> t
 
 def _find_middle(left: PlanOutline, right: PlanOutline) -> float:
     """Return the middle of the edge that two neighbours share, along the street [m]."""
-    return 0.5 * sum(find_shared_edge(left, right))
+    return 0.5 * sum(find_facing_edge(left, right))
 
 
 def _find_still(data: xr.Dataset, buildings: int) -> list[bool]:
@@ -246,7 +246,7 @@ def _name_floors(link: xr.Dataset) -> str:
     return str(left or "base") if left == right else f"{left} | {right}"
 
 
-def find_shared_edge(left: PlanOutline, right: PlanOutline) -> tuple[float, float]:
+def find_facing_edge(left: PlanOutline, right: PlanOutline) -> tuple[float, float]:
     """Return both ends of the edge that two neighbours share, along the street [m].
 
     The first is above the second where they share none.

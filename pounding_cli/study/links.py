@@ -33,7 +33,7 @@ from pounding_cli.study.link_specs import (
 )
 from pounding_cli.study.own_laws import OwnLaw
 from pounding_cli.study.quantity import LINK_STIFFNESS, StoreyMultiple
-from pounding_cli.study.street_places import WHOLE_AT_CENTRES, find_arms
+from pounding_cli.study.street_places import WHOLE_AT_CENTRES, find_link_arms
 
 RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
@@ -518,7 +518,7 @@ def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:
     IssuesFound : it stands where it cannot, or its law cannot be parted
     """
     left, right = meeting.left, meeting.right
-    arms = find_arms(link.spec, link.path, (left.name, right.name), left.street, right.street)
+    arms = find_link_arms(link.spec, link.path, (left.name, right.name), left.street, right.street)
     if arms is WHOLE_AT_CENTRES:
         return [whole]
     if len(arms) == 1:

@@ -13,7 +13,7 @@ from pounding_cli.model.plan import FloorPlan, FrameLine
 from pounding_cli.model.twist import describe_eccentricity, find_twist_reasons
 from pounding_cli.numbers import join_limited
 
-SHOWN_PERIODS = 3
+MAX_SHOWN_PERIODS = 3
 """Number of natural periods that are told of a plan."""
 
 
@@ -37,7 +37,7 @@ def _describe_plan(plan: FloorPlan, mass: np.ndarray) -> str:
         places = join_limited(f"{line.arm:.4g} m" for line in plan.lines_across)
         words.append(f"lines across at {places} from the centre of mass")
     words.append(_describe_eccentricity(plan.eccentricity, width))
-    periods = ", ".join(f"{period:.3g}" for period in plan.periods(mass)[:SHOWN_PERIODS])
+    periods = ", ".join(f"{period:.3g}" for period in plan.periods(mass)[:MAX_SHOWN_PERIODS])
     words.append(f"turns {plan.frequency_ratio(mass):.3g} times as fast as it moves along the row, each by itself")
     words.append(f"periods of both together {periods} s")
     return "; ".join(words)
