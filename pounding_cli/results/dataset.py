@@ -71,17 +71,7 @@ def build_arrays(plan: Plan, solved: Responses) -> ResultArrays:
                 arrays[v.name] = value / np.where(base > 0, base, np.nan)
             elif v.formula is not None:
                 arrays[v.name] = v.formula({**arrays, "height": height})
-        # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
-        errors = solved.values["error_estimate"][plan.numbers[..., 1:]] + arrays["error_estimate"][..., None]
-        for name in (*RATIO_VARIABLES, *LINE_RATIO_VARIABLES):
-            if name not in arrays:
-                continue
-            sizes = arrays[name].shape[arrays["status"].ndim + 1 :]  # and lines, which stand side by side
-            ratios = arrays[name].reshape(*arrays[name].shape[: -len(sizes)], -1)
-            measures = _statistics(ratios, errors[..., None], arrays["sensitivity"][..., None, None])
-            arrays |= {
-                f"{name}_{measure}": array.reshape(*array.shape[:-1], *sizes) for measure, array in measures.items()
-            }
+        _add_statistics(arrays, solved.values["error_estimate"][plan.numbers[..., 1:]])
     _flag(plan, solved, arrays)
     found = facts | {name: Array((*axes, *VARIABLES[name].dims), array) for name, array in arrays.items()}
     for name, each in found.items():
@@ -140,6 +130,23 @@ def _is_of_whole_motion(plan: Plan, solved: Responses, v: Variable) -> np.ndarra
         return solved.is_whole
     left = np.array([place.left for place in plan.links.places])
     return solved.is_whole[:, left] & solved.is_whole[:, left + 1]
+
+
+def _add_statistics(arrays: Arrays, errors_alone: np.ndarray) -> None:
+    """Enter the statistics of all ratios over the motions.
+
+    errors_alone : of the buildings alone [-], shape (swept axes, SCENE_DIMS, buildings)
+    """
+    # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
+    errors = errors_alone + arrays["error_estimate"][..., None]
+    for name in (*RATIO_VARIABLES, *LINE_RATIO_VARIABLES):
+        if name not in arrays:
+            continue
+        sizes = arrays[name].shape[arrays["status"].ndim + 1 :]  # and lines, which stand side by side
+        ratios = arrays[name].reshape(*arrays[name].shape[: -len(sizes)], -1)
+        measures = _statistics(ratios, errors[..., None], arrays["sensitivity"][..., None, None])
+        for measure, array in measures.items():
+            arrays[f"{name}_{measure}"] = array.reshape(*array.shape[:-1], *sizes)
 
 
 def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:

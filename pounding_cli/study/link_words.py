@@ -11,10 +11,10 @@ from pounding_cli.laws.law import in_series
 from pounding_cli.laws.pounding import restitution_from_damping
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.numbers import Unit, join_limited
+from pounding_cli.study.doubts import format_value, units_of_size
 from pounding_cli.study.group import Group
 from pounding_cli.study.link_places import LinkEnds, Meeting
 from pounding_cli.study.street_places import find_shared_edge
-from pounding_cli.study.warnings import format_value, units_of_size
 
 SOFTENED = ("stiffness", "impact_stiffness")
 """Parameters of laws that the bending of columns softens."""

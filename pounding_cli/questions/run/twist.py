@@ -238,31 +238,6 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
 
 def _build_place_table(shown: Evidence) -> Table:
     """Return contacts, forces and closings of every case by place along the street, over all floors and motions."""
-    link = shown.link
-    rows: list[dict[str, Any]] = []
-    has_places = "street" in link and len(link)
-    if has_places:
-        link = link.assign(street=link["street"].round(6))
-        keys = ["case", "analysis", "left", "right", "street"]
-        for place, here in link.groupby(keys, sort=False):
-            if not np.isfinite(here["peak_force"]).any():
-                continue
-            force = here.iloc[int(here["peak_force"].argmax())]
-            closing = here.iloc[int(here["max_closing"].argmax())]
-            rows.append(
-                dict(zip(keys, place, strict=True))
-                | {
-                    "pair": f"{force['left']}|{force['right']}",
-                    "contacts": here.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
-                    "peak_force": force["peak_force"],
-                    "force_floors": _format_floors(force) if force["peak_force"] > 0 else "",
-                    "max_closing": closing["max_closing"],
-                    "closing_floors": _format_floors(closing),
-                    "is_blow": shown.results.is_contact(force["kind"]) and force["peak_force"] > 0,
-                }
-            )
-        shared = [tuple(row[key] for key in keys[:-1]) for row in rows]
-        rows = [row for row, pair in zip(rows, shared, strict=True) if shared.count(pair) > 1]
     force_column = column_of("peak_force")
     number = Column("peak_force", force_column.text, force_column.unit, digits=3)
 
@@ -288,7 +263,39 @@ def _build_place_table(shown: Evidence) -> Table:
     over = "force and closing the largest of all floors"
     over = f"contacts the mean of the motions, {over} and motions" if many else f"contacts of all floors, {over}"
     point = f", at {shown.label}" if shown.label else ""
-    return Table("", pd.DataFrame(rows), columns, f"Contact by place along the street: {over}{point}")
+    return Table("", pd.DataFrame(_list_places(shown)), columns, f"Contact by place along the street: {over}{point}")
+
+
+def _list_places(shown: Evidence) -> list[dict[str, Any]]:
+    """Return a row for every place along the street of two neighbours that are linked at several places."""
+    link = shown.link
+    if "street" not in link or link.empty:
+        return []
+    link = link.assign(street=link["street"].round(6))
+    pair_keys = ["case", "analysis", "left", "right"]
+    rows = []
+    for place, here in link.groupby([*pair_keys, "street"], sort=False):
+        if np.isfinite(here["peak_force"]).any():
+            values = zip([*pair_keys, "street"], place, strict=True)
+            rows.append(dict(values) | _summarize_place(shown, here))
+    pairs = [tuple(row[key] for key in pair_keys) for row in rows]
+    return [row for row, pair in zip(rows, pairs, strict=True) if pairs.count(pair) > 1]
+
+
+def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
+    """Return contacts, the largest force and the largest closing of the links at one place along the street."""
+    force = links.iloc[int(links["peak_force"].argmax())]
+    closing = links.iloc[int(links["max_closing"].argmax())]
+    acts = force["peak_force"] > 0
+    return {
+        "pair": f"{force['left']}|{force['right']}",
+        "contacts": links.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
+        "peak_force": force["peak_force"],
+        "force_floors": _format_floors(force) if acts else "",
+        "max_closing": closing["max_closing"],
+        "closing_floors": _format_floors(closing),
+        "is_blow": shown.results.is_contact(force["kind"]) and acts,
+    }
 
 
 def _format_contacts(row: Row) -> str:
