@@ -45,7 +45,7 @@ def merge_links(buildings: Sequence[Building], links: Sequence[Link]) -> tuple[L
     merged: dict[Link, None] = {}
     for link in links:
         if link.whole_law is not None and not (twists[link.left] or twists[link.left + 1]):
-            link = replace(link, law=link.whole_law, whole_law=None, left_y=0.0, right_y=0.0)
+            link = replace(link, law=link.whole_law, whole_law=None, left_arm=0.0, right_arm=0.0)
         merged[link] = None
     return tuple(merged)
 
@@ -107,7 +107,7 @@ def _describe_links_that_turn(buildings: Sequence[Building], links: Sequence[Lin
         joined = [link for link in links if link.left == pair]
         if not joined:
             continue
-        arms = [link.right_y if pair < place else link.left_y for link in joined]
+        arms = [link.right_arm if pair < place else link.left_arm for link in joined]
         name = buildings[other].name
         mean = float(np.average(arms, weights=[link.share for link in joined]))
         if abs(mean) > 1e-9 * max(map(abs, arms), default=0.0):
@@ -131,29 +131,29 @@ def is_eccentric(building: Building) -> bool:
 def find_eccentric_link(buildings: Sequence[Building], links: Sequence[Link]) -> Link | None:
     """Return the first link that turns the floors that it joins; None where each is at the centres of mass, or is part
     of a link that has a part like it on the other side."""
-    places = [find_arms(buildings, link) for link in links]
-    for number, (link, arms) in enumerate(zip(links, places, strict=True)):
+    arms_by_link = [_find_turning_arms(buildings, link) for link in links]
+    for link, arms in zip(links, arms_by_link, strict=True):
         if not any(arms):
             continue
         if link.whole_law is None:
             return link
         others = [
             other_arms
-            for other, other_arms in zip(links, places, strict=True)
+            for other, other_arms in zip(links, arms_by_link, strict=True)
             if other.ends == link.ends and other.whole_law == link.whole_law and other.law == link.law
         ]
-        if not any(_are_mirrored(buildings, links[number].left, arms, other_arms) for other_arms in others):
+        if not any(_are_mirrored(buildings, link.left, arms, other_arms) for other_arms in others):
             return link
     return None
 
 
-def find_arms(buildings: Sequence[Building], link: Link) -> tuple[float, float]:
-    """Return the distances of the ends of a link from the centres of mass of floors that may twist [m], 0 of others."""
+def _find_turning_arms(buildings: Sequence[Building], link: Link) -> tuple[float, float]:
+    """Return the arms of both ends of a link at floors that may twist [m], 0 at others."""
     has_plans = (buildings[place].plan is not None for place in (link.left, link.left + 1))
-    left_y, right_y = (
-        y if has_plan else 0.0 for y, has_plan in zip((link.left_y, link.right_y), has_plans, strict=True)
+    left_arm, right_arm = (
+        arm if has_plan else 0.0 for arm, has_plan in zip((link.left_arm, link.right_arm), has_plans, strict=True)
     )
-    return left_y, right_y
+    return left_arm, right_arm
 
 
 def _are_mirrored(

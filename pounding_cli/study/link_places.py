@@ -121,9 +121,9 @@ class Meeting:
         """Return the place of the left end of a link along the street [m], of its right end where the left building has
         no plan; NaN where neither has one."""
         if self.left.street is not None:
-            return self.left.street.centre + link.left_y
+            return self.left.street.centre + link.left_arm
         if self.right.street is not None:
-            return self.right.street.centre + link.right_y
+            return self.right.street.centre + link.right_arm
         return math.nan
 
     def has_facing_ends(self, link: Link | LinkEnds) -> bool:
