@@ -24,34 +24,32 @@ PERIOD_TABLES = ("Modal Periods And Frequencies", "Modal Periods")
 RATIO_TABLES = ("Modal Participating Mass Ratios",)
 CENTRE_TABLES = ("Centers Of Mass And Rigidity", "Center Of Mass And Rigidity", "Centers Of Mass And Rigidity Data")
 
-STOREY = ("story", "storey", "name", "storyname", "storeyname", "level", "floor")
-HEIGHT = ("height", "storyheight", "storeyheight")
-ELEVATION = ("elevation", "elev", "storyelevation")
-CASE = ("outputcase", "loadcase", "loadcasecombo", "case", "casecombo")
-STEP_TYPE = ("steptype",)
-STEP_NUMBER = ("stepnumber", "stepnum", "step")
-TOWER = ("tower",)
-MODE = ("mode", "stepnum", "stepnumber")
-PERIOD = ("period",)
-YIELD_SHEAR = ("yieldshear", "vy", "strength", "shearstrength")
-HARDENING = ("hardening", "hardeningratio")
+STOREY = ("Story", "Storey", "Name", "Story Name", "Storey Name", "Level", "Floor")
+HEIGHT = ("Height", "Story Height", "Storey Height")
+ELEVATION = ("Elevation", "Elev", "Story Elevation")
+CASE = ("Output Case", "Load Case", "Load Case/Combo", "Case", "Case/Combo")
+STEP_TYPE = ("Step Type",)
+STEP_NUMBER = ("Step Number", "Step Num", "Step")
+TOWER = ("Tower",)
+MODE = ("Mode", "Step Num", "Step Number")
+PERIOD = ("Period",)
+YIELD_SHEAR = ("Yield shear", "Vy", "Strength", "Shear strength")
+HARDENING = ("Hardening", "Hardening ratio")
+"""Headings of a column, the best one first."""
+
+_SHEAR = ("Shear", "Story Shear", "Storey Shear", "V")
+_DRIFT = ("Drift", "Story Drift", "Storey Drift", "Interstorey Drift")
 OF_DIRECTION = {
-    "X": {
-        "mass": ("ux", "u1", "massx", "mass"),
-        "stiffness": ("stiffx", "stiffnessx", "stiffness", "k"),
-        "shear": ("shearx", "vx", "shear", "storyshear", "storeyshear", "v"),
-        "drift": ("driftx", "drift", "storydrift", "storeydrift", "interstoreydrift", "driftratio"),
-        "ratio": ("ux", "u1"),
-    },
-    "Y": {
-        "mass": ("uy", "u2", "massy", "mass"),
-        "stiffness": ("stiffy", "stiffnessy", "stiffness", "k"),
-        "shear": ("sheary", "vy", "shear", "storyshear", "storeyshear", "v"),
-        "drift": ("drifty", "drift", "storydrift", "storeydrift", "interstoreydrift", "driftratio"),
-        "ratio": ("uy", "u2"),
-    },
+    direction: {
+        "mass": (f"U{direction}", f"U{number}", f"Mass {direction}", "Mass"),
+        "stiffness": (f"Stiff{direction}", f"Stiffness {direction}", "Stiffness", "K"),
+        "shear": (f"Shear {direction}", f"V{direction}", *_SHEAR),
+        "drift": (f"Drift {direction}", *_DRIFT),
+        "ratio": (f"U{direction}", f"U{number}"),
+    }
+    for number, direction in ((1, "X"), (2, "Y"))
 }
-"""Direction -> what is read -> headings, normalised, the best one first."""
+"""Direction -> what is read -> headings, the best one first."""
 
 MAX_PERIOD_DIFFERENCE = 0.05
 """Relative difference of the periods of stick and model beyond which storeys do not deform in shear alone."""
@@ -522,14 +520,12 @@ def _read_eccentricity(tables: TableFile, building: ImportedBuilding, choices: C
     table = tables.find_table(CENTRE_TABLES)
     if table is None:
         return
-    across = "y" if choices.direction == "X" else "x"
-    mass_centre = table.find_column([f"{across}cm"])
-    stiffness_centre = table.find_column([f"{across}cr"])
+    across = "Y" if choices.direction == "X" else "X"
+    mass_centre = table.find_column([f"{across}CM"])
+    stiffness_centre = table.find_column([f"{across}CR"])
     storey = table.find_column(STOREY)
     if mass_centre is None or stiffness_centre is None or storey is None:
-        building.notes.append(
-            f"eccentricity: '{table.title}' has no {across.upper()}CM and {across.upper()}CR, left out"
-        )
+        building.notes.append(f"eccentricity: '{table.title}' has no {across}CM and {across}CR, left out")
         return
     rows = _select_tower(table, table.rows, choices)
     by_name: dict[str, Row] = {}
@@ -587,7 +583,7 @@ def _read_period(tables: TableFile, building: ImportedBuilding, choices: Choices
         raise table.refuse(f"has no mode {chosen}", f"name one of {join_limited(reversed(by_mode), 200)} with --mode")
     value = _read_positive(table, by_mode[chosen], period, "s")
     building.model_period = value
-    building.mode_words = words
+    building.mode_words = f"mode {chosen}"
     building.notes.append(f"period of the model: {table.describe_column(period)}, {words}")
 
 

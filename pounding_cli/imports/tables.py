@@ -122,10 +122,10 @@ class ProgramTable:
         return f"sheet '{self.sheet}'" if self.sheet else f"'{self.title}'"
 
     def find_column(self, names: Sequence[str]) -> Column | None:
-        """Return the first column of one of these names, each normalised; None where there is none."""
+        """Return the first column of one of these names, by letters and digits alone; None where there is none."""
         for name in names:
             for column in self.columns:
-                if normalize_name(column.name) == name:
+                if normalize_name(column.name) == normalize_name(name):
                     return column
         return None
 
