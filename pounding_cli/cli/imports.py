@@ -10,8 +10,10 @@ import click
 
 from pounding_cli.cli.options import FILE, seconds, together
 from pounding_cli.errors import InputError, Problem
+from pounding_cli.texts import escape_controls
 
 if TYPE_CHECKING:
+    from pounding_cli.imports.pushover import Fit
     from pounding_cli.imports.storeys import Choices, ImportedBuilding
     from pounding_cli.imports.tables import TableFile
     from pounding_cli.imports.writing import PlanSize
@@ -150,13 +152,20 @@ def pushover(curves: Path, storeys: Path | None, figure: Path | None, **options:
         raise InputError(Problem(f"cannot draw a '{picture.suffix}' file", hint, str(picture)))
     check_output(picture, [curves], option="--figure")
     digests = found.list_digests() + ([] if storeys is None else others.list_digests())
-    click.echo(f"{'storey':<14}{'stiffness':>16}{'yield shear':>14}{'hardening':>11}{'mean error':>12}{'largest':>9}")
-    for storey, fit in fits.items():
-        numbers = f"{fit.stiffness / 1e6:>10.4g} kN/mm{fit.yield_shear / 1e3:>11.5g} kN{fit.hardening:>11.4f}"
-        click.echo(f"{storey:<14}{numbers}{100 * fit.mean_error:>10.2f} %{100 * fit.max_error:>7.1f} %")
     _finish(building, digests, curves, "pound import pushover", options)
     picture.write_bytes(drawn_as(draw_fits(read, fits, f"{name}: pushover curves and their two lines"), suffix))
-    click.echo(f"drawn: {picture}")
+    click.echo(f"drawn: {picture}\n\n{_format_fits(fits)}")
+
+
+def _format_fits(fits: dict[str, Fit]) -> str:
+    """Return the lines of a table of the two lines of every storey."""
+    head = f"{'storey':<14}{'stiffness':>17}{'yield shear':>14}{'hardening':>11}{'mean error':>12}{'largest':>9}"
+    lines = [head]
+    for storey, fit in fits.items():
+        numbers = f"{fit.stiffness / 1e6:>11.4g} kN/mm{fit.yield_shear / 1e3:>11.5g} kN{fit.hardening:>11.4f}"
+        errors = f"{100 * fit.mean_error:>10.2f} %{100 * fit.max_error:>7.1f} %"
+        lines.append(f"{escape_controls(storey):<14}{numbers}{errors}")
+    return "\n".join(lines)
 
 
 def _read_tables(path: Path, units: str | None) -> TableFile:
@@ -236,14 +245,13 @@ def _finish(
     check_output(path, [source] if source.is_file() else [], writes_over)
     study = load_study(yaml.safe_load(text))
     path.write_text(text, encoding="utf-8")
-    click.echo(
-        f"wrote {path}: {pluralize(len(building.names), 'storey')}, from the ground up {', '.join(building.names)}"
-    )
+    names = escape_controls(", ".join(building.names))
+    click.echo(f"wrote {path}: {pluralize(len(building.names), 'storey')}, from the ground up {names}")
     for note in building.notes:
-        click.echo(f"  {note}")
+        click.echo(f"  {escape_controls(note)}")
     click.echo(said)
     for warning in [*building.warnings, *study.warnings]:
-        click.echo(f"warning: {warning}", err=True)
+        click.echo(f"warning: {escape_controls(str(warning))}", err=True)
     click.echo(f"Next, write the neighbour, the gap and your motions into it, and: pound check {path}")
 
 

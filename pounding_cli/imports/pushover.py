@@ -261,7 +261,9 @@ def draw_fits(curves: Sequence[Curve], fits: dict[str, Fit], title: str) -> Figu
         ax.plot(1e3 * ends, fit.shear_at(ends) / 1e3, color="#D55E00", lw=1.4, dashes=(5, 2), label="two lines")
         ax.plot([1e3 * corner], [fit.shear_at(np.array([corner]))[0] / 1e3], "o", color="#D55E00", ms=4)
         state = "" if fit.yields else ", does not yield"
-        ax.set_title(f"{name}: mean error {100 * fit.mean_error:.2g} %{state}", fontsize=9, loc="left")
+        ax.set_title(
+            f"storey {escape_controls(name)}: mean error {100 * fit.mean_error:.1f} %{state}", fontsize=9, loc="left"
+        )
         ax.set_xlim(left=0.0)
         ax.set_ylim(bottom=0.0)
         ax.set_xlabel("interstorey drift [mm]")
