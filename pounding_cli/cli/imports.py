@@ -79,7 +79,7 @@ def _import_tables(tables: Path, command: str, **options: Any) -> None:
     _finish(building, found.list_digests(), tables, command, options)
 
 
-@import_.command()
+@import_.command(short_help="Tables of ETABS, a workbook or CSV files.")
 @click.argument("tables", type=FILE)
 @_table_options
 @_naming_options
@@ -98,7 +98,7 @@ def etabs(tables: Path, **options: Any) -> None:
     _import_tables(tables, "pound import etabs", **options)
 
 
-@import_.command()
+@import_.command(short_help="One table of storeys, of any program.")
 @click.argument("tables", metavar="TABLE", type=FILE)
 @_table_options
 @_naming_options
@@ -114,7 +114,7 @@ def table(tables: Path, **options: Any) -> None:
     _import_tables(tables, "pound import table", **options)
 
 
-@import_.command()
+@import_.command(short_help="Curves of storey shear over drift.")
 @click.argument("curves", type=FILE)
 @click.option("--storeys", type=FILE, metavar="TABLES", help="Heights and masses, if CURVES does not have them.")
 @click.option(

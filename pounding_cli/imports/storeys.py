@@ -286,9 +286,13 @@ def _select_tower(table: ProgramTable, rows: Sequence[Row], choices: Choices) ->
 
 def _is_base(table: ProgramTable, row: Row, storey: Column, height: Column) -> bool:
     """Return whether a row is the base, which has no storey below it."""
-    text = table.read_text(row, height)
-    has_no_height = text in ("", "0")
-    return has_no_height and normalize_name(table.read_text(row, storey)) == "base"
+    if table.read_text(row, height) not in ("", "0"):
+        return False
+    elevation = table.find_column(ELEVATION)
+    if elevation is None:
+        return normalize_name(table.read_text(row, storey)) == "base"
+    lowest = min(table.read_number(each, elevation) for each in table.rows)
+    return table.read_number(row, elevation) == lowest
 
 
 def _refuse_twice(table: ProgramTable, rows: Sequence[Row], storey: Column, names: Sequence[str]) -> None:
@@ -376,21 +380,33 @@ def _find_order(
     if elevation is not None:
         levels = [table.read_number(row, elevation) for row in rows]
         return sorted(places, key=lambda place: levels[place]), f"by {table.describe_column(elevation)}"
+    evidence: dict[str, list[int]] = {}
     if base_order:
         side = "first" if base_order[0] == "up" else "last"
-        return (places if base_order[0] == "up" else places[::-1]), f"the base stands {side}"
-    if shears:
-        steps = np.diff(shears)
-        if (steps < 0).all() or (steps > 0).all():
-            return (places if (steps < 0).all() else places[::-1]), "the storey shears grow towards the ground"
-    numbers = [re.fullmatch(r"(\D*)(\d+)(\D*)", name) for name in names]
-    kinds = {(match[1].strip(), match[3].strip()) for match in numbers if match}
-    values = [int(match[2]) for match in numbers if match]
-    if len(values) == len(names) and len(kinds) == 1 and len(set(values)) == len(names):
-        return sorted(places, key=lambda place: values[place]), "by the numbers in the names"
-    message = "nothing shows whether the storeys stand from the ground up or from the roof down"
+        evidence[f"the base stands {side}"] = places if base_order[0] == "up" else places[::-1]
+    steps = np.diff(shears)
+    if steps.size and ((steps < 0).all() or (steps > 0).all()):
+        evidence["the storey shears grow towards the ground"] = places if (steps < 0).all() else places[::-1]
+    numbers = _find_numbers(names)
+    if numbers:
+        evidence["by the numbers in the names"] = sorted(places, key=lambda place: numbers[place])
     hint = "give --order up, or --order down; or export the elevations"
-    raise table.refuse(message, hint, rows[0], storey)
+    if not evidence:
+        message = "nothing shows whether the storeys stand from the ground up or from the roof down"
+        raise table.refuse(message, hint, rows[0], storey)
+    if any(order != next(iter(evidence.values())) for order in evidence.values()):
+        message = f"the order of the storeys is not clear: {'; '.join(evidence)} contradict each other"
+        raise table.refuse(message, hint, rows[0], storey)
+    return next(iter(evidence.values())), next(iter(evidence))
+
+
+def _find_numbers(names: Sequence[str]) -> list[int]:
+    """Return the numbers in names such as Story1, Story2, which differ in nothing else; none in other names."""
+    matches = [re.fullmatch(r"(\D*)(\d+)(\D*)", name) for name in names]
+    kinds = {(match[1].strip(), match[3].strip()) for match in matches if match}
+    numbers = [int(match[2]) for match in matches if match]
+    is_numbered = len(numbers) == len(names) and len(kinds) == 1 and len(set(numbers)) == len(names)
+    return numbers if is_numbered else []
 
 
 def _read_positive(table: ProgramTable, row: Row, column: Column, si: str, may_be_zero: bool = False) -> float:

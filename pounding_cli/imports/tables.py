@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from pounding_cli.errors import InputError, Problem
-from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor, is_unit_cell
+from pounding_cli.imports.units import NO_UNITS, SYSTEM_HINT, find_factor
 from pounding_cli.numbers import join_limited
 from pounding_cli.reading import read_bytes, shorten_path
 from pounding_cli.texts import escape_controls
@@ -82,7 +82,7 @@ class ProgramTable:
         heading_place = 1 if has_title else 0
         headings = self.first_rows[heading_place]
         below = self.first_rows[heading_place + 1 : heading_place + 2]
-        if below and count_filled(below[0]) and all(is_unit_cell(format_cell(cell)) for cell in below[0][1]):
+        if below and not any(format_cell(cell)[:1].isdigit() for cell in below[0][1]):  # a row of values has numbers
             return heading_place + 2, headings, below[0]
         return heading_place + 1, headings, None
 

@@ -20,17 +20,6 @@ _SPELLINGS = {
 SYSTEM_HINT = "give --units, force and length of the model, e.g. --units 'kN, m'"
 
 
-def is_unit_cell(text: str) -> bool:
-    """Return whether a cell of a row below headings is a unit, or names none."""
-    if text.strip().lower() in NO_UNITS:
-        return True
-    try:
-        parse_unit(_normalize(text))
-    except ValueError:
-        return False
-    return True
-
-
 def find_factor(text: str, si: str) -> float | None:
     """Return one unit of a program in the SI unit `si` [-]; None where it is unknown or of another dimension.
 

@@ -282,6 +282,10 @@ def faults(version: str):
             edit(heights, (2, name), "Roof"),
             ["tower.xlsx", "'Mass Summary by Story' has no row for storey 'Roof'", "one name for a storey"],
         ),
+        "unknown unit": (
+            edit(heights, (1, 2 if name else 1), "ells"),
+            [f"tower.xlsx:3:{3 if name else 2}: ", "'Height'", "'ells' is not a unit of length"],
+        ),
         "no unit": (edit(heights, (1, 2 if name else 1), None), ["'Height'", "has no unit", "--units 'kN, m'"]),
         "zero": (
             edit("Mass Summary by Story", (3, 1), 0),
@@ -378,6 +382,40 @@ def test_a_study_of_yours_is_not_overwritten(folder, pound):
     assert "tower.yaml" in err
     (folder / "tower.yaml").write_text("title: mine\n")
     assert pound("import", "etabs", "tower.xlsx", "--force")[0] == 2
+
+
+def test_orders_that_contradict_each_other_are_refused(folder, pound):
+    sheets = layout("v18")
+    rows = sheets["Story Definitions"]
+    rows[3], rows[4] = rows[4], rows[3]
+    write_book(sheets, folder / "tower.xlsx")
+    code, _, err = pound("import", "etabs", "tower.xlsx", "--case", "EQX")
+    assert code == 0  # the shears of both are not in order then: the numbers in the names decide
+    sheets["Mass Summary by Story"].append(["Base", 55, 55, 0])
+    masses = sheets["Mass Summary by Story"]
+    masses[3], masses[4] = masses[4], masses[3]
+    write_book(sheets, folder / "tower.xlsx")
+    code, _, err = pound("import", "etabs", "tower.xlsx", "--case", "EQX", "--force")
+    assert code == 2
+    assert "the base stands last; by the numbers in the names contradict each other" in err
+    assert "--order" in err
+
+
+def test_curves_come_from_the_workbook_of_the_other_tables(folder, pound):
+    """`Story Stiffness` of a nonlinear static case, with a row for each step."""
+    sheets = layout("v18")
+    k = FRAME.shear / FRAME.drift
+    rows = sheets["Story Stiffness"]
+    for i in DOWN:
+        for x in np.linspace(0, 4, 41):
+            shear = k[i] * 0.01 * (x if x < 1 else 1 + 0.05 * (x - 1)) / 1e3
+            rows.append([NAMES[i], "PUSHX", "NonStatic", "Step", shear, 0.01 * x, 0, 0, 0, 0, 0, 0])
+    write_book(sheets, folder / "tower.xlsx")
+    code, out, err = pound("import", "pushover", "tower.xlsx", "--case", "PUSHX")
+    assert (code, err) == (0, "")
+    assert "the same within 0.05 %" in out
+    building = load_study(folder / "tower.yaml").group((0,)).buildings[0]
+    assert building.yield_shear == pytest.approx(0.01 * k, rel=1e-6)
 
 
 def test_the_storeys_of_a_plain_table(folder, pound):
