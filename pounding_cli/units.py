@@ -31,14 +31,18 @@ _ONE = {
 }  # fmt: skip
 # Where a name is two, as `min`, the one without prefix counts.
 _POUND, _INCH = Fraction("0.45359237"), Fraction("0.0254")
-_POUND_FORCE = _POUND * Fraction("9.80665")
+_WEIGHT_OF_KILOGRAM = Fraction("9.80665")
+_POUND_FORCE = _POUND * _WEIGHT_OF_KILOGRAM
 _ONE |= {
     **dict.fromkeys(("inch", "inches"), (_INCH, _LENGTH)), **dict.fromkeys(("foot", "feet"), (12 * _INCH, _LENGTH)),
     "lb": (_POUND, _MASS), "lbf": (_POUND_FORCE, (1.0, 1.0, -2.0)),
+    "kgf": (_WEIGHT_OF_KILOGRAM, (1.0, 1.0, -2.0)), "tonf": (1000 * _WEIGHT_OF_KILOGRAM, (1.0, 1.0, -2.0)),
     **dict.fromkeys(("kip", "kips"), (1000 * _POUND_FORCE, (1.0, 1.0, -2.0))),
     "psi": (_POUND_FORCE / _INCH**2, (1.0, -1.0, -2.0)), "ksi": (1000 * _POUND_FORCE / _INCH**2, (1.0, -1.0, -2.0)),
 }  # fmt: skip
-KNOWN_UNITS = "m, cm, mm, km, in, ft; s, ms, min; kg, g, t, lb; N, kN, MN, lbf, kip; Pa, psi, ksi; Hz, Gal, rad, %"
+KNOWN_UNITS = (
+    "m, cm, mm, km, in, ft; s, ms, min; kg, g, t, lb; N, kN, MN, kgf, tonf, lbf, kip; Pa, psi, ksi; Hz, Gal, rad, %"
+)
 """The units that people write, with their prefixes, for messages."""
 _NAME = re.compile(r"[A-Za-z]+|%")
 _SEPARATOR = re.compile(r"\s*([*/·.]?)\s*")

@@ -6,6 +6,7 @@ import difflib
 import errno
 import importlib
 import io
+import keyword
 import os
 import sys
 from contextlib import suppress
@@ -21,6 +22,7 @@ _QUESTIONS = {name: ("solve", title) for name, title in TITLES.items()}
 
 COMMANDS = {
     "init": ("study", "Write a commented study to start from."),
+    "import": ("imports", "Write a study from tables of a frame program or from pushover curves."),
     "check": ("study", "Validate a study; show what is solved, and how long the rest takes."),
     "run": _QUESTIONS.pop("run"),
     "show": ("results", "Print a table of a results file."),
@@ -54,7 +56,8 @@ class LazyGroup(click.Group):
                 ctx.fail(f"No such command '{cmd_name}'. Did you mean '{near[0]}'?")
             return None
         module = importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}")
-        command = module.build_question_command(cmd_name) if cmd_name in TITLES else getattr(module, cmd_name)
+        attribute = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
+        command = module.build_question_command(cmd_name) if cmd_name in TITLES else getattr(module, attribute)
         command.short_help = COMMANDS[cmd_name][1]
         return command
 

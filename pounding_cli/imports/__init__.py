@@ -1,0 +1,1 @@
+"""Studies from what other programs export: tables of frame models, and pushover curves."""
