@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.model.links import BASE
 from pounding_cli.model.scene import Analysis
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.results.columns import column_of
@@ -242,7 +243,7 @@ def _build_place_table(shown: Evidence) -> Table:
     if has_places:
         link = link.assign(y=link["y"].round(6))
         keys = ["case", "analysis", "left", "right", "y"]
-        for place, here in link.groupby(keys, sort=False):
+        for place, here in link.groupby(keys, sort=False, dropna=False):  # a base, which does not turn, has no y
             if not np.isfinite(here["peak_force"]).any():
                 continue
             force = here.iloc[int(here["peak_force"].argmax())]
@@ -294,9 +295,9 @@ def _format_contacts(row: Row) -> str:
 
 
 def _format_floors(link: Any) -> str:
-    """Return the floors that a link joins: "floor 3", "floors 3|2" where they differ."""
+    """Return the floors that a link joins: "floor 3", "floors 3|2" where they differ, "base" of bases."""
     if link["floor"] == link["right_floor"]:
-        return f"floor {link['floor']}"
+        return f"floor {link['floor']}" if link["floor"] else BASE
     return f"floors {link['floor']}|{link['right_floor']}"
 
 
