@@ -17,6 +17,7 @@ from pounding_cli.errors import Problem
 from pounding_cli.laws.joints import MAX_STABLE_STEP_AT_REST, Viscous
 from pounding_cli.laws.law import LinkLaw
 from pounding_cli.model.building import Building
+from pounding_cli.model.plan import FloorPlan
 from pounding_cli.model.twist import is_eccentric
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import join_limited, pluralize
@@ -450,6 +451,10 @@ RADII_OF_GYRATION = (0.2, 0.8)
 MAX_ECCENTRICITY = 0.35
 """Eccentricity over the width [-] above which it is warned of: a core at one end, frames at the other give a third."""
 
+MAX_OFFSET_ACROSS = 0.1
+"""Distance of the centre of the lines across from that of mass, over that of the line farthest from it [-], above which
+it is warned of the motion along the street that is left out."""
+
 
 def _warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, doubts: Doubts) -> None:
     """Note a plan that hardly any building has: eccentricity, rotary inertia, resistance to the twist."""
@@ -476,6 +481,7 @@ def _warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, dou
         hint = f"write an inertia near {' to '.join(format_value(float(each), units) for each in usual)}; "
         hint += f"otherwise leave it, {AS_MEANT}"
         doubts.add(root, at, (*path, "inertia"), message, hint, excess=abs(float(np.log10(radius[storey]))))
+    _warn_lines_across(plan, root, path, doubts)
     ratio = plan.frequency_ratio(building.mass)
     low, high = RATIOS_OF_TWIST
     if not low <= ratio <= high:
@@ -486,6 +492,28 @@ def _warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, dou
         message += "frames at the edges give 1 to 1.5, a core in the middle 0.7, walls at all edges 2"
         hint = f"check the places of lines, the torsional stiffness and the inertia; otherwise leave it, {AS_MEANT}"
         doubts.add(root, at, at, message, hint, excess=abs(float(np.log10(ratio))))
+
+
+def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts) -> None:
+    """Note lines across the row that move floors along the street when these twist, which is left out."""
+    if not plan.lines_across:
+        return
+    places = np.array([line.place for line in plan.lines_across])
+    stiffness = np.array([line.stiffness for line in plan.lines_across])  # shape (lines, storeys)
+    at: KeyPath = (*path, "across")
+    farthest = float(np.abs(places).max())
+    if farthest == 0.0:
+        message = "all lines across the row stand at the centre of mass, where they resist no twist"
+        doubts.add(root, at, at, message, f"let `x` be where they stand; otherwise leave it, {AS_MEANT}")
+        return
+    offset = float(np.abs(places @ stiffness / stiffness.sum(axis=0)).max())
+    if offset > MAX_OFFSET_ACROSS * farthest:
+        message = (
+            f"the centre of the lines across the row stands {offset:.3g} m from that of mass: floors that twist then "
+        )
+        message += "also move along the street, which is left out"
+        hint = f"write all frames and walls across the row, on both sides; otherwise leave it, {AS_MEANT}"
+        doubts.add(root, at, at, message, hint, excess=offset / farthest)
 
 
 def warn_case(
