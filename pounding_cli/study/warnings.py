@@ -30,7 +30,7 @@ from pounding_cli.study.group import Group, find_ignored_blows
 from pounding_cli.study.issues import Issues, KeyPath
 from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_places import build_ends
-from pounding_cli.study.link_specs import ImpactSpec
+from pounding_cli.study.link_specs import ImpactSpec, list_links
 from pounding_cli.study.links import CompleteLink
 from pounding_cli.study.motions import MotionUse, Suite
 from pounding_cli.study.plan_spec import PlanSpec
@@ -94,6 +94,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     notes.extend(warner.doubts.iter_merged())
     warn_held_period(study, notes)
     warn_codes_without_twist(study, notes)
+    warn_shift_without_effect(study, notes)
     if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
@@ -777,6 +778,30 @@ def warn_codes_without_twist(study: Study, notes: Problems) -> None:
         hint = "the gap that the motions require has it; "
         hint += "a code that asks for the displacement of the edge takes a larger one than is told of it here"
         notes.at(study.tree, ("gap",), message, hint, key=True)
+
+
+def warn_shift_without_effect(study: Study, notes: Problems) -> None:
+    """Note that the place of a plan along the street does nothing where no neighbour and no link has one."""
+    with_plans = [
+        name
+        for name in study.spec.group
+        if any(spec.plan is not None for _, spec in study.resolved.building_specs[name].iter_values())
+    ]
+    cases = study.spec.cases.items()
+    has_places = any(link.places is not None for case in cases for link, _ in list_links(*case))
+    if len(with_plans) != 1 or len(study.spec.group) == 1 or has_places:
+        return
+    (name,) = with_plans
+    key = f"buildings.{name}.plan.shift"
+    varied: list[KeyPath] = [("sweep",), ("uncertain",), ("optimise", "over")]
+    paths = [(*section, key) for section in varied if key in (get(study.tree, *section) or ())]
+    if any(spec.plan is not None and spec.plan.shift for _, spec in study.resolved.building_specs[name].iter_values()):
+        paths.append(("buildings", name, "plan", "shift"))
+    if paths:
+        message = f"`shift` of {name} has no effect: no other building has a plan, so each is as wide as {name}, "
+        message += "and no link names its places"
+        hint = f"give the neighbours of {name} a `plan:`, or the links their `places:`; otherwise leave it, {AS_MEANT}"
+        notes.at(study.tree, paths[0], message, hint)
 
 
 MASS_KEYS = frozenset({"mass"})
