@@ -222,7 +222,7 @@ COLUMN_VARIABLES = ("left_at", "right_at", "shear_below", "shear_above", "shear_
 INCLINED_VARIABLES = ("inclination", "facing")
 """Names of the variables that files have where some link joins places of different heights."""
 
-PLACED_VARIABLES = ("y", "left_y", "right_y")
+PLACED_VARIABLES = ("street", "left_arm", "right_arm")
 """Names of the variables that files have where some floor may twist."""
 
 _WHERE = "part of the height of the storey below its floor, 1 at it"
@@ -238,11 +238,11 @@ LINK_VARIABLES = (
     Variable("facing", ("case", "link"), "1",
              "1 where its ends are as high as each other, within the slabs; 0 elsewhere: there it crosses no gap",
              always=False),
-    Variable("y", ("case", "link"), "m", "place of its left end along the street, of its right end beside a building "
-             "without a plan", always=False),
-    Variable("left_y", ("case", "link"), "m", "place of its left end across the row, from the centre of mass",
+    Variable("street", ("case", "link"), "m",
+             "place of its left end along the street, of its right end beside a building without a plan", always=False),
+    Variable("left_arm", ("case", "link"), "m", "place of its left end along the street, from the centre of mass",
              always=False),
-    Variable("right_y", ("case", "link"), "m", "place of its right end across the row, from the centre of mass",
+    Variable("right_arm", ("case", "link"), "m", "place of its right end along the street, from the centre of mass",
              always=False),
 )  # fmt: skip
 
@@ -279,7 +279,7 @@ BUILDING_VARIABLES = (
         always=False,
     ),
     Variable(
-        "line_y",
+        "line_street",
         ("building", "line"),
         "m",
         "place of a line along the row, along the street; NaN of others",
@@ -307,8 +307,8 @@ RECORD_VARIABLES = (
 )
 
 PLAN_VARIABLES = (
-    "plan_low", "plan_high", "plan_centre", "inertia", "torsional_stiffness", "stiffness_centre", "line_y", "line_x",
-    "line_stiffness", "line_yield_shear",
+    "plan_low", "plan_high", "plan_centre", "inertia", "torsional_stiffness", "stiffness_centre",
+    "line_street", "line_x", "line_stiffness", "line_yield_shear",
 )  # fmt: skip
 """Names of the variables of buildings that files have where some building has a plan."""
 

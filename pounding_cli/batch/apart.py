@@ -81,8 +81,8 @@ def build_apart(scene: Scene) -> ApartScene:
 def _build_apart_link(link: Link) -> Link:
     """Return the link with nothing between the ends of another."""
     apart = Link.apart(link.left, link.left_floor, link.right_floor, link.left_at, link.right_at)
-    if link.left_y or link.right_y:
-        return replace(apart, left_y=link.left_y, right_y=link.right_y)
+    if link.left_arm or link.right_arm:
+        return replace(apart, left_arm=link.left_arm, right_arm=link.right_arm)
     return apart
 
 
@@ -99,7 +99,7 @@ def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: fl
     displacements = np.concatenate([response.peaks[name].ravel() for name in ("displacement_max", "displacement_min")])
     largest = np.nanmax(np.abs(displacements), initial=0.0)  # a wall that moves with the ground has none
     if count_lines(response.peaks):
-        arm = max((max(abs(link.left_y), abs(link.right_y)) for link in scene.links), default=0.0)
+        arm = max((max(abs(link.left_arm), abs(link.right_arm)) for link in scene.links), default=0.0)
         largest += arm * np.nanmax(response.peaks["twist"], initial=0.0)
     margin = MAX_CLOSING_ERROR * accuracy * largest
     return bool(np.all(_open_gaps_to_rest(scene, apart, response) > margin))

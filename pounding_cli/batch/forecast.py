@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST, DroppedEffect, effects_of
+from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST_OF_FLOORS, DroppedEffect, effects_of
 from pounding_cli.solver.assemble import layout_of
 from pounding_cli.solver.kernels import is_compiled, kernel_for, read_rates
 
@@ -55,8 +55,8 @@ def build_forecast(plan: Plan) -> Forecast:
         effects = effects_of(scene)
         forecast.kept.update(dict.fromkeys(effects.kept, step))
         forecast.dropped.update(dict.fromkeys(effects.dropped, step))
-        if has_plans and TWIST not in effects.kept:
-            forecast.dropped[DroppedEffect(TWIST, NOTHING_ECCENTRIC)] += step
+        if has_plans and TWIST_OF_FLOORS not in effects.kept:
+            forecast.dropped[DroppedEffect(TWIST_OF_FLOORS, NOTHING_ECCENTRIC)] += step
     return forecast
 
 

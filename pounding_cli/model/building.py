@@ -287,7 +287,7 @@ class Building:
 
     @property
     def can_yield(self) -> np.ndarray:
-        """Whether every storey, or one of its frame lines, can leave its elastic branch, shape (n,)."""
+        """True for every storey that can leave its elastic branch, itself or one of its frame lines, shape (n,)."""
         if self.plan is None:
             return np.isfinite(self.yield_shear)
         return np.any([np.isfinite(line.yield_shear) for line in self.plan.all_lines], axis=0)

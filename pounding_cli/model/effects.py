@@ -25,13 +25,13 @@ NOT_REQUESTED = "the study does not ask for them (key residual_drift)"
 COUPLING = "coupling of the whole row"
 """The effect that is left out of a scene of parts that nothing links."""
 
-TWIST = "twist of floors"
+TWIST_OF_FLOORS = "twist of floors"
 """The effect of a scene whose floors turn about vertical axes."""
 
 NOTHING_ECCENTRIC = "nothing is eccentric, and buildings run without their plans"
 """The reason to leave the twist out of a scene of buildings that have plans; others do not speak of it."""
 
-EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS, COUPLING, TWIST)
+EXPECTED_EFFECTS = ("yielding storeys", "foundation motions", "P-Delta", RESIDUAL_DRIFTS, COUPLING, TWIST_OF_FLOORS)
 """Effects that a reader may expect in any study: where none of its scenes has one, the reason is stated."""
 
 OVERRULING_REASONS = ("the analysis is elastic", "without a dashpot no link can pull")
@@ -198,7 +198,7 @@ def _decide_effects(
         reason = "the analysis is elastic"
     collapse = decide(inelastic and can_collapse, "collapse", reason)
     if any(building.plan is not None for building in buildings):
-        kept.append(TWIST)
+        kept.append(TWIST_OF_FLOORS)
     decide(residual_drift, RESIDUAL_DRIFTS, NOT_REQUESTED)
     has_alpha = any(building.alpha > 0 for building in buildings)
     decide(has_alpha, "mass-proportional damping", "alpha is 0")

@@ -34,7 +34,7 @@ class Link:
         is not asked for
     cosine : of the angle between the link and the horizontal, 0 to 1: the link deforms by the closing times it, and
         its force times it acts on the floors; 1 for a level link [-]
-    left_y, right_y : places of its ends across the row, from the centres of mass of floors that twist [m]
+    left_arm, right_arm : places of its ends from the centres of mass of floors that twist (`model.plan`) [m]
     whole_law : law of the link of which this is a part, at one of several places (`model.twist`); None of a whole link
 
     Raises
@@ -50,8 +50,8 @@ class Link:
     right_at: float = 1.0
     columns: float = 0.0
     cosine: float = 1.0
-    left_y: float = 0.0
-    right_y: float = 0.0
+    left_arm: float = 0.0
+    right_arm: float = 0.0
     whole_law: LinkLaw | None = None
 
     def __post_init__(self) -> None:
@@ -82,7 +82,7 @@ class Link:
     def _hash(self) -> int:
         """The hash, computed once: what scenes share is looked up by their links."""
         ends = (self.left_floor, self.left_at, self.right_floor, self.right_at)
-        places = (self.left_y, self.right_y)
+        places = (self.left_arm, self.right_arm)
         return hash((self.left, ends, self.law, self.columns, self.cosine, places))
 
     @classmethod
@@ -140,8 +140,8 @@ class Link:
             parts.append(f"columns {self.columns!r}")
         if self.cosine < 1.0:
             parts.append(f"cosine {self.cosine!r}")
-        if self.left_y or self.right_y:
-            parts.append(f"y {self.left_y!r} {self.right_y!r}")
+        if self.left_arm or self.right_arm:
+            parts.append(f"y {self.left_arm!r} {self.right_arm!r}")
         return " ".join(parts)
 
 

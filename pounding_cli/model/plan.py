@@ -1,7 +1,11 @@
 """The plan of a building whose floors twist: rotary inertias, frame lines along the row, and lines across it.
 
-Coordinates of a floor, from its centre of mass: x along the row, y across it; its rotation is positive from x to y. The
-place (x, y) of a floor that moves by u and turns by theta moves along the row by u - y theta."""
+Places across the row are told in three ways, all in metres and the same way for all buildings: `y` as studies write it,
+from the middle of a plan; `street`, along the street that the row faces, from one origin for the whole row; `arm`, from
+the centre of mass of a floor. So street = shift + y = (street of the centre of mass) + arm.
+
+A floor that moves along the row by u and turns by theta, positive from the row to the street, moves by u - arm theta at
+an arm, and by x theta across the row at x along the row from its centre of mass."""
 
 from __future__ import annotations
 
@@ -14,6 +18,14 @@ from pounding_cli.model.stiffness import frequencies
 
 SAME = 1e-12
 """Relative difference of two numbers [-] that count as equal, since both were computed."""
+
+
+def find_square_radii(inertia: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Return the squares of the radii of gyration of what stands above every storey [m2], shape (n,).
+
+    inertia, mass : of the floors [kg m2], [kg], shape (n,)
+    """
+    return np.asarray(np.cumsum(inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1])
 
 
 def _as_storeys(values: np.ndarray, storeys: int, name: str) -> np.ndarray:
@@ -32,13 +44,13 @@ class FrameLine:
     Parameters
     ----------
     name : what tables call it
-    place : of a line along the row its y, of one across the row its x, from the centres of mass [m]
+    arm : from the centres of mass [m]; of a line across the row along the row
     stiffness : initial stiffness of every storey [N/m], > 0
     yield_shear : of every storey [N], > 0; inf where it cannot yield
     """
 
     name: str
-    place: float
+    arm: float
     stiffness: np.ndarray
     yield_shear: np.ndarray
 
@@ -55,7 +67,7 @@ class FrameLine:
 
 @dataclass(frozen=True, eq=False)
 class FloorPlan:
-    """What makes the floors of a building twist.
+    """Rotary inertias, frame lines and edges of a building whose floors twist.
 
     Parameters
     ----------
@@ -64,8 +76,8 @@ class FloorPlan:
     lines : along the row
     torsional_stiffness : of elastic lines across the row [N m], >= 0, shape (n,)
     lines_across : further lines across the row, which may yield
-    low, high : edges of the floors, y from the centres of mass [m]
-    place : y of the centres of mass along the street [m], the same for all buildings of a row
+    low, high : arms of the edges of the floors [m]
+    street : place of the centres of mass along the street [m]
     twists_always : whether the floors may turn although nothing is eccentric
 
     Raises
@@ -79,7 +91,7 @@ class FloorPlan:
     lines_across: tuple[FrameLine, ...] = ()
     low: float = 0.0
     high: float = 0.0
-    place: float = 0.0
+    street: float = 0.0
     twists_always: bool = False
 
     def __post_init__(self) -> None:
@@ -120,8 +132,8 @@ class FloorPlan:
 
     @cached_property
     def eccentricity(self) -> np.ndarray:
-        """Places of the centres of stiffness, y from the centres of mass [m], shape (n,)."""
-        return np.sum([line.place * line.stiffness for line in self.lines], axis=0) / self.stiffness
+        """Arms of the centres of stiffness [m], shape (n,)."""
+        return np.sum([line.arm * line.stiffness for line in self.lines], axis=0) / self.stiffness
 
     def storey_matrices(self, share: np.ndarray | float = 1.0) -> np.ndarray:
         """Return the stiffnesses of every storey in drift and twist of the centres of mass, shape (n, 2, 2).
@@ -133,8 +145,8 @@ class FloorPlan:
         matrices = np.zeros((self.storeys, 2, 2))
         for number, line in enumerate(self.all_lines):
             stiffness = np.where(np.isfinite(line.yield_shear), share, 1.0) * line.stiffness
-            arms = np.array([1.0, -line.place] if number < len(self.lines) else [0.0, line.place])
-            matrices += stiffness[:, None, None] * np.outer(arms, arms)
+            weights = np.array([1.0, -line.arm] if number < len(self.lines) else [0.0, line.arm])
+            matrices += stiffness[:, None, None] * np.outer(weights, weights)
         matrices[:, 1, 1] += self.torsional_stiffness
         return matrices
 
@@ -146,7 +158,7 @@ class FloorPlan:
         mass : of the floors [kg], shape (n,)
         load_over_height : P / h of every storey [N/m], shape (n,)
         """
-        square_radius = np.cumsum(self.inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1]
+        square_radius = find_square_radii(self.inertia, mass)
         matrices = np.zeros((self.storeys, 2, 2))
         matrices[:, 0, 0] = load_over_height
         matrices[:, 1, 1] = load_over_height * square_radius
@@ -184,7 +196,7 @@ class FloorPlan:
     @cached_property
     def identity(self) -> str:
         """All that makes the floors twist, and the edges whose drifts are looked at, in a line."""
-        lines = [(line.place, line.stiffness.tolist(), line.yield_shear.tolist()) for line in self.all_lines]
+        lines = [(line.arm, line.stiffness.tolist(), line.yield_shear.tolist()) for line in self.all_lines]
         edges = (self.low, self.high)
         return repr((self.inertia.tolist(), len(self.lines), lines, self.torsional_stiffness.tolist(), edges))
 
@@ -205,9 +217,9 @@ class FloorPlan:
 
     def _are_mirrored(self, line: FrameLine, other: FrameLine) -> bool:
         """Return whether two lines along the row stand on both sides of the centres of mass and are alike."""
-        distance = abs(line.place + other.place)
+        distance = abs(line.arm + other.arm)
         return (
-            distance <= SAME * max(self.high - self.low, abs(line.place))
+            distance <= SAME * max(self.high - self.low, abs(line.arm))
             and np.allclose(line.stiffness, other.stiffness, rtol=SAME, atol=0.0)
             and np.allclose(line.yield_shear, other.yield_shear, rtol=SAME, atol=0.0)
         )

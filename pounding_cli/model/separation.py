@@ -64,24 +64,24 @@ def first_mode_damping(building: Building) -> float:
     return (building.alpha / omega + building.beta * omega) / 2
 
 
-def edge_displacement(plan: FloorPlan, shears: np.ndarray, y: float) -> np.ndarray:
+def edge_displacement(plan: FloorPlan, shears: np.ndarray, arm: float) -> np.ndarray:
     """Return the static displacements of the floors of an elastic building at a place of its plan [m], shape (n,).
 
     The forces pass through the centres of mass, so that no torsional moment acts about these: every storey deforms by
-    the drift d and the twist t of [[k, -k e], [-k e, k_t]] (d, t) = (V, 0), and the place by d - y t.
+    the drift d and the twist t of [[k, -k e], [-k e, k_t]] (d, t) = (V, 0), and the place by d - arm t.
 
     Parameters
     ----------
     plan : of the building
     shears : of the storeys under these forces [N], shape (n,)
-    y : of the place, from the centres of mass [m]
+    arm : of the place [m]
     """
     stiffness = plan.stiffness
     coupling = plan.eccentricity * stiffness
-    turning = plan.torsional_stiffness + np.sum([line.place**2 * line.stiffness for line in plan.all_lines], axis=0)
+    turning = plan.torsional_stiffness + np.sum([line.arm**2 * line.stiffness for line in plan.all_lines], axis=0)
     drift = shears / (stiffness - coupling**2 / turning)
     twist = coupling / turning * drift
-    return np.cumsum(drift - y * twist)
+    return np.cumsum(drift - arm * twist)
 
 
 def asce7_displacement(elastic: ArrayLike, deflection_factor: float, importance: float) -> np.ndarray:

@@ -47,7 +47,7 @@ def merge_links(buildings: Sequence[Building], links: Sequence[Link]) -> tuple[L
         left_turns = twists[link.left] and turns_at(link.left_floor)
         right_turns = twists[link.left + 1] and turns_at(link.right_floor)
         if link.whole_law is not None and not left_turns and not right_turns:
-            link = replace(link, law=link.whole_law, whole_law=None, left_y=0.0, right_y=0.0)
+            link = replace(link, law=link.whole_law, whole_law=None, left_arm=0.0, right_arm=0.0)
         merged[link] = None
     return tuple(merged)
 
@@ -110,7 +110,7 @@ def _describe_links_that_turn(buildings: Sequence[Building], links: Sequence[Lin
         if not joined:
             continue
         end = 1 if pair < place else 0  # of the link, at this building
-        arms = [find_arms(buildings, link)[end] for link in joined]
+        arms = [_find_turning_arms(buildings, link)[end] for link in joined]
         name = buildings[other].name
         mean = float(np.average(arms, weights=[link.share for link in joined]))
         if abs(mean) > 1e-9 * max(map(abs, arms), default=0.0):
@@ -134,27 +134,27 @@ def is_eccentric(building: Building) -> bool:
 def find_eccentric_link(buildings: Sequence[Building], links: Sequence[Link]) -> Link | None:
     """Return the first link that turns the floors that it joins; None where each is at the centres of mass, or is part
     of a link that has a part like it on the other side."""
-    places = [find_arms(buildings, link) for link in links]
-    for number, (link, arms) in enumerate(zip(links, places, strict=True)):
+    arms_by_link = [_find_turning_arms(buildings, link) for link in links]
+    for link, arms in zip(links, arms_by_link, strict=True):
         if not any(arms):
             continue
         if link.whole_law is None:
             return link
         others = [
             other_arms
-            for other, other_arms in zip(links, places, strict=True)
+            for other, other_arms in zip(links, arms_by_link, strict=True)
             if other.ends == link.ends and other.whole_law == link.whole_law and other.law == link.law
         ]
-        if not any(_are_mirrored(buildings, links[number].left, arms, other_arms) for other_arms in others):
+        if not any(_are_mirrored(buildings, link.left, arms, other_arms) for other_arms in others):
             return link
     return None
 
 
-def find_arms(buildings: Sequence[Building], link: Link) -> tuple[float, float]:
-    """Return the distances of the ends of a link from the centres of mass of floors that may twist [m], 0 of others."""
+def _find_turning_arms(buildings: Sequence[Building], link: Link) -> tuple[float, float]:
+    """Return the arms of both ends of a link at floors that may twist [m], 0 at others."""
     may_turn_left = buildings[link.left].plan is not None and turns_at(link.left_floor)
     may_turn_right = buildings[link.left + 1].plan is not None and turns_at(link.right_floor)
-    return (link.left_y if may_turn_left else 0.0, link.right_y if may_turn_right else 0.0)
+    return (link.left_arm if may_turn_left else 0.0, link.right_arm if may_turn_right else 0.0)
 
 
 def turns_at(floor: int) -> bool:

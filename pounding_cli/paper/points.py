@@ -20,8 +20,8 @@ from pounding_cli.questions.frames import list_swept_columns
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.axes import Axis, read_axes
 from pounding_cli.study.changes import Change, apply_changes
+from pounding_cli.study.doubts import Doubts, warn_values
 from pounding_cli.study.file import Problems, read_study, refuse_other_kinds, with_value
-from pounding_cli.study.warnings import Doubts, warn_values
 from pounding_cli.study.words import describe_errors
 from pounding_cli.tables import Column, Table, build_table, table_of_texts
 

@@ -13,7 +13,7 @@ import pandas as pd
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
-from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST, DroppedEffect, summarize_effects
+from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST_OF_FLOORS, DroppedEffect, summarize_effects
 from pounding_cli.model.links import BASE
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.report.document import Picture, Section
@@ -248,9 +248,9 @@ def _build_effects(scene: pd.DataFrame, tells_twist: bool) -> Table:
     """
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
     dropped = Counter(_dropped_effects(scene))
-    untwisted = sum(bool(cell) and TWIST not in cell.splitlines() for cell in scene["effects"])
+    untwisted = sum(bool(cell) and TWIST_OF_FLOORS not in cell.splitlines() for cell in scene["effects"])
     if tells_twist and untwisted:
-        dropped[DroppedEffect(TWIST, NOTHING_ECCENTRIC)] = untwisted
+        dropped[DroppedEffect(TWIST_OF_FLOORS, NOTHING_ECCENTRIC)] = untwisted
     rows = [
         [name, str(here or NOTHING), str(out or NOTHING), why]
         for name, here, out, why in summarize_effects(kept, dropped)

@@ -103,7 +103,7 @@ def frame_lines(evidence: Evidence, building: str) -> Figure:
     lines = find_frame_lines(evidence, building)
     panels = [(values.sel(line=line), column_of(ratio).label) for line in lines]
     caption = f"Ratios of the frame lines of {building} to {building} alone under the same motion"
-    is_along = np.isfinite(evidence.data["line_y"].sel(building=building, line=lines).values)
+    is_along = np.isfinite(evidence.data["line_street"].sel(building=building, line=lines).values)
     ways = np.where(is_along, "", " across the row")
     titles = [f"Line {line}{way}, {analysis}" for line, way in zip(lines, ways, strict=True)]
     return _draw_over_height(evidence, building, panels, caption, titles=titles)

@@ -16,7 +16,7 @@ from pounding_cli.report.plans import (
     PlanOutline,
     describe_marks,
     describe_outlines,
-    find_shared_edge,
+    find_facing_edge,
     format_shares,
     group_cases,
     has_plans,
@@ -247,7 +247,7 @@ def _draw_links(
     """Draw the links between two neighbours, and the edge that they share."""
     if not marks:
         return
-    low, high = find_shared_edge(left.outline, right.outline)
+    low, high = find_facing_edge(left.outline, right.outline)
     middle = 0.5 * (left.right + right.left)
     if low < high:
         for x in (left.right, right.left):

@@ -144,7 +144,7 @@ def _read_outline(evidence: Evidence, number: int, name: str) -> PlanOutline:
     low, high, centre = (float(evidence.values(key)[number]) for key in ("plan_low", "plan_high", "plan_centre"))
     centres = evidence.values("stiffness_centre")[number]
     depth, source = _find_depth(evidence, number, high - low)
-    y = evidence.values("line_y")[number]
+    y = evidence.values("line_street")[number]
     x = evidence.values("line_x")[number]
     return PlanOutline(
         name, low, high, depth, centre, tuple(centres[np.isfinite(centres)].tolist()), _read_lines(evidence, number, y),
@@ -194,7 +194,7 @@ def read_marks(evidence: Evidence, case: str, outlines: Sequence[PlanOutline]) -
     for number in np.flatnonzero(data["kind"].values != ""):
         link = data.isel(link=number)
         left = evidence.group.index(str(link["link_left"].item()))
-        is_whole = bool(np.isnan(link["y"].item())) or (is_still[left] and is_still[left + 1])
+        is_whole = bool(np.isnan(link["street"].item())) or (is_still[left] and is_still[left + 1])
         ends = find_link_ends(link, outlines[left], outlines[left + 1])
         if is_whole:
             ends = (_find_middle(outlines[left], outlines[left + 1]),) * 2
@@ -211,12 +211,12 @@ def find_link_ends(link: xr.Dataset, left: PlanOutline, right: PlanOutline) -> t
 
     Where floors do not twist it is drawn in the middle of the edge that they share.
     """
-    y = float(link["y"].item())
+    y = float(link["street"].item())
     if math.isnan(y):
         middle = _find_middle(left, right)
         return middle, middle
     ends = []
-    for side, outline in (("left_y", left), ("right_y", right)):
+    for side, outline in (("left_arm", left), ("right_arm", right)):
         ends.append(outline.centre + float(link[side].item()) if outline.has_plan else math.nan)
     first, second = (y if math.isnan(end) else end for end in ends)
     if math.isnan(ends[1]):
@@ -228,7 +228,7 @@ def find_link_ends(link: xr.Dataset, left: PlanOutline, right: PlanOutline) -> t
 
 def _find_middle(left: PlanOutline, right: PlanOutline) -> float:
     """Return the middle of the edge that two neighbours share, along the street [m]."""
-    return 0.5 * sum(find_shared_edge(left, right))
+    return 0.5 * sum(find_facing_edge(left, right))
 
 
 def _find_still(data: xr.Dataset, buildings: int) -> list[bool]:
@@ -246,7 +246,7 @@ def _name_floors(link: xr.Dataset) -> str:
     return str(left or "base") if left == right else f"{left} | {right}"
 
 
-def find_shared_edge(left: PlanOutline, right: PlanOutline) -> tuple[float, float]:
+def find_facing_edge(left: PlanOutline, right: PlanOutline) -> tuple[float, float]:
     """Return both ends of the edge that two neighbours share, along the street [m].
 
     The first is above the second where they share none.

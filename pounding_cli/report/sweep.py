@@ -32,7 +32,7 @@ OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "event
 """Quantities of whole runs."""
 CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
 """Quantities that depend on the contact stiffness where floors strike."""
-LEVELS = ("storey", "floor", "line", "link")
+PLACE_DIMS = ("storey", "floor", "line", "link")
 """Last dimensions of the quantities that can be drawn."""
 WORST = "worst"
 """Stands for a case or building: the largest value over all of them."""
@@ -147,7 +147,7 @@ def _select_values(results: ResultTables, quantity: str, places: Mapping[str, An
 
     Raises InputError: a quantity or a place that is not there, with those that are.
     """
-    known = (*(v.name for v in RESPONSE_VARIABLES if v.dims[-1] in LEVELS), *OF_SCENES)
+    known = (*(v.name for v in RESPONSE_VARIABLES if v.dims[-1] in PLACE_DIMS), *OF_SCENES)
     if quantity not in known:
         raise InputError(Problem(f"there is no quantity {quantity!r}", f"write one of: {', '.join(known)}"))
     if quantity not in results.data:
@@ -303,7 +303,7 @@ def _select_by_case(
 
 def _build_caption(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any], panels: Panels) -> str:
     """Return the caption of a figure, without its last full stop."""
-    where = [f"{name} {place}" for name, place in places.items() if name in ("record", *LEVELS)]
+    where = [f"{name} {place}" for name, place in places.items() if name in ("record", *PLACE_DIMS)]
     where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
     mean = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
     sentences = [describe_motions(shown.records)]

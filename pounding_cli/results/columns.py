@@ -79,7 +79,10 @@ _DISPLAY_UNITS_OF_COLUMNS = {
     "twist0": Unit("mrad", 1e-3),
     **dict.fromkeys(("edge_drift_ratio", "line_drift_ratio"), Unit("%", 0.01)),
     **dict.fromkeys(
-        ("plan_low", "plan_high", "plan_centre", "stiffness_centre", "line_y", "line_x", "x", "y", "left_y", "right_y"),
+        (
+            *("plan_low", "plan_high", "plan_centre", "stiffness_centre"),
+            *("line_street", "street", "line_x", "x", "left_arm", "right_arm"),
+        ),
         Unit("m"),
     ),
 }

@@ -71,17 +71,7 @@ def build_arrays(plan: Plan, solved: Responses) -> ResultArrays:
                 arrays[v.name] = value / np.where(base > 0, base, np.nan)
             elif v.formula is not None:
                 arrays[v.name] = v.formula({**arrays, "height": height})
-        # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
-        errors = solved.values["error_estimate"][plan.numbers[..., 1:]] + arrays["error_estimate"][..., None]
-        for name in (*RATIO_VARIABLES, *LINE_RATIO_VARIABLES):
-            if name not in arrays:
-                continue
-            sizes = arrays[name].shape[arrays["status"].ndim + 1 :]  # and lines, which stand side by side
-            ratios = arrays[name].reshape(*arrays[name].shape[: -len(sizes)], -1)
-            measures = _statistics(ratios, errors[..., None], arrays["sensitivity"][..., None, None])
-            arrays |= {
-                f"{name}_{measure}": array.reshape(*array.shape[:-1], *sizes) for measure, array in measures.items()
-            }
+        _add_statistics(arrays, solved.values["error_estimate"][plan.numbers[..., 1:]])
     _flag(plan, solved, arrays)
     found = facts | {name: Array((*axes, *VARIABLES[name].dims), array) for name, array in arrays.items()}
     for name, each in found.items():
@@ -142,6 +132,23 @@ def _is_of_whole_motion(plan: Plan, solved: Responses, v: Variable) -> np.ndarra
     return solved.is_whole[:, left] & solved.is_whole[:, left + 1]
 
 
+def _add_statistics(arrays: Arrays, errors_alone: np.ndarray) -> None:
+    """Enter the statistics of all ratios over the motions.
+
+    errors_alone : of the buildings alone [-], shape (swept axes, SCENE_DIMS, buildings)
+    """
+    # a ratio is at most as wrong as both of its peaks together, and a mean as the mean of these
+    errors = errors_alone + arrays["error_estimate"][..., None]
+    for name in (*RATIO_VARIABLES, *LINE_RATIO_VARIABLES):
+        if name not in arrays:
+            continue
+        sizes = arrays[name].shape[arrays["status"].ndim + 1 :]  # and lines, which stand side by side
+        ratios = arrays[name].reshape(*arrays[name].shape[: -len(sizes)], -1)
+        measures = _statistics(ratios, errors[..., None], arrays["sensitivity"][..., None, None])
+        for measure, array in measures.items():
+            arrays[f"{name}_{measure}"] = array.reshape(*array.shape[:-1], *sizes)
+
+
 def _statistics(ratio: np.ndarray, errors: np.ndarray, sensitivities: np.ndarray) -> Arrays:
     """Return the measures of `variables.STATISTIC_VARIABLES` of a ratio over the motions, its third last dimension.
 
@@ -181,7 +188,7 @@ def _fill_untwisted(arrays: Arrays, axes: tuple[str, ...], facts: Mapping[str, A
     drift of their storey, and lines their part of its shear. Buildings without a plan have edges, too, but no lines."""
     with np.errstate(invalid="ignore"):
         stiffness = _spread_fact(facts["line_stiffness"], axes, variables.LINE_DIMS)
-        is_along = ~np.isnan(_spread_fact(facts["line_y"], axes, variables.LINE_DIMS))
+        is_along = ~np.isnan(_spread_fact(facts["line_street"], axes, variables.LINE_DIMS))
         of_storey = _spread_fact(facts["stiffness"], axes, STOREY_DIMS)[..., None]
         share = np.where(is_along, stiffness / of_storey, 0.0)
         line = np.where(np.isnan(stiffness), np.nan, is_along)
@@ -355,23 +362,23 @@ def _describe_plans(row: Sequence[Building], storeys: int, lines: int) -> dict[s
     found = {name: np.full(len(row), np.nan) for name in plan_names}
     found |= {name: np.full((len(row), storeys), np.nan) for name in ("inertia", "torsional_stiffness")}
     found["stiffness_centre"] = np.full((len(row), storeys), np.nan)
-    found |= {name: np.full((len(row), lines), np.nan) for name in ("line_y", "line_x")}
+    found |= {name: np.full((len(row), lines), np.nan) for name in ("line_street", "line_x")}
     found |= {name: np.full((len(row), storeys, lines), np.nan) for name in ("line_stiffness", "line_yield_shear")}
     for place, building in enumerate(row):
         plan = building.plan
         if plan is None:
             continue
-        found["plan_low"][place] = plan.place + plan.low
-        found["plan_high"][place] = plan.place + plan.high
-        found["plan_centre"][place] = plan.place
+        found["plan_low"][place] = plan.street + plan.low
+        found["plan_high"][place] = plan.street + plan.high
+        found["plan_centre"][place] = plan.street
         found["inertia"][place, : plan.storeys] = plan.inertia
         found["torsional_stiffness"][place, : plan.storeys] = plan.torsional_stiffness
-        found["stiffness_centre"][place, : plan.storeys] = plan.place + plan.eccentricity
+        found["stiffness_centre"][place, : plan.storeys] = plan.street + plan.eccentricity
         for number, line in enumerate(plan.all_lines):
             if number < len(plan.lines):
-                found["line_y"][place, number] = plan.place + line.place
+                found["line_street"][place, number] = plan.street + line.arm
             else:
-                found["line_x"][place, number] = line.place
+                found["line_x"][place, number] = line.arm
             found["line_stiffness"][place, : plan.storeys, number] = line.stiffness
             found["line_yield_shear"][place, : plan.storeys, number] = line.yield_shear
     return found

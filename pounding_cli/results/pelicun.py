@@ -60,8 +60,8 @@ def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tu
     over_height = (rows["drift_ratio"] / rows["drift"]).fillna(0.0)  # 1 / height
     residual_drift = rows["residual_drift"].abs()
     if "edge_drift_ratio" in rows:
-        lines = results.line("residual_drift", "y")
-        lines = lines[lines["y"].notna()].assign(of_line=lines["residual_drift"].abs())
+        lines = results.line("residual_drift", "street")
+        lines = lines[lines["street"].notna()].assign(of_line=lines["residual_drift"].abs())
         largest = lines.groupby(keys, sort=False)["of_line"].max()
         of_line = rows.merge(largest.reset_index(), on=keys, how="left")["of_line"]
         residual_drift = residual_drift.where(of_line.isna() | residual_drift.isna(), of_line)

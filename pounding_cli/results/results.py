@@ -60,7 +60,7 @@ _ACCURACY = [
 _RECORD = ["source", "digest", "scale", "window", "pga", "arias"]
 _BUILDING = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear_ratio", "slab", "separation"]
 _PLAN = ["plan_low", "plan_high", "plan_centre", "stiffness_centre", "inertia", "torsional_stiffness"]
-_LINE = ["line_y", "line_x", *(v.name for v in LINE_VARIABLES), "line_stiffness", "line_yield_shear"]
+_LINE = ["line_street", "line_x", *(v.name for v in LINE_VARIABLES), "line_stiffness", "line_yield_shear"]
 _BASE = ["sway", "rocking", "isolator_displacement"]
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
 
@@ -241,10 +241,10 @@ class ResultTables:
 
     def link(self, *columns: str) -> pd.DataFrame:
         """Per link: law, gap [m], impacts, peak force [N], closing [m], impulse [N s], contact time [s]; all unless
-        some are named. Where floors twist, y: the place of its left end along the street [m]."""
+        some are named. Where floors twist, street: the place of its left end along it [m]."""
         names = ["link_left", "link_right", "link_floor", "kind", "gap", *_OVER[LINK_DIMS], "link_right_floor"]
-        names[3:3] = self._list_kept(["y"])
-        further = (*COLUMN_VARIABLES, *INCLINED_VARIABLES, "left_y", "right_y")
+        names[3:3] = self._list_kept(["street"])
+        further = (*COLUMN_VARIABLES, *INCLINED_VARIABLES, "left_arm", "right_arm")
         names = list(columns) or [*names, *self._list_kept(further)]
         if "link" not in self.arrays:
             import pandas as pd

@@ -24,7 +24,7 @@ from pounding_cli.methods import Method
 from pounding_cli.model.building import Building
 from pounding_cli.model.effects import effects_of
 from pounding_cli.model.links import LinkEnd
-from pounding_cli.model.plan import FloorPlan
+from pounding_cli.model.plan import FloorPlan, find_square_radii
 from pounding_cli.model.scene import Scene
 from pounding_cli.model.wall import Wall
 from pounding_cli.records.motion import Motion
@@ -71,13 +71,13 @@ def max_order(tolerance: float) -> int:
 class Tie(NamedTuple):
     """Of a link what scenes have in common whose laws have other parameters; fields as of `Link`.
 
-    places : y of both ends from the centres of mass [m]
+    arms : of both ends from the centres of mass [m]
     """
 
     ends: tuple[LinkEnd, LinkEnd]
     columns: float
     cosine: float
-    places: tuple[float, float]
+    arms: tuple[float, float]
     law: type[LinkLaw]
 
 
@@ -167,7 +167,7 @@ class Layout:
 
     @property
     def of_lines(self) -> slice:
-        """Where the elements of the frame lines stand."""
+        """Slice of the elements of the frame lines."""
         first = self.number + self.drags
         return slice(first, first + len(self.lines))
 
@@ -244,7 +244,7 @@ class _Building:
         them by the radii of gyration of what stands above."""
         b = self.building
         self.turns = slice(self._first_turn, self._first_turn + b.storeys)
-        square_radius = np.cumsum(plan.inertia[::-1])[::-1] / np.cumsum(b.mass[::-1])[::-1]
+        square_radius = find_square_radii(plan.inertia, b.mass)
         for j, stiffness in enumerate(plan.torsional_stiffness.tolist()):
             load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] * square_radius[j] / b.height[j])
             storey = _storey(stiffness, b.beta * stiffness)
@@ -255,7 +255,7 @@ class _Building:
             )  # fmt: skip
 
     def _add_lines(self, plan: FloorPlan, yields: bool, collapses: bool) -> None:
-        """The storeys of the frame lines: v = (u_j - y theta_j) - (u_j-1 - y theta_j-1), across the row
+        """The storeys of the frame lines: v = (u_j - arm theta_j) - (u_j-1 - arm theta_j-1), across the row
         x (theta_j - theta_j-1)."""
         b = self.building
         for number, line in enumerate(plan.all_lines):
@@ -263,14 +263,14 @@ class _Building:
             for j, law in enumerate(b.laws_of_line(line)):
                 below = self.floors.start + j - 1 if j else self.base
                 turn, turn_below = self.turns.start + j, self.turns.start + j - 1 if j else -1
-                arm = -line.place if is_along else line.place
-                weights = {turn: arm, turn_below: -arm}
+                lever = -line.arm if is_along else line.arm
+                weights = {turn: lever, turn_below: -lever}
                 if is_along:
                     weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
                 element = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
                 limit = float(b.collapse_drift[j]) if collapses and is_along else math.inf
                 element |= {"collapse": limit, "storey": self.floors.start + j, "mate": turn}
-                element |= {"along": float(is_along), "arm": arm}
+                element |= {"along": float(is_along), "lever": lever}
                 self.lines.append(Line(element, _moving(weights), j, number))
 
     def _add(self, mass: float, storey: dict[str, Any], **more: float) -> None:
@@ -279,9 +279,12 @@ class _Building:
         self.dofs.append({"mass": own, "inv_mass": 1.0 / mass, "loaded": 1.0, "felt": 1.0, "unit": 1.0, **more})
         self.storeys.append(storey)
 
-    def end(self, floor: int, at: float, y: float = 0.0) -> Weights:
+    def end(self, floor: int, at: float, arm: float = 0.0) -> Weights:
         """The motion of where a link ends: a floor, or columns clamped in the floors above and below, `at` of the
-        height of the storey below the floor, `y` from the centres of mass. The floors lean with a base that rocks."""
+        height of the storey below the floor. The floors lean with a base that rocks.
+
+        arm : from the centres of mass of floors that twist [m]
+        """
         first, shape = self.floors.start, at * at * (3.0 - 2.0 * at)
         if isinstance(self.building, Wall):
             return {first: 1.0}
@@ -290,11 +293,11 @@ class _Building:
         below = first + floor - 2 if floor > 1 else self.base
         lean = float(self.building.height[floor - 1]) * (at - shape)
         weights = {first + floor - 1: shape, below: 1.0 - shape, self.foot: lean}
-        if self.building.plan is not None and y:
+        if self.building.plan is not None and arm:
             turn = self.turns.start + floor - 1
-            weights |= {turn: -y * shape}
+            weights |= {turn: -arm * shape}
             if floor > 1:
-                weights |= {turn - 1: -y * (1.0 - shape)}
+                weights |= {turn - 1: -arm * (1.0 - shape)}
         return _moving(weights)
 
 
@@ -399,7 +402,7 @@ def layout_of(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
     effects, links = effects_of(scene), scene.links
     ties = tuple(
-        Tie(link.ends, link.columns, link.cosine, (link.left_y, link.right_y), type(link.law)) for link in links
+        Tie(link.ends, link.columns, link.cosine, (link.left_arm, link.right_arm), type(link.law)) for link in links
     )
     return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
 
@@ -415,8 +418,8 @@ def _layout_of(buildings: tuple[Building, ...], ties: tuple[Tie, ...], yields: b
     n, behaviours, all_weights, masses = dofs.size, [tie.law.behaviour for tie in ties], [], []
     for tie in ties:
         left, right = (
-            _scale_weights(made[b].end(floor, at, y), tie.cosine)
-            for (b, floor, at), y in zip(tie.ends, tie.places, strict=True)
+            _scale_weights(made[b].end(floor, at, arm), tie.cosine)
+            for (b, floor, at), arm in zip(tie.ends, tie.arms, strict=True)
         )
         all_weights.append(left | {dof: -weight for dof, weight in right.items()})
         moving = [sum(w * w * float(dofs["inv_mass"][i]) for i, w in end.items()) for end in (left, right)]

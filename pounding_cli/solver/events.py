@@ -75,8 +75,8 @@ def summarise(dofs, elements, terms, r):
     for e in range(r.m):
         el = elements[e]
         if r.lines > 0 and e >= r.n and el.drifts:
-            storey, mate, arm = elements[el.storey], elements[el.mate], abs(el.arm)
-            el.dv, el.dr = el.along * storey.dv + arm * mate.dv, el.along * storey.dr + arm * mate.dr
+            storey, mate, lever = elements[el.storey], elements[el.mate], abs(el.lever)
+            el.dv, el.dr = el.along * storey.dv + lever * mate.dv, el.along * storey.dr + lever * mate.dr
             continue
         left, right = dofs[el.left], dofs[el.right]
         el.dv, el.dr = left.du + el.hold * right.du, left.dv + el.hold * right.dv
@@ -89,10 +89,10 @@ def summarise(dofs, elements, terms, r):
 @njit(**PART)
 def _end_of_line(elements, el):
     """Deformation and rate of a frame line at the step's end, from those of its storey, which come before it."""
-    storey, mate, arm = elements[el.storey], elements[el.mate], abs(el.arm)
-    v, rate = el.along * storey.v1 + el.arm * mate.v1, el.along * storey.r1 + el.arm * mate.r1
-    el.v1 = zero_if_rounding(v, el.along * storey.size_v + arm * mate.size_v, LAST_DIGITS)
-    el.r1 = zero_if_rounding(rate, el.along * storey.size_r + arm * mate.size_r, LAST_DIGITS)
+    storey, mate, lever = elements[el.storey], elements[el.mate], abs(el.lever)
+    v, rate = el.along * storey.v1 + el.lever * mate.v1, el.along * storey.r1 + el.lever * mate.r1
+    el.v1 = zero_if_rounding(v, el.along * storey.size_v + lever * mate.size_v, LAST_DIGITS)
+    el.r1 = zero_if_rounding(rate, el.along * storey.size_r + lever * mate.size_r, LAST_DIGITS)
 
 
 @njit(**PART)
@@ -417,18 +417,18 @@ def gather_lines(elements, r):
         el = elements[e]
         if el.smooth:
             continue
-        storey, mate, arm = elements[el.storey], elements[el.mate], el.arm
+        storey, mate, lever = elements[el.storey], elements[el.mate], el.lever
         if el.along != 0.0:
             storey.k += el.k
             storey.c += el.c
             storey.f0 += el.f0
-            storey.coupled_k += arm * el.k
-            storey.coupled_c += arm * el.c
-            mate.coupled_k += arm * el.k
-            mate.coupled_c += arm * el.c
-        mate.k += arm * arm * el.k
-        mate.c += arm * arm * el.c
-        mate.f0 += arm * el.f0
+            storey.coupled_k += lever * el.k
+            storey.coupled_c += lever * el.c
+            mate.coupled_k += lever * el.k
+            mate.coupled_c += lever * el.c
+        mate.k += lever * lever * el.k
+        mate.c += lever * lever * el.c
+        mate.f0 += lever * el.f0
     for i in range(r.n):
         el = elements[i]
         if el.twists:

@@ -176,7 +176,7 @@ def _add_forces(elements, terms, r, series, column):
 
 @njit(**PART)
 def _adds_force(el):
-    """Whether a link, or a line, adds a force of its own to a shear: straight lines are part of their storey."""
+    """Return whether a link, or a line, adds a force of its own to a shear: straight lines are part of their storey."""
     return el.smooth if el.drifts else el.closed and el.acts
 
 

@@ -5,8 +5,9 @@ of a contact), and its force acts back on the same degrees of freedom by the sam
 below degree of freedom i (or the spring under a foundation), v = u_i - below u_(i-1) + lean u_foot, whose forces a walk
 up the storeys adds; the others are dashpots to the ground, frame lines of floors that twist, and links, in this order.
 All have two ends and any number of further terms. A frame line counts as a storey: its drift is looked at both ways.
-Where floors twist, the drift of a line is that of its storey plus `arm` times the twist of its storey, so that straight
-lines need no series of their own: their stiffnesses and dashpots add up in these two storeys (`events.gather_lines`).
+Where floors twist, the drift of a line is that of its storey plus `lever` times the twist of its storey, so that
+straight lines need no series of their own: their stiffnesses and dashpots add up in these two storeys
+(`events.gather_lines`).
 
 SI units: m, m/s, N, kg, s, J; for a rocking base rad, N m, kg m2.
 """
@@ -64,11 +65,11 @@ ELEMENT = _dtype(
     # peak_v: largest |v| of a storey, v of a link; peak_f likewise
     # impulse, time: of a link's force; work: done on it; f1: a smooth force at the step's end
     # least: smallest v so far
-    # along, arm: of a line, what a unit of the drift and of the twist of its storey add to its drift
+    # along, lever: of a line, what a unit of the drift and of the twist of its storey add to its drift
     # coupled_k, coupled_c: of a storey whose floors twist, what its lines add to its force by the deformation and rate
     # of its `mate`; size_v, size_r: sizes of the terms of its deformation and rate
     f8="k c stiffness previous f0 low high slow fast cubic relaxation v0 v1 r0 r1 dv dr offset hold root exact"
-    " load collapse peak_v peak_f impulse time work f1 least at along arm coupled_k coupled_c size_v size_r",
+    " load collapse peak_v peak_f impulse time work f1 least at along lever coupled_k coupled_c size_v size_r",
     f8_history=f"p:{PARAMETERS} h:{HISTORY}",
     # kind of law (laws.BEHAVIOURS); guard met; pinned: what is exactly known after it (`events.PINNED`...);
     # stuck: events at one instant; row: place among the series; state: place of h[0] among what DOP853 integrates, or 0

@@ -145,11 +145,11 @@ def _build_design(code: Any) -> Design:
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **factors)
 
 
-def find_code_displacements(spec: Any, building: Building, y: float | None = None) -> dict[str, np.ndarray]:
+def find_code_displacements(spec: Any, building: Building, arm: float | None = None) -> dict[str, np.ndarray]:
     """Return the displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up.
 
-    y : from the centres of mass of floors that twist, whose displacement there counts their twist under forces through
-        the centres of mass [m]; None of floors that do not twist
+    arm : place on floors that twist [m], whose displacement there counts their twist under forces through the centres
+        of mass; None of floors that do not twist
 
     Rules whose factors the study does not give are left out. All follow from the static displacements under the design
     forces: those of the UBC times `UbcDesign.amplification`, those of the others from the forces of `base_shear` and
@@ -163,9 +163,9 @@ def find_code_displacements(spec: Any, building: Building, y: float | None = Non
     design = _build_design(code)
     period = float(building.periods[0])
     elastic = design.displacements(building.mass, building.height, building.stiffness, period)
-    if building.plan is not None and y is not None:
+    if building.plan is not None and arm is not None:
         shears = design.yield_shears(building.mass, building.height, period)
-        elastic = edge_displacement(building.plan, shears, y)
+        elastic = edge_displacement(building.plan, shears, arm)
     if isinstance(design, UbcDesign):
         return {UBC: design.amplification * elastic}
     displacements: dict[str, np.ndarray] = {}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding_cli.model.plan import FloorPlan, FrameLine
+from pounding_cli.model.plan import FloorPlan, FrameLine, find_square_radii
 from pounding_cli.model.stiffness import frequencies
 from pounding_cli.study.issues import KeyPath
 from pounding_cli.study.plan_spec import PlanSpec
@@ -18,7 +18,7 @@ EVENLY_SPREAD = 1.0 / math.sqrt(12.0)
 evenly across the width [-]."""
 
 
-NO_RESISTANCE = 1e-9
+NO_TORSIONAL_RESISTANCE = 1e-9
 """Torsional stiffness about the centre of stiffness over that of frames spread evenly [-] that counts as none."""
 
 
@@ -68,16 +68,22 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
     if plan.lines is None:
         nominal, torsional_stiffness = _build_short_form(plan, mass, inertia, stiffness, yield_shear)
         moved = plan.centre_of_mass - centre
-        lines = tuple(replace(line, place=line.place + moved) for line in nominal)
+        lines = tuple(replace(line, arm=line.arm + moved) for line in nominal)
     else:
-        places = [line.y - centre for line in plan.lines]
-        parts = zip(places, plan.fill_rest("stiffness"), plan.fill_rest("yield_shear"), strict=True)
+        arms = [line.y - centre for line in plan.lines]
+        parts = zip(arms, plan.fill_rest("stiffness"), plan.fill_rest("yield_shear"), strict=True)
         lines = tuple(_build_line(str(number), *part, stiffness, yield_shear) for number, part in enumerate(parts, 1))
     half = 0.5 * plan.width
     built = FloorPlan(
-        inertia, lines, torsional_stiffness, across, -half - centre, half - centre, plan.shift + centre,
-        plan.twist == "always",
-    )  # fmt: skip
+        inertia,
+        lines,
+        torsional_stiffness,
+        across,
+        low=-half - centre,
+        high=half - centre,
+        street=plan.shift + centre,
+        twists_always=plan.twist == "always",
+    )
     if plan.lines is not None:
         _check_resistance(built, plan)
     return built
@@ -88,7 +94,7 @@ def _check_resistance(built: FloorPlan, plan: PlanSpec) -> None:
     matrices = built.storey_matrices()
     about_centre = matrices[:, 1, 1] - built.eccentricity**2 * built.stiffness
     of_spread = (EVENLY_SPREAD * plan.width) ** 2 * built.stiffness
-    free = np.flatnonzero(about_centre <= NO_RESISTANCE * of_spread)
+    free = np.flatnonzero(about_centre <= NO_TORSIONAL_RESISTANCE * of_spread)
     if free.size:
         which = "line stands" if len(built.lines) == 1 else "lines stand"
         message = f"nothing resists the twist of storey {free[0] + 1}: its {which} at one place along the street"
@@ -106,7 +112,7 @@ def _find_inertia(plan: PlanSpec, mass: np.ndarray) -> np.ndarray:
 
 def _build_line(
     name: str,
-    place: float,
+    arm: float,
     stiffness: Any,
     yield_shear: Any,
     whole_stiffness: np.ndarray,
@@ -116,16 +122,16 @@ def _build_line(
 
     Parameters
     ----------
-    place : from the centres of mass [m]
+    arm : from the centres of mass [m]
     stiffness, yield_shear : of its storeys, or its shares; yield_shear None for its share of the stiffness
     whole_stiffness, whole_yield_shear : of the storeys of the building, shape (storeys,)
     """
     own_stiffness = _take_share(stiffness, whole_stiffness)
     if yield_shear is None:
-        return FrameLine(name, place, own_stiffness, whole_yield_shear * (own_stiffness / whole_stiffness))
+        return FrameLine(name, arm, own_stiffness, whole_yield_shear * (own_stiffness / whole_stiffness))
     if yield_shear == "never":
-        return FrameLine(name, place, own_stiffness, _take_never(yield_shear, own_stiffness.size))
-    return FrameLine(name, place, own_stiffness, _take_share(yield_shear, whole_yield_shear))
+        return FrameLine(name, arm, own_stiffness, _take_never(yield_shear, own_stiffness.size))
+    return FrameLine(name, arm, own_stiffness, _take_share(yield_shear, whole_yield_shear))
 
 
 def _take_never(value: Any, storeys: int) -> np.ndarray:
@@ -165,32 +171,32 @@ def _build_short_form(
         low, high = (100 * (side * 0.5 - centre / plan.width) for side in (-1.0, 1.0))
         hint = f"write an eccentricity above {max(low, -50.0):.4g} % and below {min(high, 50.0):.4g} %"
         raise PlanError(("eccentricity",), f"{message}outside of its {plan.width:g} m", hint)
-    arms_at_one = _find_arms_at_ratio_one(mass, inertia, stiffness)
-    whole_arms = plan.frequency_ratio * arms_at_one
-    square_reach = float(whole_arms.min() ** 2) - eccentricity**2
+    radii_at_one = _find_radii_at_ratio_one(mass, inertia, stiffness)
+    whole_radii = plan.frequency_ratio * radii_at_one
+    square_reach = float(whole_radii.min() ** 2) - eccentricity**2
     if square_reach <= 1e-9 * eccentricity**2:
-        least = abs(eccentricity) / float(arms_at_one.min())
-        most = 100 * float(whole_arms.min()) / plan.width
+        least = abs(eccentricity) / float(radii_at_one.min())
+        most = 100 * float(whole_radii.min()) / plan.width
         message = f"{written} at a frequency_ratio of {plan.frequency_ratio:g} leaves nothing that resists the twist"
         hint = f"write a frequency_ratio above {_round_up(least):g}, or an eccentricity within {most:.3g} %"
         raise PlanError(("frequency_ratio",), message, hint)
-    arm = min(EVENLY_SPREAD * plan.width, to_edge, math.sqrt(square_reach))
+    reach = min(EVENLY_SPREAD * plan.width, to_edge, math.sqrt(square_reach))
     lines = tuple(
-        FrameLine(name, eccentricity + side * arm, 0.5 * stiffness, 0.5 * yield_shear)
+        FrameLine(name, eccentricity + side * reach, 0.5 * stiffness, 0.5 * yield_shear)
         for name, side in (("1", -1.0), ("2", 1.0))
     )
-    whole = whole_arms**2 * stiffness
-    rest = whole - stiffness * (arm**2 + eccentricity**2)
+    whole = whole_radii**2 * stiffness
+    rest = whole - stiffness * (reach**2 + eccentricity**2)
     return lines, np.where(rest > 1e-12 * whole, rest, 0.0)
 
 
-def _find_arms_at_ratio_one(mass: np.ndarray, inertia: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+def _find_radii_at_ratio_one(mass: np.ndarray, inertia: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     """Return the square roots of torsional over storey stiffness [m] with which a building turns as fast as it moves
     along the row, each without the other, shape (storeys,).
 
     They are in proportion to the radii of gyration of what stands above.
     """
-    square_radius = np.cumsum(inertia[::-1])[::-1] / np.cumsum(mass[::-1])[::-1]
+    square_radius = find_square_radii(inertia, mass)
     ratio = frequencies(mass, stiffness)[0] / frequencies(inertia, square_radius * stiffness)[0]
     return np.asarray(ratio * np.sqrt(square_radius))
 

@@ -124,9 +124,9 @@ class Meeting:
         if not self.has_turning_end(link):
             return math.nan
         if self.left.street is not None:
-            return self.left.street.centre + link.left_y
+            return self.left.street.centre + link.left_arm
         if self.right.street is not None:
-            return self.right.street.centre + link.right_y
+            return self.right.street.centre + link.right_arm
         return math.nan
 
     def has_turning_end(self, link: Link) -> bool:

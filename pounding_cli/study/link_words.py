@@ -11,10 +11,10 @@ from pounding_cli.laws.law import in_series
 from pounding_cli.laws.pounding import restitution_from_damping
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.numbers import Unit, join_limited
+from pounding_cli.study.doubts import format_value, units_of_size
 from pounding_cli.study.group import Group
 from pounding_cli.study.link_places import LinkEnds, Meeting
 from pounding_cli.study.street_places import find_shared_edge
-from pounding_cli.study.warnings import format_value, units_of_size
 
 SOFTENED = ("stiffness", "impact_stiffness")
 """Parameters of laws that the bending of columns softens."""
@@ -50,7 +50,7 @@ def _join_parts(links: Sequence[Link]) -> dict[Link, list[Link]]:
     for link in links:
         whole = link
         if link.whole_law is not None:
-            whole = replace(link, law=link.whole_law, whole_law=None, left_y=0.0, right_y=0.0)
+            whole = replace(link, law=link.whole_law, whole_law=None, left_arm=0.0, right_arm=0.0)
         parts.setdefault(whole, []).append(link)
     return parts
 
@@ -96,8 +96,8 @@ def _describe_places_of_parts(parts: Sequence[Link], meeting: Meeting) -> str:
 def _find_ends_along_street(link: Link, meeting: Meeting) -> tuple[float, float]:
     """Return the places of both ends of a link along the street [m], of a side without a plan that of the other."""
     left, right = meeting.left.street, meeting.right.street
-    left_place = None if left is None else left.centre + link.left_y
-    right_place = None if right is None else right.centre + link.right_y
+    left_place = None if left is None else left.centre + link.left_arm
+    right_place = None if right is None else right.centre + link.right_arm
     ends = [place for place in (left_place, right_place) if place is not None]
     return _drop_rounding(ends[0]), _drop_rounding(ends[-1])
 

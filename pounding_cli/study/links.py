@@ -33,7 +33,7 @@ from pounding_cli.study.link_specs import (
 )
 from pounding_cli.study.own_laws import OwnLaw
 from pounding_cli.study.quantity import LINK_STIFFNESS, StoreyMultiple
-from pounding_cli.study.street_places import WHOLE_AT_CENTRES, find_arms
+from pounding_cli.study.street_places import WHOLE_AT_CENTRES, find_link_arms
 
 RESTITUTION = 0.5
 """Coefficient of restitution where neither a link nor `impact` gives one or a damping ratio [-]."""
@@ -493,21 +493,33 @@ def _build_links_at(
         except IssuesFound as refused:
             issues |= {issue: None for issue in refused.issues if isinstance(issue, Issue)}
             continue
-        if any(_act_at_one_place(parts, others) for others in alike):
-            message = f"two {laws[number].name} links alike between the same floors"  # type: ignore[union-attr]
-            issues[Issue(path, message, "give one, or let them differ")] = None
-        elif any(len(parts) > 1 or len(others) > 1 for others in alike):
-            message = f"two {laws[number].name} links alike between the same floors, at several places"  # type: ignore[union-attr]
-            issues[Issue(path, message, "write one link with all of the `places:` and their `shares:`")] = None
+        issue = _find_link_alike(parts, alike, path)
+        if issue is not None:
+            issues[issue] = None
         alike.append(parts)
         built += parts
     return built
 
 
+def _find_link_alike(parts: Sequence[Link], alike: Sequence[Sequence[Link]], path: KeyPath) -> Issue | None:
+    """Return what is wrong with a link beside others of one law between the same ends; None if nothing is.
+
+    parts : of the link along the street
+    alike : parts of every other link
+    """
+    message = f"two {parts[0].law.name} links alike between the same floors"
+    if any(_act_at_one_place(parts, others) for others in alike):
+        return Issue(path, message, "give one, or let them differ")
+    if any(len(parts) > 1 or len(others) > 1 for others in alike):
+        hint = "write one link with all of the `places:` and their `shares:`"
+        return Issue(path, f"{message}, at several places", hint)
+    return None
+
+
 def _act_at_one_place(parts: Sequence[Link], others: Sequence[Link]) -> bool:
     """Return whether two links of one law between the same ends have the same places along the street."""
-    places, other_places = ({(link.left_y, link.right_y, link.law) for link in each} for each in (parts, others))
-    return places == other_places
+    places = {(link.left_arm, link.right_arm, link.law) for link in parts}
+    return places == {(link.left_arm, link.right_arm, link.law) for link in others}
 
 
 def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:
@@ -518,18 +530,18 @@ def _part_link(whole: Link, link: CompleteLink, meeting: Meeting) -> list[Link]:
     IssuesFound : it stands where it cannot, or its law cannot be parted
     """
     left, right = meeting.left, meeting.right
-    arms = find_arms(link.spec, link.path, (left.name, right.name), left.street, right.street)
+    arms = find_link_arms(link.spec, link.path, (left.name, right.name), left.street, right.street)
     if arms is WHOLE_AT_CENTRES:
         return [whole]
     if len(arms) == 1:
-        return [replace(whole, left_y=arms[0].left_y, right_y=arms[0].right_y)]
+        return [replace(whole, left_arm=arms[0].left_arm, right_arm=arms[0].right_arm)]
     parts = []
-    for left_y, right_y, share in arms:
+    for left_arm, right_arm, share in arms:
         law = whole.law.scale(share)
         if law is None:
             message = f"link: {link.title} cannot stand at several places, and floors that twist strike at both ends"
             raise IssuesFound([Issue(link.path, message, "write one place, e.g. `places: 0 m`")])
-        parts.append(replace(whole, law=law, left_y=left_y, right_y=right_y, whole_law=whole.law))
+        parts.append(replace(whole, law=law, left_arm=left_arm, right_arm=right_arm, whole_law=whole.law))
     return parts
 
 

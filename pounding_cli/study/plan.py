@@ -45,9 +45,9 @@ class Links:
     gap : [m]; NaN where there is none
     left_at, right_at : heights of its ends in the storeys below its floors [-], 1 at a floor
     inclination : angle between the link and the horizontal [rad]; NaN where there is none
-    y : along the street of its left end, of its right end beside a left building without a plan [m]; NaN where neither
-        has one
-    left_y, right_y : of its ends across the row, from the centres of mass [m]
+    street : place of its left end along the street, of its right end beside a left building without a plan [m]; NaN
+        where neither has one
+    left_arm, right_arm : places of its ends from the centres of mass [m]
     facing : 1 where its ends are as high as each other, within the slabs, else 0; NaN where there is none
     """
 
@@ -59,9 +59,9 @@ class Links:
     right_at: np.ndarray
     inclination: np.ndarray
     facing: np.ndarray
-    y: np.ndarray
-    left_y: np.ndarray
-    right_y: np.ndarray
+    street: np.ndarray
+    left_arm: np.ndarray
+    right_arm: np.ndarray
 
 
 class Row(NamedTuple):
@@ -282,7 +282,7 @@ def _begin_alone(building: Building) -> Digests:
 
 ABSENT: dict[str, Any] = {
     "order": np.int16(-1), "kind": np.array("", object), "gap": np.nan, "left_at": np.nan, "right_at": np.nan,
-    "inclination": np.nan, "facing": np.nan, "y": np.nan, "left_y": np.nan, "right_y": np.nan,
+    "inclination": np.nan, "facing": np.nan, "street": np.nan, "left_arm": np.nan, "right_arm": np.nan,
 }  # fmt: skip
 """What the tables say of a link where a case has none, by the fields of `Links`."""
 
@@ -314,10 +314,11 @@ def _list_rows(links: tuple[Link, ...], meetings: Sequence[Meeting]) -> list[tup
     """Return the place of every link of a scene, with what the tables say of it by the fields of `Links`."""
     rows = []
     for order, (place, link) in enumerate(zip(link_places(links), links, strict=True)):
-        names = ("kind", "gap", "left_at", "right_at", "inclination", "left_y", "right_y")
+        names = ("kind", "gap", "left_at", "right_at", "inclination", "left_arm", "right_arm")
         facts = {name: getattr(link, name) for name in names}
         meeting = meetings[link.left]
-        facts |= {"order": order, "facing": float(meeting.has_facing_ends(link)), "y": meeting.find_street_place(link)}
+        facts |= {"order": order, "facing": float(meeting.has_facing_ends(link))}
+        facts["street"] = meeting.find_street_place(link)
         rows.append((place, facts))
     return rows
 

@@ -16,8 +16,8 @@ PLACE = Quantity("place", "m", "-6 m", -1000.0, 1000.0)
 """A place across the row [m], from the middle of a plan."""
 
 _SIZE = LENGTH.replace(high=500.0, usual=PLAUSIBLE_RANGES["size of a plan"])
-WIDTH = _SIZE.replace(name="width", example="20 m")
-DEPTH = _SIZE.replace(name="depth", example="14 m")
+PLAN_WIDTH = _SIZE.replace(name="width", example="20 m")
+PLAN_DEPTH = _SIZE.replace(name="depth", example="14 m")
 RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
 ACCIDENTAL = RATIO_OF_WIDTH.replace(example="5 %")
 
@@ -128,8 +128,10 @@ def _is_share(value: Any) -> bool:
 class PlanSpec(Model):
     """The plan of a building whose floors may twist."""
 
-    width: Annotated[float, WIDTH] = spec_field(..., "width of the floors across the row, along the street [m]", "20 m")
-    depth: Annotated[float, DEPTH] | None = spec_field(
+    width: Annotated[float, PLAN_WIDTH] = spec_field(
+        ..., "width of the floors across the row, along the street [m]", "20 m"
+    )
+    depth: Annotated[float, PLAN_DEPTH] | None = spec_field(
         None, "depth of the floors along the row [m], for their rotary inertia"
     )
     shift: Annotated[float, PLACE] = spec_field(

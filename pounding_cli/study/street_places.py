@@ -1,4 +1,4 @@
-"""Where links stand along the street: as a study writes it, and at the edge that two neighbours share."""
+"""Places of links along the street: as a study writes them, and at the edge that two neighbours share."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 _USAGE = (
     "write a place along the street, e.g. `4 m`, or that of both ends from the middles of their plans, `[4 m, -2 m]`"
 )
-ROUNDING = 1e-9
+EDGE_TOLERANCE = 1e-9
 """Length over that of an edge [-] by which a place may miss the edge and still stand on it."""
 
 
 class PlaceOfLink(NamedTuple):
-    """Where a link stands.
+    """The place of a link as a study writes it.
 
     left, right : from the middles of both plans [m]; equal to each other and along the street unless `is_pair`
     """
@@ -64,7 +64,7 @@ class PlaceParser(ParsedText):
 
 
 class StreetSide(NamedTuple):
-    """What a link must know of the plan on one of its sides.
+    """The plan on one side of a link, along the street.
 
     middle : of the plan along the street [m]
     centre : of mass, along the street [m]
@@ -82,20 +82,25 @@ class StreetSide(NamedTuple):
         plan = building.plan
         if plan is None:
             return None
-        low = plan.place + plan.low
-        high = plan.place + plan.high
-        return cls(0.5 * (low + high), plan.place, low, high)
+        low = plan.street + plan.low
+        high = plan.street + plan.high
+        return cls(0.5 * (low + high), plan.street, low, high)
+
+    def holds(self, street: float) -> bool:
+        """Return whether a place along the street [m] is on the floors."""
+        slack = EDGE_TOLERANCE * (self.high - self.low)
+        return self.low - slack <= street <= self.high + slack
 
 
 class LinkArms(NamedTuple):
-    """Where a link, or a part of it, acts on both floors.
+    """The arms of a link, or of a part of it, on both floors.
 
-    left_y, right_y : from the centres of mass [m]
+    left_arm, right_arm : from the centres of mass [m]
     share : part of the link [-]
     """
 
-    left_y: float
-    right_y: float
+    left_arm: float
+    right_arm: float
     share: float
 
 
@@ -110,7 +115,7 @@ def find_shared_edge(left: StreetSide | None, right: StreetSide | None) -> tuple
     return max(side.low for side in sides), min(side.high for side in sides)
 
 
-def find_arms(
+def find_link_arms(
     link: LinkSpec, path: KeyPath, names: Sequence[str], left: StreetSide | None, right: StreetSide | None
 ) -> tuple[LinkArms, ...]:
     """Return where a link acts on two neighbours: at its places, else at both ends of the edge that they share.
@@ -126,36 +131,57 @@ def find_arms(
             message = f"neither {names[0]} nor {names[1]} has a plan, so 'places' has no effect"
             raise IssuesFound([Issue((*path, "places"), message, "remove it, or give one a `plan:`", at_key=True)])
         return WHOLE_AT_CENTRES
-    low, high = find_shared_edge(left, right)
     if link.places is None:
-        if low >= high:
-            hint = "let the plans overlap along the street (`shift:`), write where both ends stand, e.g. "
-            hint += "`places: [[2 m, -3 m]]`, or leave the link out"
-            apart = f"their plans end {low - high:.4g} m apart" if low > high else "one ends where the other begins"
-            message = f"{names[0]} and {names[1]} share no edge: along the street {apart}"
-            raise IssuesFound([Issue(path, message, hint)])
-        places: tuple[PlaceOfLink, ...] = (PlaceOfLink(low, low), PlaceOfLink(high, high))
-        shares: tuple[float, ...] = (0.5, 0.5)
+        parts = _halve_at_shared_edge(path, names, left, right)
     else:
-        places = link.places
-        shares = link.part_shares
+        parts = tuple(zip(link.places, link.part_shares, strict=True))
     arms: list[LinkArms] = []
-    for number, (place, share) in enumerate(zip(places, shares, strict=True)):
-        ends = []
-        for name, y, side in zip(names, (place.left, place.right), (left, right), strict=True):
-            if side is None:
-                ends.append(0.0)
-                continue
-            along_street = y + side.middle if place.is_pair else y
-            slack = ROUNDING * (side.high - side.low)
-            if not side.low - slack <= along_street <= side.high + slack:
-                origin = side.middle if place.is_pair else 0.0
-                message = f"the place {place} is outside of {name}"
-                hint = f"write a place from {side.low - origin:g} to {side.high - origin:g} m"
-                raise IssuesFound([Issue((*path, "places", number), message, hint)])
-            ends.append(along_street - side.centre)
-        if any((each.left_y, each.right_y) == (ends[0], ends[1]) for each in arms):
+    for number, (place, share) in enumerate(parts):
+        place_path: KeyPath = (*path, "places", number)
+        left_arm = _find_arm(place, place.left, left, names[0], place_path)
+        right_arm = _find_arm(place, place.right, right, names[1], place_path)
+        if any((each.left_arm, each.right_arm) == (left_arm, right_arm) for each in arms):
             hint = "remove it, and let its share go to the other"
-            raise IssuesFound([Issue((*path, "places", number), f"the place {place} stands here twice", hint)])
-        arms.append(LinkArms(ends[0], ends[1], share))
+            raise IssuesFound([Issue(place_path, f"the place {place} stands here twice", hint)])
+        arms.append(LinkArms(left_arm, right_arm, share))
     return tuple(arms)
+
+
+def _halve_at_shared_edge(
+    path: KeyPath, names: Sequence[str], left: StreetSide | None, right: StreetSide | None
+) -> tuple[tuple[PlaceOfLink, float], ...]:
+    """Return both ends of the edge that two neighbours share, each with half of a link.
+
+    Raises
+    ------
+    IssuesFound : they share no edge
+    """
+    low, high = find_shared_edge(left, right)
+    if low >= high:
+        hint = "let the plans overlap along the street (`shift:`), write where both ends stand, e.g. "
+        hint += "`places: [[2 m, -3 m]]`, or leave the link out"
+        apart = f"their plans end {low - high:.4g} m apart" if low > high else "one ends where the other begins"
+        message = f"{names[0]} and {names[1]} share no edge: along the street {apart}"
+        raise IssuesFound([Issue(path, message, hint)])
+    return (PlaceOfLink(low, low), 0.5), (PlaceOfLink(high, high), 0.5)
+
+
+def _find_arm(place: PlaceOfLink, end: float, side: StreetSide | None, name: str, path: KeyPath) -> float:
+    """Return the arm of one end of a link on the floors of one side [m], 0 where these do not twist.
+
+    end : of the place, as written [m]
+    name : of the building of this side
+
+    Raises
+    ------
+    IssuesFound : the place is outside of the plan
+    """
+    if side is None:
+        return 0.0
+    origin = side.middle if place.is_pair else 0.0
+    street = origin + end
+    if not side.holds(street):
+        message = f"the place {place} is outside of {name}"
+        hint = f"write a place from {side.low - origin:g} to {side.high - origin:g} m"
+        raise IssuesFound([Issue(path, message, hint)])
+    return street - side.centre

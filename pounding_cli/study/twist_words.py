@@ -13,7 +13,7 @@ from pounding_cli.model.plan import FloorPlan, FrameLine
 from pounding_cli.model.twist import describe_eccentricity, find_twist_reasons
 from pounding_cli.numbers import join_limited
 
-SHOWN_PERIODS = 3
+MAX_SHOWN_PERIODS = 3
 """Number of natural periods that are told of a plan."""
 
 
@@ -28,16 +28,16 @@ def _describe_plan(plan: FloorPlan, mass: np.ndarray) -> str:
     """Return a plan in words; mass : of the floors [kg], shape (n,)."""
     width = plan.high - plan.low
     middle = 0.5 * (plan.low + plan.high)
-    ends = f"{plan.place + plan.low:.4g} to {plan.place + plan.high:.4g} m"
+    ends = f"{plan.street + plan.low:.4g} to {plan.street + plan.high:.4g} m"
     words = [f"{width:.4g} m wide, {ends} along the street"]
     if abs(middle) > 1e-9 * width:
         words.append(f"centres of mass {_format_offset(-middle, width)} from the middle")
     words.append(f"lines from the middle: {_describe_lines(plan.lines, plan.stiffness, -middle)}")
     if plan.lines_across:
-        places = join_limited(f"{line.place:.4g} m" for line in plan.lines_across)
+        places = join_limited(f"{line.arm:.4g} m" for line in plan.lines_across)
         words.append(f"lines across at {places} from the centre of mass")
     words.append(_describe_eccentricity(plan.eccentricity, width))
-    periods = ", ".join(f"{period:.3g}" for period in plan.periods(mass)[:SHOWN_PERIODS])
+    periods = ", ".join(f"{period:.3g}" for period in plan.periods(mass)[:MAX_SHOWN_PERIODS])
     words.append(f"turns {plan.frequency_ratio(mass):.3g} times as fast as it moves along the row, each by itself")
     words.append(f"periods of both together {periods} s")
     return "; ".join(words)
@@ -53,7 +53,7 @@ def _describe_lines(lines: Sequence[FrameLine], stiffness: np.ndarray, centre: f
     for line in lines:
         shares = 100.0 * line.stiffness / stiffness
         low, high = (f"{share:.3g}" for share in (shares.min(), shares.max()))
-        texts.append(f"{line.place + centre:.4g} m ({low if low == high else f'{low} to {high}'} %)")
+        texts.append(f"{line.arm + centre:.4g} m ({low if low == high else f'{low} to {high}'} %)")
     return join_limited(texts)
 
 

@@ -653,19 +653,19 @@ def test_the_gap_of_floors_that_twist_is_that_of_their_edges(twisting, tmp_path)
     exact = gaps[gaps["rule"] == "exact"].sort_values("largest")
     needed = exact["largest"].iloc[-1]
     assert exact["end"].iloc[-1] == "low end"
-    assert exact["y"].iloc[-1] == -5.0
-    assert set(exact["y"]) == {-5.0, 10.0}
+    assert exact["street"].iloc[-1] == -5.0
+    assert set(exact["street"]) == {-5.0, 10.0}
     tried = ", ".join(f"{float(needed) * share!r} m" for share in (1 - 1e-6, 1 + 1e-6, 2))
     sweep = f"sweep: {{cases.near.gap: [{tried}]}}"
     run = solve_twisting(tmp_path, "corner, soft", "{link: pounding, gap: 1 cm}", "run", sweep)
     impacts = run.link().groupby("cases.near.gap")["impacts"].sum()
     assert impacts.iloc[0] > 0
     assert (impacts.iloc[1:] == 0).all()
-    here = run.link("max_closing", "y")
+    here = run.link("max_closing", "street")
     open_gap = here[here["cases.near.gap"] == here["cases.near.gap"].max()].sort_values("max_closing")
     np.testing.assert_allclose(open_gap["max_closing"].to_numpy(), exact["largest"].to_numpy(), rtol=1e-9)
-    bound = gaps[gaps["rule"] == "ABS"].set_index(["floor", "y"])["mean"].sort_index()
-    assert (exact.set_index(["floor", "y"])["mean"].sort_index() <= bound).all()
+    bound = gaps[gaps["rule"] == "ABS"].set_index(["floor", "street"])["mean"].sort_index()
+    assert (exact.set_index(["floor", "street"])["mean"].sort_index() <= bound).all()
     first = report(twisting).answer.sentences[0]
     assert "1 motion, at the low end of the shared edge of floor 2)" in first
 
@@ -677,7 +677,7 @@ def test_distances_of_floors_that_twist_are_those_of_their_edges(twisting, tmp_p
     line = line[(line["rule"] == "exact") & (line["floor"] == 2)].set_index(["building", "side", "end"])["mean"]
     run = solve_twisting(tmp_path, "moat, corner, moat", "{link: pounding, gap: 1 m}", "run")
     link = run.link()
-    link = link[link["floor"] == 2].sort_values("y")
+    link = link[link["floor"] == 2].sort_values("street")
     to_left = link[link["left"] == "moat-1"]["max_closing"].tolist()
     to_right = link[link["left"] == "corner"]["max_closing"].tolist()
     for side, moved in (("left", to_left), ("right", to_right)):
@@ -708,7 +708,7 @@ def test_codes_count_the_twist_of_the_plan(tmp_path):
         drift = np.eye(4)[storey] - (np.eye(4)[storey - 1] if storey else 0.0)
         turn = np.roll(drift, 2)
         for each in floors.lines:
-            v = drift - each.place * turn
+            v = drift - each.arm * turn
             stiffness += each.stiffness[storey] * np.outer(v, v)
         stiffness += floors.torsional_stiffness[storey] * np.outer(turn, turn)
     elastic = (

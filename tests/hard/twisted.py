@@ -81,8 +81,8 @@ def _place_link(link: Link, buildings: Sequence[Building], random: np.random.Gen
     left, right = buildings[link.left : link.left + 2]
     placed = []
     for _ in range(int(random.integers(1, 3))):
-        left_y, right_y = (_draw_place(building, random) for building in (left, right))
-        placed.append(replace(link, left_y=left_y, right_y=right_y))
+        left_arm, right_arm = (_draw_place(building, random) for building in (left, right))
+        placed.append(replace(link, left_arm=left_arm, right_arm=right_arm))
     return placed
 
 

@@ -79,9 +79,9 @@ def add_building(made: Diaphragms, building: Building, region: int) -> list[int]
     floors = [made.floor(*each) for each in zip(building.mass.tolist(), plan.inertia.tolist(), strict=True)]
     elements = []
     for line in plan.lines:
-        below = made.ground(line.place)
+        below = made.ground(line.arm)
         for j, floor in enumerate(floors):
-            above = made.place(floor, line.place)
+            above = made.place(floor, line.arm)
             shear = line.yield_shear[j], line.stiffness[j], building.hardening[j]
             ops.uniaxialMaterial("Steel01", made.next(), *map(float, shear))
             elements.append(made.join(below, above, 1, rayleigh=True))
@@ -100,10 +100,10 @@ def add_building(made: Diaphragms, building: Building, region: int) -> list[int]
 
 def add_contact(made: Diaphragms, link: Link, left: int, right: int) -> None:
     """Make the contact of two floors at its place; the right building is the one that was made last."""
-    right_end = made.place(right, link.right_y)
+    right_end = made.place(right, link.right_arm)
     made.centre, shift = 0.0, made.centre
-    assert link.left_y == link.right_y + shift
-    ends = made.place(left, link.left_y), right_end
+    assert link.left_arm == link.right_arm + shift
+    ends = made.place(left, link.left_arm), right_end
     made.centre = shift
     ops.uniaxialMaterial("ViscoelasticGap", made.next(), link.law.stiffness, 0.0, -link.gap)
     made.watched.append(made.join(*ends, 1, rayleigh=False))

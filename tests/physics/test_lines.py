@@ -184,7 +184,7 @@ def test_struck_columns_share_the_sum_of_the_lines() -> None:
     built = Scene([HOUSE, HOUSE], MOTION, 0.02, {"link": "pounding", "gap": 10.0}, "inelastic").built
     left, right = (add_lines(each) for each in built.buildings)
     law = built.links[0].law
-    link = Link(0, 1, 1, law, right_at=0.5, columns=0.25, left_y=5.0, right_y=5.0)
+    link = Link(0, 1, 1, law, right_at=0.5, columns=0.25, left_arm=5.0, right_arm=5.0)
     found = solve_scene(replace(built, buildings=(left, right), links=(link,)))
     assert found.columns.shear_below[0] == pytest.approx(0.25 * found.buildings[1].shear[0], rel=1e-12)
 

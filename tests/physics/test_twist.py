@@ -116,7 +116,7 @@ class TestBlows:
         mass, speed, y, e = 2e5, 0.5, 10.0, 0.5
         inertia = mass * (30.0**2 + 20.0**2) / 12
         effective = 1 / (1 / mass + y**2 / inertia)
-        contact_at = Link(0, 1, 1, Pounding(0.0, 2e9, damping_ratio(e)), left_y=y)
+        contact_at = Link(0, 1, 1, Pounding(0.0, 2e9, damping_ratio(e)), left_arm=y)
         scene = at_rest((plate("plate", mass, 30.0, 20.0), Wall.build("wall")), [contact_at])
         run = run_from(scene, [[0.0, 0.0], [0.0]], [[speed, 0.0], [0.0]])
         blow = kelvin_voigt(2e9, damping_ratio(e), effective, speed)
@@ -136,24 +136,24 @@ class TestBlows:
         assert run.energy["links"] == pytest.approx(9.75e3, rel=1e-4)
         assert abs(run.energy["residual"]) < 1e-9
 
-    @pytest.mark.parametrize(("e", "left_y", "right_y"), [(0.3, 6.0, -4.0), (0.65, -9.0, 0.0), (1.0, 2.5, 7.5)])
-    def test_two_plates(self, e: float, left_y: float, right_y: float) -> None:
+    @pytest.mark.parametrize(("e", "left_arm", "right_arm"), [(0.3, 6.0, -4.0), (0.65, -9.0, 0.0), (1.0, 2.5, 7.5)])
+    def test_two_plates(self, e: float, left_arm: float, right_arm: float) -> None:
         """The places part at e times the speed at which they met; both momenta are kept. Fails if a place's lever has
         another sign on one side."""
         left, right = plate("left", 2e5, 20.0, 14.0), plate("right", 3e5, 18.0, 10.0)
-        link = Link(0, 1, 1, Pounding(0.0, 2e9, damping_ratio(e)), left_y=left_y, right_y=right_y)
+        link = Link(0, 1, 1, Pounding(0.0, 2e9, damping_ratio(e)), left_arm=left_arm, right_arm=right_arm)
         rates = [0.4, 0.03], [-0.1, 0.02]
         run = run_from(at_rest((left, right), [link]), [[0.0, 0.0]] * 2, rates)
-        before = (rates[0][0] - left_y * rates[0][1]) - (rates[1][0] - right_y * rates[1][1])
+        before = (rates[0][0] - left_arm * rates[0][1]) - (rates[1][0] - right_arm * rates[1][1])
         assert before > 0
         u, turn = run.end_velocity, run.end_twist_rate
-        after = (u[0] - left_y * turn[0]) - (u[1] - right_y * turn[1])
+        after = (u[0] - left_arm * turn[0]) - (u[1] - right_arm * turn[1])
         assert after == pytest.approx(-e * before, rel=1e-8)
         masses = np.array([2e5, 3e5])
         inertias = np.array([left.plan.inertia[0], right.plan.inertia[0]])
         start = np.array(rates)
         assert masses @ u == pytest.approx(masses @ start[:, 0], rel=1e-8)
-        centres = np.array([-left_y, -right_y])  # along the street, from the place where they meet
+        centres = np.array([-left_arm, -right_arm])  # along the street, from the place where they meet
 
         def spin(rate: np.ndarray, turning: np.ndarray) -> float:
             return float(inertias @ turning - masses @ (rate * centres))
@@ -294,13 +294,13 @@ def turned_about_x(scene: Scene) -> Scene:
         buildings=tuple(
             each if each.plan is None else replace(each, plan=flipped(each.plan)) for each in scene.buildings
         ),
-        links=tuple(replace(link, left_y=-link.left_y, right_y=-link.right_y) for link in scene.links),
+        links=tuple(replace(link, left_arm=-link.left_arm, right_arm=-link.right_arm) for link in scene.links),
     )
 
 
 def flipped(plan: FloorPlan) -> FloorPlan:
     """Return a plan with the other sign of y."""
-    lines = tuple(replace(each, place=-each.place) for each in plan.lines)
+    lines = tuple(replace(each, arm=-each.arm) for each in plan.lines)
     return replace(plan, lines=lines, low=-plan.high, high=-plan.low)
 
 
@@ -310,7 +310,7 @@ def turned_about_y(scene: Scene) -> Scene:
     links = [
         replace(
             link, left=last - link.left, left_floor=link.right_floor, right_floor=link.left_floor,
-            left_at=link.right_at, right_at=link.left_at, left_y=link.right_y, right_y=link.left_y,
+            left_at=link.right_at, right_at=link.left_at, left_arm=link.right_arm, right_arm=link.left_arm,
         )
         for link in scene.links
     ]  # fmt: skip
@@ -388,7 +388,7 @@ class TestSymmetries:
         left, right = stiff(1.0), soft(1.0)
         motion = Motion("shake", DT, shake(2.0, 5.0))
         law = Pounding(0.004, 1e9, 0.0)
-        links = Link(0, 1, 1, law, left_y=-3.0, right_y=4.0), Link(0, 2, 2, law, left_y=6.0, right_y=1.0)
+        links = Link(0, 1, 1, law, left_arm=-3.0, right_arm=4.0), Link(0, 2, 2, law, left_arm=6.0, right_arm=1.0)
         factors = 1e4, 1e5
 
         def run(factor: float) -> Run:
@@ -399,7 +399,7 @@ class TestSymmetries:
                 for each in (left, right)
             )
             buildings = [replace(each, plan=plan) for each, plan in zip((left, right), plans, strict=True)]
-            placed = links if factor < math.inf else tuple(replace(link, left_y=0.0, right_y=0.0) for link in links)
+            placed = links if factor < math.inf else tuple(replace(link, left_arm=0.0, right_arm=0.0) for link in links)
             return solve(Scene(tuple(buildings), placed, motion, Analysis.ELASTIC, residual_drift=False), 1e-9)
 
         limit = run(math.inf)

@@ -72,9 +72,10 @@ def soft(yields: float, storeys: int = 2, **more: Any) -> Building:
     return building("soft", mass, plan, **more)
 
 
-def contact(floor: int, left_y: float, right_y: float, gap: float = 0.004, left: int = 0, **more: Any) -> Link:
+def contact(floor: int, left_arm: float, right_arm: float, gap: float = 0.004, left: int = 0, **more: Any) -> Link:
     """Return the contact of two floors at a place, half as stiff as that of whole edges."""
-    return Link(left, floor, floor, Pounding(gap, 1e9, damping_ratio(0.5)), left_y=left_y, right_y=right_y, **more)
+    law = Pounding(gap, 1e9, damping_ratio(0.5))
+    return Link(left, floor, floor, law, left_arm=left_arm, right_arm=right_arm, **more)
 
 
 def edges_meet(storeys: int = 2, left: int = 0) -> tuple[Link, ...]:
@@ -143,7 +144,7 @@ def three_in_a_row() -> tuple[Building, ...]:
 
 def at(law: LinkLaw) -> Link:
     """Return a link with this law between the tops, at a place of its own."""
-    return Link(0, 2, 2, law, left_y=4.0, right_y=-1.5)
+    return Link(0, 2, 2, law, left_arm=4.0, right_arm=-1.5)
 
 
 def without_tension(link: Link) -> Link:
@@ -161,7 +162,7 @@ INFILL = Infill(5e-4, 1.5e8, 1e9, damping_ratio(0.5))
 TRIPLE = (*edges_meet(), contact(1, 6.0, 0.0, left=1), contact(2, -8.0, 0.0, left=1), contact(2, 6.0, 0.0, left=1))
 PLACED_ON_COLUMNS = (
     *edges_meet(),
-    Link(0, 2, 1, Pounding(0.001, 1e9, damping_ratio(0.6)), left_at=0.4, left_y=7.0, right_y=2.0, columns=0.3),
+    Link(0, 2, 1, Pounding(0.001, 1e9, damping_ratio(0.6)), left_at=0.4, left_arm=7.0, right_arm=2.0, columns=0.3),
 )
 CAPPED = LOST | {"residual_strength": 0.3}
 
@@ -219,8 +220,8 @@ def random_scene(seed: int, kind: str) -> Scene:
                         int(floor),
                         int(floor),
                         Pounding(gap, stiffness, damping_ratio(restitution)),
-                        left_y=float(ends[0]),
-                        right_y=float(ends[1]),
+                        left_arm=float(ends[0]),
+                        right_arm=float(ends[1]),
                     )
                 )
     motion = Motion("shake", DT, shake(2.0, rng.uniform(3.0, 6.0), seed))
@@ -264,7 +265,7 @@ def pair_of_three(contacts: bool) -> Scene:
     right = replace(right, plan=plan, stiffness=plan.stiffness, yield_shear=plan.yield_shear)
     law = Pounding(0.004, 1e9, 0.0)
     places = ((2, -3.0), (3, -3.0), (3, 10.0))
-    links = tuple(Link(0, j, j, law, left_y=y, right_y=y - SHIFT) for j, y in places)
+    links = tuple(Link(0, j, j, law, left_arm=y, right_arm=y - SHIFT) for j, y in places)
     motion = Motion("shake", DT, shake(2.0, 5.0))
     return Scene((left, right), links if contacts else (), motion, Analysis.INELASTIC, residual_drift=False)
 

@@ -124,7 +124,7 @@ def coordinates(scene: Scene) -> Coordinates:
             closing[e] += sign * _column(
                 scene.buildings[place], floors[place], bases[place], feet[place], floor, at, total
             )
-            y = link.left_y if sign > 0 else link.right_y
+            y = link.left_arm if sign > 0 else link.right_arm
             closing[e] -= sign * y * _twist_of_column(turns[place], floor, at, total)
     cosine = np.array([link.cosine for link in scene.links])
     everything = [each for found in resisting for each in found]
@@ -162,10 +162,10 @@ def _frame_lines(building, travel: np.ndarray, twist: np.ndarray) -> list[_Resis
     made = []
     for line in building.plan.lines:
         laws = building.laws_of_line(line)
-        made += [_Resisting(travel[j] - line.place * twist[j], law, j) for j, law in enumerate(laws)]
+        made += [_Resisting(travel[j] - line.arm * twist[j], law, j) for j, law in enumerate(laws)]
     for line in building.plan.lines_across:
         laws = building.laws_of_line(line)
-        made += [_Resisting(line.place * twist[j], law, j, along=False) for j, law in enumerate(laws)]
+        made += [_Resisting(line.arm * twist[j], law, j, along=False) for j, law in enumerate(laws)]
     return made
 
 

@@ -81,7 +81,7 @@ def test_storeys_are_those_of_their_lines(results, corner):
     line = results.line()
     assert len(line) == 4 * len(corner)
     assert line.query("line > 2")["x"].tolist() == [-6.0, 6.0] * len(corner)
-    line = line[line["y"].notna()]
+    line = line[line["street"].notna()]
     by_storey = line.groupby(ROW, sort=False)
     for name in ("mu", "mu0"):
         assert corner[name].to_numpy() == pytest.approx(by_storey[name].max().to_numpy(), rel=1e-12)
@@ -94,8 +94,8 @@ def test_storeys_are_those_of_their_lines(results, corner):
 
 def test_edges_of_the_plan(results, corner):
     """The first line stands at the low edge, the high one follows from drift and twist over time."""
-    first = results.line("drift", "drift0", "y").query("line == 1")
-    assert (first["y"] == -10.0).all()
+    first = results.line("drift", "drift0", "street").query("line == 1")
+    assert (first["street"] == -10.0).all()
     assert corner["edge_drift_low"].to_numpy() == pytest.approx(first["drift"].to_numpy(), rel=1e-6)
     assert corner["edge_drift_low0"].to_numpy() == pytest.approx(first["drift0"].to_numpy(), rel=1e-6)
     larger = np.maximum(corner["edge_drift_low"], corner["edge_drift_high"])
@@ -139,11 +139,11 @@ def test_means_of_ratios_of_lines(results):
 def test_contact_by_place(results):
     """Both ends of the edge that the floors share; soft has no plan and ends where corner does."""
     link = results.link().query("case == 'touching' and `impact.restitution` == 0.8 and record == 'taft'")
-    assert link.query("analysis == 'elastic'")["y"].tolist() == [-10.0, 10.0] * 2
+    assert link.query("analysis == 'elastic'")["street"].tolist() == [-10.0, 10.0] * 2
     table = next(each for each in list_tables(results) if each.caption.startswith("Contact by place"))
-    row = table.frame.query("case == 'touching' and analysis == 'elastic' and y == 10").iloc[0]
+    row = table.frame.query("case == 'touching' and analysis == 'elastic' and street == 10").iloc[0]
     nominal = results.link().query(
-        "case == 'touching' and `impact.restitution` == 0.5 and analysis == 'elastic' and y == 10"
+        "case == 'touching' and `impact.restitution` == 0.5 and analysis == 'elastic' and street == 10"
     )
     assert row["peak_force"] == nominal["peak_force"].max() > 0
     assert row["contacts"] == nominal.groupby("record")["impacts"].sum().mean() > 0
@@ -184,8 +184,8 @@ def test_the_tables_of_a_run(results, corner):
     largest = results.storey().query("case == 'touching' and analysis == 'inelastic'")["edge_drift_ratio"].max()
     assert inelastic["drift"] == pytest.approx(largest)
     link = results.link().query("case == 'touching' and analysis == 'inelastic'")
-    closest = link.loc[link["max_closing"].idxmax(), "y"]
-    assert f", gap 5 mm, y {closest:g} m".replace("-", "−") in cells["closing"](inelastic.to_dict())
+    closest = link.loc[link["max_closing"].idxmax(), "street"]
+    assert f", gap 5 mm, at {closest:g} m along the street".replace("-", "−") in cells["closing"](inelastic.to_dict())
     assert "line" in cells["ratio"](inelastic.to_dict())
     for table in (lines, edges, places):
         text = table.to_text(80)

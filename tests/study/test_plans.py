@@ -51,12 +51,12 @@ def test_a_short_form_has_the_eccentricity_and_the_ratio_that_it_asks_for(inerti
     keys = {"depth": "12 m"} if inertia is None else {"inertia": inertia}
     building = build(width="20 m", eccentricity=eccentricity, frequency_ratio=ratio, **keys)
     plan = building.plan
-    torsional = plan.torsional_stiffness + sum(line.stiffness * line.place**2 for line in plan.lines)
+    torsional = plan.torsional_stiffness + sum(line.stiffness * line.arm**2 for line in plan.lines)
     asked = ratio * lowest_frequency(building.mass, building.stiffness)
     assert lowest_frequency(plan.inertia, torsional) == pytest.approx(asked, rel=1e-10)
     assert plan.eccentricity == pytest.approx(20.0 * eccentricity, abs=1e-10)
     assert sum(line.stiffness for line in plan.lines) == pytest.approx(building.stiffness, rel=1e-12)
-    assert all(plan.low <= line.place <= plan.high for line in plan.lines)
+    assert all(plan.low <= line.arm <= plan.high for line in plan.lines)
     assert (plan.torsional_stiffness >= 0.0).all()
 
 
@@ -66,7 +66,7 @@ def test_what_is_accidental_moves_the_centres_of_mass_and_not_the_lines():
         keys = {"torsional_stiffness": 5e9, **keys} if "lines" in keys else keys
         without, moved = (build(width=20.0, depth=12.0, accidental=share, **keys).plan for share in (0.0, 0.05))
         assert moved.eccentricity == pytest.approx(without.eccentricity - 1.0)
-        assert (moved.place - without.place, moved.low - without.low) == pytest.approx((1.0, -1.0))
+        assert (moved.street - without.street, moved.low - without.low) == pytest.approx((1.0, -1.0))
         assert moved.torsional_stiffness == pytest.approx(without.torsional_stiffness)
 
 
@@ -79,7 +79,7 @@ def test_both_sides_of_an_accidental_eccentricity_are_an_unknown_value_of_the_sw
     (axis,) = study.axes
     assert axis.names == ("buildings.plain.plan.accidental",)
     assert [value for (value,) in axis.values] == [-0.05, 0.0, 0.05]
-    places = [study.building((place,), 1).plan.place for place in range(3)]
+    places = [study.building((place,), 1).plan.street for place in range(3)]
     assert places == pytest.approx([-0.7, 0.0, 0.7])
     path.write_text(written + "sweep: {buildings.plain.plan.accidental: [1 %, 2 %]}\n")
     with pytest.raises(pound.InputError, match="is an axis of the sweep, which also has"):
@@ -107,7 +107,7 @@ LINES = f"lines: [{{y: -6 m, {NUMBERS}}}, {{y: 6 m, {NUMBERS}}}]"
     [
         ("plan: {eccentricity: 5 %, frequency_ratio: 1.3}", lambda b: b.plan.eccentricity == pytest.approx([1.0] * 3)),
         ("plan: {inertia: 1e7 kg m2}", lambda b: b.plan.inertia.tolist() == [1e7] * 3),
-        ("plan: {shift: 2 m}", lambda b: b.plan.place == 2.0 and len(b.plan.lines) == 2),
+        ("plan: {shift: 2 m}", lambda b: b.plan.street == 2.0 and len(b.plan.lines) == 2),
         (f"plan: {{{LINES}}}", lambda b: b.stiffness.tolist() == [2e8] * 3 and np.isinf(b.yield_shear).all()),
         ("plan: null", lambda b: b.plan is None),
     ],
@@ -267,7 +267,7 @@ def test_a_base_does_not_turn_and_is_struck_once(tmp_path):
     base = link[link["floor"] == 0]
     assert base["impacts"].tolist() == [base["impacts"].max()]
     assert base["impacts"].max() > 0
-    assert base["y"].isna().all()
+    assert base["street"].isna().all()
 
 
 def test_a_link_off_the_centre_of_a_base_turns_nothing(tmp_path):

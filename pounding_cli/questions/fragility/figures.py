@@ -19,9 +19,9 @@ from pounding_cli.questions.fragility.words import (
     compare_medians,
     describe_measure,
     describe_place,
-    find_twisting,
     format_confidence,
     join_place,
+    list_twisting_buildings,
     median_column,
     pair_states,
 )
@@ -73,7 +73,7 @@ def _describe_curves(results: ResultTables, rows: pd.DataFrame) -> str:
     median = median_column(results.answer(CURVES).column("median"))
     confidence = format_confidence(results)
     pairs = pair_states(rows)
-    twisting = find_twisting(results)
+    twisting = list_twisting_buildings(results)
     return " ".join(
         f"{describe_place(curve.place, pairs, twisting=twisting)}: {compare_medians(curve, median, confidence)}."
         for curve in pairs

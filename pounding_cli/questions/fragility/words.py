@@ -96,7 +96,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     point = evidence.format_point(answer.frame.columns)
     sentences = []
     for number, curve in enumerate(curves[:MAX_SENTENCES]):
-        subject = describe_place(curve.place, curves, point, find_twisting(results))
+        subject = describe_place(curve.place, curves, point, list_twisting_buildings(results))
         sentence = f"{subject}: {compare_medians(curve, median, confidence)}."
         if rates and (words := compare_rates(rates[number], confidence, _count_motions(curve))):
             sentence += f" {words}."
@@ -124,7 +124,7 @@ def describe_measure(results: ResultTables) -> str:
     return _MEASURES.get(name, name) + (f" at {period.removesuffix(')')}" if period else "")
 
 
-def find_twisting(results: ResultTables) -> Collection[str]:
+def list_twisting_buildings(results: ResultTables) -> Collection[str]:
     """Return the names of the buildings whose floors twist in some time history."""
     if "twist" not in results.arrays:
         return ()

@@ -19,7 +19,7 @@ from pounding_cli.study import Study
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
 from pounding_cli.study.group import Group
-from pounding_cli.study.street_places import ROUNDING, LinkArms, StreetSide, find_shared_edge
+from pounding_cli.study.street_places import EDGE_TOLERANCE, LinkArms, StreetSide, find_shared_edge
 
 LINK_SECTIONS = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
@@ -73,7 +73,7 @@ def _keep_building_keys(axis: Axis) -> Axis:
 
 
 class StreetPlace(NamedTuple):
-    """Where a link of the study stands between floors that twist.
+    """The place of a link of the study between floors that twist.
 
     number : of the left building of the pair, from 0
     left, right : places of its ends along the street [m]; NaN of a building without a plan
@@ -96,16 +96,16 @@ def find_street_places(study: Study) -> tuple[StreetPlace, ...]:
         buildings = study.group(index).buildings
         for case in study.spec.cases:
             for link in study.links(index, case):
-                if link.left_y or link.right_y:
+                if link.left_arm or link.right_arm:
                     left, right = buildings[link.left : link.left + 2]
-                    ends = _find_street_end(left, link.left_y), _find_street_end(right, link.right_y)
+                    ends = _find_street_end(left, link.left_arm), _find_street_end(right, link.right_arm)
                     places[StreetPlace(link.left, *ends)] = None
     return tuple(places)
 
 
-def _find_street_end(building: Building, y: float) -> float:
+def _find_street_end(building: Building, arm: float) -> float:
     """Return the place along the street of an end of a link [m]; NaN where the building has no plan."""
-    return math.nan if building.plan is None else building.plan.place + y
+    return math.nan if building.plan is None else building.plan.street + arm
 
 
 def link_all_facing(group: Group, street_places: Collection[StreetPlace] = ()) -> tuple[Link, ...]:
@@ -122,12 +122,16 @@ def link_all_facing(group: Group, street_places: Collection[StreetPlace] = ()) -
         if all(building.plan is None for building in pair):
             links += facing
             continue
-        arms = _find_arms(pair, [place for place in street_places if place.number == left])
-        links += [replace(link, left_y=y[0], right_y=y[1], whole_law=link.law) for link in facing for y in arms]
+        arms = _list_arms(pair, [place for place in street_places if place.number == left])
+        links += [
+            replace(link, left_arm=each.left_arm, right_arm=each.right_arm, whole_law=link.law)
+            for link in facing
+            for each in arms
+        ]
     return merge_links(group.buildings, links)
 
 
-def _find_arms(pair: tuple[Building, Building], street_places: Sequence[StreetPlace]) -> list[LinkArms]:
+def _list_arms(pair: tuple[Building, Building], street_places: Sequence[StreetPlace]) -> list[LinkArms]:
     """Return where the closing of two neighbours is looked at, along the street; nowhere if they share no edge.
 
     street_places : of links between them
@@ -140,16 +144,15 @@ def _find_arms(pair: tuple[Building, Building], street_places: Sequence[StreetPl
     ends = sorted({(low, low), (high, high), *inside}, key=lambda both: np.nanmean(both))
     arms: list[LinkArms] = []
     for both in ends:
-        centres = [0.0 if side is None else place - side.centre for place, side in zip(both, sides, strict=True)]
-        arm = LinkArms(centres[0], centres[1], 1.0)
-        if not any(np.allclose(arm, other, rtol=0.0, atol=ROUNDING * (high - low)) for other in arms):
-            arms.append(arm)
+        left_arm, right_arm = (
+            0.0 if side is None else street - side.centre for street, side in zip(both, sides, strict=True)
+        )
+        added = LinkArms(left_arm, right_arm, 1.0)
+        if not any(np.allclose(added, other, rtol=0.0, atol=EDGE_TOLERANCE * (high - low)) for other in arms):
+            arms.append(added)
     return arms
 
 
 def _is_inside(place: StreetPlace, sides: Sequence[StreetSide | None]) -> bool:
     """Return whether both ends of a link stand on the floors of both sides."""
-    return all(
-        side is None or side.low - ROUNDING <= end <= side.high + ROUNDING
-        for end, side in zip(place[1:], sides, strict=True)
-    )
+    return all(side is None or side.holds(end) for end, side in zip(place[1:], sides, strict=True))

@@ -9,7 +9,7 @@ import numpy as np
 
 from pounding_cli.model.links import Link, LinkPlace
 from pounding_cli.questions.gap.apart import BuildingKeys, find_building_keys
-from pounding_cli.questions.gap.edges import SAME_PLACE
+from pounding_cli.questions.gap.edges import PLACE_TOLERANCE
 from pounding_cli.questions.gap.statistics import build_point_table
 from pounding_cli.questions.gap.tables import CASES_COLUMNS, CASES_TABLE, MOTION_RULES, NO, UNKNOWN, YES
 from pounding_cli.study import Plan, Study
@@ -154,8 +154,8 @@ def _find_place(plan: Plan, point: int, numbers: Sequence[int], link: Link) -> i
     if len(facing) == 1:
         return facing[0]
     for number in facing:
-        ys = links.left_y[(*where, number)], links.right_y[(*where, number)]
-        if np.allclose((link.left_y, link.right_y), ys, rtol=0.0, atol=SAME_PLACE):
+        arms = links.left_arm[(*where, number)], links.right_arm[(*where, number)]
+        if np.allclose((link.left_arm, link.right_arm), arms, rtol=0.0, atol=PLACE_TOLERANCE):
             return number
     return -1
 

@@ -1,4 +1,4 @@
-"""How far floors that twist move along the row, at their edges and where they face a neighbour.
+"""Movements along the row of floors that twist, at their edges and where they face a neighbour.
 
 Results hold the movement of the centres of mass. That of another place is the largest closing between a building that
 stands alone and a wall that moves as the ground does, so it is exact."""
@@ -27,7 +27,7 @@ from pounding_cli.study.swept import Point, Swept, sweep_map
 if TYPE_CHECKING:
     from pounding_cli.batch.solve import Solver
 
-SAME_PLACE = 1e-9
+PLACE_TOLERANCE = 1e-9
 """Distance of two places of a floor that are one [m]."""
 
 Movement = dict[int, np.ndarray]
@@ -35,7 +35,7 @@ Movement = dict[int, np.ndarray]
 
 
 class Movements(NamedTuple):
-    """How far the floors of a building move at one place across the row.
+    """Movements of the floors of a building at one arm.
 
     to_left, to_right : to both sides
     """
@@ -59,10 +59,11 @@ class EdgePlan:
         """Numbers of the time histories between the walls among those of the plan."""
         return np.unique(self.plan.numbers[..., 0])
 
-    def read_movements(self, arrays: ResultArrays, index: Point, y: float) -> Movements:
-        """Return how far its floors move at a point of the sweep, at y from their centres of mass [m].
+    def read_movements(self, arrays: ResultArrays, index: Point, arm: float) -> Movements:
+        """Return how far its floors move at a point of the sweep.
 
         arrays : of its time histories
+        arm : from their centres of mass [m]
         """
         closings = arrays["max_closing"].values[(*index, 0)]
         links = self.plan.links
@@ -71,8 +72,8 @@ class EdgePlan:
             at = (*index, 0, number)
             if not links.kind[at]:
                 continue
-            link_y = links.right_y[at] if place.left == 0 else links.left_y[at]
-            if abs(link_y - y) <= SAME_PLACE:
+            link_arm = links.right_arm[at] if place.left == 0 else links.left_arm[at]
+            if abs(link_arm - arm) <= PLACE_TOLERANCE:
                 side = movements.to_left if place.left == 0 else movements.to_right
                 floor = place.right_floor if place.left == 0 else place.left_floor
                 side[floor] = closings[..., number]
@@ -119,23 +120,23 @@ def _link_to_walls(group: Group, links: Sequence[Link], places: Sequence[int]) -
     links, places : of the row, and of this building in it
     """
     building = group.buildings[1]
-    ys = {link.left_y for link in links if link.left in places}
-    ys |= {link.right_y for link in links if link.left + 1 in places}
+    arms = {link.left_arm for link in links if link.left in places}
+    arms |= {link.right_arm for link in links if link.left + 1 in places}
     if building.plan is not None:
-        ys |= {building.plan.low, building.plan.high}
+        arms |= {building.plan.low, building.plan.high}
     to_walls: list[Link] = []
     for left in (0, 1):
         floors, _ = find_meetings(*group.buildings[left : left + 2])
         for both in floors:
-            for y in sorted(ys):
+            for arm in sorted(arms):
                 link = Link.apart(left, *both)
-                arms = (y, 0.0) if left else (0.0, y)
-                to_walls.append(replace(link, whole_law=link.law, left_y=arms[0], right_y=arms[1]))
+                left_arm, right_arm = (arm, 0.0) if left else (0.0, arm)
+                to_walls.append(replace(link, whole_law=link.law, left_arm=left_arm, right_arm=right_arm))
     return tuple(to_walls)
 
 
 class EdgeMovements:
-    """How far floors that twist move at one of their places, as far as that is not where they move at their centres.
+    """Movements of floors that twist, beside their centres of mass.
 
     plans, arrays : of the building types whose floors twist
     study : with nothing between its buildings
@@ -146,23 +147,23 @@ class EdgeMovements:
         self._solved = [(plan, solver.solve_arrays(plan.plan, plan.numbers)) for plan in plans]
         self._known: dict[tuple[Point, int, float], Movements | None] = {}
 
-    def find(self, index: Point, building: int, y: float) -> Movements | None:
-        """Return how far the floors of a building move at y from their centres of mass [m]; None where they do not
-        twist.
+    def find(self, index: Point, building: int, arm: float) -> Movements | None:
+        """Return how far the floors of a building move; None where they do not twist.
 
         index : of the point of the sweep
         building : its place in the group, from 0
+        arm : from their centres of mass [m]
         """
-        key = (index, building, y)
+        key = (index, building, arm)
         if key not in self._known:
-            self._known[key] = self._read(index, building, y)
+            self._known[key] = self._read(index, building, arm)
         return self._known[key]
 
-    def _read(self, index: Point, place: int, y: float) -> Movements | None:
+    def _read(self, index: Point, place: int, arm: float) -> Movements | None:
         building = self.study.building(index, place)
         if isinstance(building, Wall) or not is_eccentric(building):
             return None
         for plan, arrays in self._solved:
             if place in plan.places:
-                return plan.read_movements(arrays, index, y)
+                return plan.read_movements(arrays, index, arm)
         return None

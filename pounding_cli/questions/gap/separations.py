@@ -31,7 +31,7 @@ from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.responses import max_storeys
 from pounding_cli.study import Plan
 from pounding_cli.study.buildings import find_code_displacements
-from pounding_cli.study.street_places import ROUNDING, StreetSide, find_shared_edge
+from pounding_cli.study.street_places import EDGE_TOLERANCE, StreetSide, find_shared_edge
 from pounding_cli.study.swept import Point, Swept
 
 if TYPE_CHECKING:
@@ -41,8 +41,8 @@ CodeDisplacements = Mapping[str, Swept[dict[str, np.ndarray]]]
 """Displacements that codes expect [m], by building type and rule."""
 
 CodeEdges = Callable[[Point, int, float], dict[str, np.ndarray] | None]
-"""code_edges(index, building, y) -> displacements that codes expect at y of the floors of a building, by rule [m], of
-shape (storeys,); None where they do not twist."""
+"""code_edges(index, building, arm) -> displacements that codes expect at an arm of the floors of a building, by rule
+[m], of shape (storeys,); None where they do not twist."""
 
 Place = dict[str, Any]
 """Columns that say where something is required; `point` of the sweep by number."""
@@ -78,26 +78,26 @@ class PointState:
     edges: EdgeMovements
     code_edges: CodeEdges
 
-    def find_code_displacement(self, rule: str, building: int, floor: int, at: float, y: float) -> float:
+    def find_code_displacement(self, rule: str, building: int, floor: int, at: float, arm: float) -> float:
         """Return the displacement that the rule of a code expects of a place of a floor, or of the columns below it
         [m]; arguments as of `find_peak`."""
         displacements = self.code_displacements[rule]
-        at_edge = self.code_edges(self.index, building, y)
+        at_edge = self.code_edges(self.index, building, arm)
         if at_edge is not None and rule in at_edge:
             displacements = displacements.copy()
             displacements[building, 1 : 1 + at_edge[rule].size] = np.abs(at_edge[rule])
         return float(_interpolate(displacements, building, floor, at))
 
-    def find_peak(self, building: int, floor: int, at: float, y: float) -> np.ndarray:
+    def find_peak(self, building: int, floor: int, at: float, arm: float) -> np.ndarray:
         """Return the largest displacement of a place of a floor, or of the columns below it, shape (analyses, motions)
         [m].
 
         building : its place in the group, from 0
         at : height in the storey, from 0 at its foot to 1 at its floor
-        y : from the centre of mass [m]
+        arm : from the centre of mass [m]
         """
         displacements = self.displacements
-        movements = self.edges.find(self.index, building, y)
+        movements = self.edges.find(self.index, building, arm)
         if movements is not None:
             displacements = displacements.copy()
             for level, to_left in movements.to_left.items():
@@ -162,10 +162,10 @@ def _require_separation(
     left_at = plan.links.left_at[(*state.index, 0, place)]
     right_at = plan.links.right_at[(*state.index, 0, place)]
     ends = ((left, floor, left_at), (left + 1, right_floor, right_at))
-    left_y = plan.links.left_y[(*state.index, 0, place)]
-    right_y = plan.links.right_y[(*state.index, 0, place)]
-    left_peak = state.find_peak(*ends[0], left_y)
-    right_peak = state.find_peak(*ends[1], right_y)
+    left_arm = plan.links.left_arm[(*state.index, 0, place)]
+    right_arm = plan.links.right_arm[(*state.index, 0, place)]
+    left_peak = state.find_peak(*ends[0], left_arm)
+    right_peak = state.find_peak(*ends[1], right_arm)
     rules: Requirements = {}
     largest_closing = np.nanmax(state.closings, axis=-1, initial=0.0)
     rules[EXACT] = (state.closings[..., place], state.error * largest_closing)
@@ -179,8 +179,8 @@ def _require_separation(
     same_floors = _have_same_floors(left_building, right_building)
     for rule, settings in spec.select_rules():
         if floor > 0 or rule.at_base:  # the others do not tell how far a base moves
-            left_moved = state.find_code_displacement(rule.name, *ends[0], left_y)
-            right_moved = state.find_code_displacement(rule.name, *ends[1], right_y)
+            left_moved = state.find_code_displacement(rule.name, *ends[0], left_arm)
+            right_moved = state.find_code_displacement(rule.name, *ends[1], right_arm)
             code_place = CodePlace(
                 left_moved,
                 right_moved,
@@ -206,7 +206,7 @@ def has_ends(plan: Plan) -> bool:
 
 
 def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
-    """Return where two floors face each other along the street, as columns of tables; nowhere if neither turns.
+    """Return where two floors face each other along the street, as columns of tables; nowhere if neither twists.
 
     place : number of the link among `plan.links`
     """
@@ -215,19 +215,19 @@ def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
     floors = (links.places[place].left_floor, links.places[place].right_floor)
     pair = [plan.study.building(index, number) for number in (left, left + 1)]
     if not any(is_eccentric(building) and turns_at(floor) for building, floor in zip(pair, floors, strict=True)):
-        return {"end": "", "y": np.nan}
+        return {"end": "", "street": np.nan}
     sides = [StreetSide.of(building) for building in pair]
     at = (*index, 0, place)
-    ys = [
-        side.centre + float(y[at])
-        for side, y in zip(sides, (links.left_y, links.right_y), strict=True)
+    streets = [
+        side.centre + float(arms[at])
+        for side, arms in zip(sides, (links.left_arm, links.right_arm), strict=True)
         if side is not None
     ]
     low, high = find_shared_edge(*sides)
     for name, end in ((LOW_END, low), (HIGH_END, high)):
-        if all(abs(y - end) <= ROUNDING * (high - low) for y in ys):
-            return {"end": name, "y": end}
-    return {"end": " | ".join(dict.fromkeys(f"{y:.4g} m" for y in ys)), "y": ys[0]}
+        if all(abs(street - end) <= EDGE_TOLERANCE * (high - low) for street in streets):
+            return {"end": name, "street": end}
+    return {"end": " | ".join(dict.fromkeys(f"{street:.4g} m" for street in streets)), "street": streets[0]}
 
 
 def _interpolate(displacements: np.ndarray, building: int, floor: int, at: float) -> np.ndarray:
@@ -294,7 +294,7 @@ def _iter_distances(
                     displacements = {rule: values[number, floor] for rule, values in by_code.items()}
                     if ends.get("end"):
                         assert building.plan is not None
-                        at_edge = code_edges(index, number, ends["y"] - building.plan.place) or {}
+                        at_edge = code_edges(index, number, ends["street"] - building.plan.street) or {}
                         displacements |= {rule: abs(values[floor - 1]) for rule, values in at_edge.items()}
                     of_codes: Requirements = {
                         rule.name: (rule.line(displacements[rule.name], height), 0.0)
@@ -316,16 +316,16 @@ def _list_ends(
     number : of the building
     """
     plan_of_floors = plan.study.building(index, number).plan
-    nowhere: Place = {"end": "", "y": np.nan} if has_ends(plan) else {}
+    nowhere: Place = {"end": "", "street": np.nan} if has_ends(plan) else {}
     if plan_of_floors is None:
         return [(nowhere, at_centre)]
     ends: list[tuple[Place, Mapping[str, np.ndarray]]] = []
-    for end, y in ((LOW_END, plan_of_floors.low), (HIGH_END, plan_of_floors.high)):
-        movements = edges.find(index, number, y)
+    for end, arm in ((LOW_END, plan_of_floors.low), (HIGH_END, plan_of_floors.high)):
+        movements = edges.find(index, number, arm)
         if movements is None:
             return [(nowhere, at_centre)]
         moved = {"left": movements.to_left[floor], "right": movements.to_right[floor]}
-        ends.append(({"end": end, "y": plan_of_floors.place + y}, moved))
+        ends.append(({"end": end, "street": plan_of_floors.street + arm}, moved))
     return ends
 
 
@@ -345,15 +345,15 @@ def _find_code_displacements(plan: Plan) -> CodeDisplacements:
 
 
 def _find_code_edges(plan: Plan) -> CodeEdges:
-    """Return a function of point, building and y that finds what codes expect there of floors that twist."""
+    """Return a function of point, building and arm that finds what codes expect there of floors that twist."""
     specs = plan.study.resolved.building_specs
 
     @functools.cache
-    def find(index: Point, place: int, y: float) -> dict[str, np.ndarray] | None:
+    def find(index: Point, place: int, arm: float) -> dict[str, np.ndarray] | None:
         building = plan.study.building(index, place)
         if isinstance(building, Wall) or not is_eccentric(building):
             return None
-        return find_code_displacements(specs[plan.study.spec.group[place]].at(index), building, y)
+        return find_code_displacements(specs[plan.study.spec.group[place]].at(index), building, arm)
 
     return find
 

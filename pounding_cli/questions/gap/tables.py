@@ -64,7 +64,7 @@ FACING_COLUMNS = (
         "empty where two slabs face each other",
     ),
     Column("end", "of floors that twist, the end of the edge that they share, or another place; empty of others"),
-    Column("y", "of floors that twist, place along the street; NaN of others", LENGTH),
+    Column("street", "of floors that twist, place along the street; NaN of others", LENGTH),
 )
 
 STATISTIC_COLUMNS = (
@@ -99,7 +99,7 @@ LINE_COLUMNS = (
     Column("side", "side of the building that faces the line: left or right"),
     Column("floor", COORDINATE_VARIABLES["floor"][1], NUMBER, digits=0),
     Column("end", "of a floor that twists, the end of its side along the street; empty of others"),
-    Column("y", "of a floor that twists, place along the street; NaN of others", LENGTH),
+    Column("street", "of a floor that twists, place along the street; NaN of others", LENGTH),
     Column("height", "height of the floor above the ground", LENGTH),
     _RULE,
     *STATISTIC_COLUMNS,
@@ -209,4 +209,4 @@ def list_share_columns(table: str, percentiles: Sequence[float], contact: Sequen
 
 def is_length(column: Column) -> bool:
     """Return whether people read a column in the unit that the study writes gaps in."""
-    return column.unit.si == LENGTH.si and column.name not in ("height", "y")
+    return column.unit.si == LENGTH.si and column.name not in ("height", "street")

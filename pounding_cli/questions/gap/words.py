@@ -240,7 +240,7 @@ def _iter_street_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[s
         return
     at_ends = exact[exact["end"].isin([LOW_END, HIGH_END])]
     for pair, rows in at_ends.groupby(["left", "right"], sort=False):
-        low, high = (_format_places(rows.loc[rows["end"] == end, "y"]) for end in (LOW_END, HIGH_END))
+        low, high = (_format_places(rows.loc[rows["end"] == end, "street"]) for end in (LOW_END, HIGH_END))
         yield (
             f"{' and '.join(map(str, pair))} share an edge along the street, from its low end at {low} m to its high "
             f"end at {high} m."

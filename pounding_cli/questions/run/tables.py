@@ -272,11 +272,11 @@ def _find_gaps(results: ResultTables) -> pd.DataFrame:
 
     crosses_gap : whether there is a gap between the ends of the link
     histories, struck : number of time histories, and of those in which some floors of the case strike
-    y : place of the link along the street, NaN where all links of the case stand at one place
+    street : place of the link along it, NaN where all links of the case stand at one place
     """
     has_inclined = "facing" in results.arrays
-    has_places = "y" in results.arrays
-    link = results.link("kind", "gap", "max_closing", "impacts", *["facing"] * has_inclined, *["y"] * has_places)
+    has_places = "street" in results.arrays
+    link = results.link("kind", "gap", "max_closing", "impacts", *["facing"] * has_inclined, *["street"] * has_places)
     if link.empty:
         return pd.DataFrame()
     link["crosses_gap"] = link["kind"].map(results.is_contact).astype(bool)
@@ -297,9 +297,9 @@ def _find_gaps(results: ResultTables) -> pd.DataFrame:
             "crosses_gap": worst["crosses_gap"],
             "struck": int(is_struck.sum()),
             "histories": len(is_struck),
-            "y": worst["y"] if has_places and here["y"].max() > here["y"].min() else np.nan,
+            "street": worst["street"] if has_places and here["street"].max() > here["street"].min() else np.nan,
         }
-    names = ["closing", "gap", "kind", "crosses_gap", "struck", "histories", "y"]
+    names = ["closing", "gap", "kind", "crosses_gap", "struck", "histories", "street"]
     frame = pd.DataFrame.from_dict(rows, orient="index", columns=names)
     frame.index = pd.MultiIndex.from_tuples(frame.index, names=["case", "analysis"])
     return frame
@@ -324,7 +324,7 @@ def _gap_column(results: ResultTables) -> Column:
         if not np.isfinite(row["closing"]):
             return ""
         beyond = row["closing"] - row["gap"]
-        along = f", y {format_length(row['y'])}" if np.isfinite(row["y"]) else ""
+        along = f", at {format_length(row['street'])} along the street" if np.isfinite(row["street"]) else ""
         if not results.is_contact(row["kind"]):
             words = [row["kind"]]
             if not row["crosses_gap"]:

@@ -47,16 +47,16 @@ def does_twist_anywhere(results: ResultTables, building: str) -> bool:
 
 def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.ndarray:
     """Return a variable of the frame lines of a building, NaN of those across the row, shape (..., storeys, lines)."""
-    is_along = np.isfinite(shown.values("line_y", building=building))
+    is_along = np.isfinite(shown.values("line_street", building=building))
     return np.where(is_along, shown.values(name, building=building, **places), np.nan)
 
 
 def keep_lines_along(results: ResultTables, name: str) -> np.ndarray:
     """Return a variable of frame lines over all its dimensions, NaN of lines across the row."""
     array = results.arrays[name]
-    line_y = results.arrays["line_y"]
-    shape = [size if dim in line_y.dims else 1 for dim, size in zip(array.dims, array.shape, strict=True)]
-    return np.where(np.isfinite(line_y.values.reshape(shape)), array.values, np.nan)
+    line_street = results.arrays["line_street"]
+    shape = [size if dim in line_street.dims else 1 for dim, size in zip(array.dims, array.shape, strict=True)]
+    return np.where(np.isfinite(line_street.values.reshape(shape)), array.values, np.nan)
 
 
 def format_length(value: float) -> str:
@@ -77,8 +77,8 @@ def replace_by_lines(results: ResultTables, storey: pd.DataFrame) -> pd.DataFram
     keys = [*results.axes, *SCENE_DIMS, "building"]
     turns = results.floor("twist", "twist0")
     twisting = turns[(turns[["twist", "twist0"]] > MIN_TWIST).any(axis=1)][keys].drop_duplicates()
-    lines = results.line("V_ratio", "mu", "mu0", "mu_ratio", "y")
-    lines = lines[lines["y"].notna()].merge(twisting, on=keys)
+    lines = results.line("V_ratio", "mu", "mu0", "mu_ratio", "street")
+    lines = lines[lines["street"].notna()].merge(twisting, on=keys)
     lines["part"] = "line " + lines["line"].astype(str)
     others = storey.merge(twisting, on=keys, how="left", indicator="side")
     others = others[others["side"] == "left_only"].drop(columns="side").assign(part="")
@@ -137,11 +137,11 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
             means[name] = np.full_like(means[name], np.nan)
     with np.errstate(invalid="ignore"):
         means["drift_ratio0"] = means["drift_ratio"] * means["drift0"] / np.where(means["drift"] > 0, means["drift"], 1)
-    along = shown.values("line_y", building=building)
+    along = shown.values("line_street", building=building)
     across = shown.values("line_x", building=building)
     for number in np.flatnonzero(np.isfinite(along) | np.isfinite(across)).tolist():
         row: dict[str, Any] = {"case": shown.mark_case(case), "analysis": analysis, "building": building}
-        row |= {"line": number + 1, "y": along[number], "x": across[number], "motions": int(is_known.sum())}
+        row |= {"line": number + 1, "street": along[number], "x": across[number], "motions": int(is_known.sum())}
         for name in ("V", "V_ratio", "mu", "mu_ratio", "drift_ratio"):
             by_storey = means[name][:, number]
             known = np.isfinite(by_storey).any()
@@ -160,7 +160,9 @@ def _find_known_motions(shown: Evidence, place: dict[str, str]) -> np.ndarray:
 
 def _format_line_place(row: Row) -> str:
     """Return the place of a frame line: along the street, or of one across the row from the centre of mass."""
-    return f"y {format_length(row['y'])}" if np.isfinite(row["y"]) else f"across, x {format_length(row['x'])}"
+    if np.isfinite(row["street"]):
+        return f"at {format_length(row['street'])}"
+    return f"across, x {format_length(row['x'])}"
 
 
 def _with_alone(name: str, label: str) -> Column:
@@ -237,31 +239,6 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
 
 def _build_place_table(shown: Evidence) -> Table:
     """Return contacts, forces and closings of every case by place along the street, over all floors and motions."""
-    link = shown.link
-    rows: list[dict[str, Any]] = []
-    has_places = "y" in link and len(link)
-    if has_places:
-        link = link.assign(y=link["y"].round(6))
-        keys = ["case", "analysis", "left", "right", "y"]
-        for place, here in link.groupby(keys, sort=False, dropna=False):  # a base, which does not turn, has no y
-            if not np.isfinite(here["peak_force"]).any():
-                continue
-            force = here.iloc[int(here["peak_force"].argmax())]
-            closing = here.iloc[int(here["max_closing"].argmax())]
-            rows.append(
-                dict(zip(keys, place, strict=True))
-                | {
-                    "pair": f"{force['left']}|{force['right']}",
-                    "contacts": here.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
-                    "peak_force": force["peak_force"],
-                    "force_floors": _format_floors(force) if force["peak_force"] > 0 else "",
-                    "max_closing": closing["max_closing"],
-                    "closing_floors": _format_floors(closing),
-                    "is_blow": shown.results.is_contact(force["kind"]) and force["peak_force"] > 0,
-                }
-            )
-        shared = [tuple(row[key] for key in keys[:-1]) for row in rows]
-        rows = [row for row, pair in zip(rows, shared, strict=True) if shared.count(pair) > 1]
     force_column = column_of("peak_force")
     number = Column("peak_force", force_column.text, force_column.unit, digits=3)
 
@@ -275,7 +252,7 @@ def _build_place_table(shown: Evidence) -> Table:
     columns = [
         *(column_of(name) for name in ("case", "analysis")),
         Column("pair", "buildings", label="between"),
-        Column("y", "place along the street", column_of("y").unit, "y"),
+        Column("street", "place along the street", column_of("street").unit, "along street"),
         Column("contacts", "number of contacts of all floors", label="contacts", write=_format_contacts, is_right=True),
         Column("peak_force", number.text, number.unit, "force", write=write_force, below=below("force_floors")),
         Column(
@@ -287,7 +264,39 @@ def _build_place_table(shown: Evidence) -> Table:
     over = "force and closing the largest of all floors"
     over = f"contacts the mean of the motions, {over} and motions" if many else f"contacts of all floors, {over}"
     point = f", at {shown.label}" if shown.label else ""
-    return Table("", pd.DataFrame(rows), columns, f"Contact by place y along the street: {over}{point}")
+    return Table("", pd.DataFrame(_list_places(shown)), columns, f"Contact by place along the street: {over}{point}")
+
+
+def _list_places(shown: Evidence) -> list[dict[str, Any]]:
+    """Return a row for every place along the street of two neighbours that are linked at several places."""
+    link = shown.link
+    if "street" not in link or link.empty:
+        return []
+    link = link.assign(street=link["street"].round(6))
+    pair_keys = ["case", "analysis", "left", "right"]
+    rows = []
+    for place, here in link.groupby([*pair_keys, "street"], sort=False, dropna=False):  # a base has no place
+        if np.isfinite(here["peak_force"]).any():
+            values = zip([*pair_keys, "street"], place, strict=True)
+            rows.append(dict(values) | _summarize_place(shown, here))
+    pairs = [tuple(row[key] for key in pair_keys) for row in rows]
+    return [row for row, pair in zip(rows, pairs, strict=True) if pairs.count(pair) > 1]
+
+
+def _summarize_place(shown: Evidence, links: pd.DataFrame) -> dict[str, Any]:
+    """Return contacts, the largest force and the largest closing of the links at one place along the street."""
+    force = links.iloc[int(links["peak_force"].argmax())]
+    closing = links.iloc[int(links["max_closing"].argmax())]
+    acts = force["peak_force"] > 0
+    return {
+        "pair": f"{force['left']}|{force['right']}",
+        "contacts": links.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
+        "peak_force": force["peak_force"],
+        "force_floors": _format_floors(force) if acts else "",
+        "max_closing": closing["max_closing"],
+        "closing_floors": _format_floors(closing),
+        "is_blow": shown.results.is_contact(force["kind"]) and acts,
+    }
 
 
 def _format_contacts(row: Row) -> str:

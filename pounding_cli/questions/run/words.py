@@ -380,9 +380,9 @@ def _describe_open_gaps(shown: Evidence) -> str:
     closing = float(shown.values("max_closing")[case, analysis, motion, link])
     gap = float(shown.values("gap")[case, link])
     where = [f"case {shown.cases[case]}", shown.names("link")[link]]
-    places = shown.values("y")[case] if "y" in results.arrays else np.zeros(0)
+    places = shown.values("street")[case] if "street" in results.arrays else np.zeros(0)
     if len(set(places[np.isfinite(places)].tolist())) > 1:
-        where.append(f"y {format_length(float(places[link]))} along the street")
+        where.append(f"{format_length(float(places[link]))} along the street")
     where += [shown.names("record")[motion]] if len(shown.names("record")) > 1 else []
     return (
         "The floors never touch: every building responds as it does alone. The closest approach closes "
