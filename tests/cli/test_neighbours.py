@@ -45,6 +45,7 @@ def test_check_lists_every_number_with_its_source(pound):
     assert "seen       theirs: W2, wood, commercial and industrial" in out
     assert re.search(r"0\.4000 s +0\.24 +0\.2000 s a storey; Table 5\.5.*β: assumed here", lines["period"])
     assert re.search(r"0\.0947 +0\.25 +Cs 0\.05, .*Tables 5\.4.*; β: HAZUS of 1999", lines["base shear V/W"])
+    assert "Ay 0.1 g" in lines["base shear V/W"]
     assert re.search(r"6\.00 % +given in the study; of the type: 10 %", lines["damping"])
     assert "Table 5.1" in lines["storey height"]
     assert "HAZUS has none: write `mass`" in lines["floor mass"]
