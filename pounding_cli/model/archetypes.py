@@ -25,9 +25,9 @@ drift capacity  0.40: variability of the thresholds of structural damage, in Dam
 period          0.18 of concrete frames, 0.24 of all others: assumed here. Mehanny, S. S. F. (2012). Are theoretically
                 calculated periods of vibration for skeletal structures error-free? Earthquakes and Structures 3(1),
                 17-35, has errors of the same order, 19 % of new and 25 % of existing concrete frames
-damping         0.39, a coefficient of variation of 0.40: assumed here. It covers how programs read the elastic damping
-                of HAZUS: steel 5, 6 or 10 %, wood 10, 12.5 or 15 %, reinforced masonry 7, 8.5 or 10 %, unreinforced 5
-                or 10 %, precast concrete 5 or 7 %, other concrete 7 % in all
+damping         0.39, a coefficient of variation of 0.40: assumed here. Programs read the elastic damping of HAZUS
+                differently: steel 5, 6 or 10 %, wood 10, 12.5 or 15 %, reinforced masonry 7, 8.5 or 10 %, unreinforced
+                5 or 10 %, precast concrete 5 or 7 %, other concrete 7 % in all
 """
 
 from __future__ import annotations
