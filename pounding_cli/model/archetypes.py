@@ -1,27 +1,33 @@
 """Buildings of which no more is known than what one sees from the street: the model building types of HAZUS.
 
-Sources, by table of the manual (FEMA (2012). Hazus-MH 2.1, Multi-hazard Loss Estimation Methodology, Earthquake Model,
-Technical Manual. Federal Emergency Management Agency, chapter 5):
+Where the numbers are from, by table of the manual (FEMA (2012). Hazus-MH 2.1, Multi-hazard Loss Estimation
+Methodology, Earthquake Model, Technical Manual. Federal Emergency Management Agency, chapter 5). The manual itself was
+not at hand: the tables were compared, number by number, with public programs that have them (github.com).
 
 hazus_types.csv    the 36 types, their range of storeys, typical storeys and height in feet (Table 5.1); period, share
-                   of the weight in the pushover mode alpha1, overstrength ratios gamma and lambda (Table 5.5); elastic
-                   damping (section 5.6)
-hazus_designs.csv  by type and design level: design strength Cs (Table 5.4); yield acceleration Ay and hardening, the
-                   slope between yield and ultimate point over the slope before it (Table 5.7, whose ultimate points of
-                   pre-codes lie further than the ductilities of Table 5.6); interstorey drift at the thresholds of the
-                   four damage states (Table 5.9)
+                   of the weight in the pushover mode alpha1, overstrength ratios gamma and lambda (Table 5.5); all as
+                   in youtian95/MDOFModel. Elastic damping: as in the generator of shear buildings that follows Lu et
+                   al. (2014), NHERI-SimCenter/rWHALE; programs differ here, see below
+hazus_designs.csv  by type and design level: design strength Cs (Table 5.4) and interstorey drift at the thresholds of
+                   the four damage states (Table 5.9), as in MDOFModel, the drifts also in
+                   NHERI-SimCenter/DamageAndLossModelLibrary (Hazus 5.1); yield acceleration Ay and hardening, the slope
+                   between yield and ultimate point over the slope before it, as in rWHALE and, within the rounding of
+                   two digits, as from the points of Table 5.7 in steva44/Rts. Ultimate points of pre-codes lie further
+                   than the ductilities of Table 5.6
 
 How uncertain a guess from the street is, as standard deviations of logarithms:
 
-strength        0.25 of designs to a code, 0.30 of those before codes: beta of the capacity curve (section 5.4)
-drift capacity  0.40: variability of the thresholds of damage (section 5.4)
-period          0.18 of concrete frames, 0.24 of others: half of the logarithm of the ratio of the upper to the lower
-                formula, one standard error above and below measured periods: 0.023 / 0.016 of concrete and
-                0.045 / 0.028 of steel frames (Goel, R. K. and Chopra, A. K. (1997). Period formulas for
-                moment-resisting frame buildings. Journal of Structural Engineering 123(11), 1454-1461); types that are
-                no frames take the larger one
-damping         0.39: a coefficient of variation of 0.40 (Porter, K. A., Beck, J. L. and Shaikhutdinov, R. V. (2002).
-                Sensitivity of building loss estimates to major uncertain variables. Earthquake Spectra 18(4), 719-743)
+strength        0.25 of designs to a code, 0.30 of those before codes: HAZUS of 1999, as quoted by Robinson, D., Gray,
+                D., Ghasemi, H. and Horspool, N. (2014). EQRM: Geoscience Australia's Earthquake Risk Model, Technical
+                Manual, version 4.0, draft, section 6.2.1. HAZUS gives no reason for them, as that manual says
+drift capacity  0.40: variability of the thresholds of structural damage, in DamageAndLossModelLibrary of SimCenter
+                (Hazus 5.1) and in section 6.4 of the manual of EQRM
+period          0.18 of concrete frames, 0.24 of all others: assumed here. Mehanny, S. S. F. (2012). Are theoretically
+                calculated periods of vibration for skeletal structures error-free? Earthquakes and Structures 3(1),
+                17-35, has errors of the same order, 19 % of new and 25 % of existing concrete frames
+damping         0.39, a coefficient of variation of 0.40: assumed here. Programs read the elastic damping of HAZUS
+                differently: steel 5, 6 or 10 %, wood 10, 12.5 or 15 %, reinforced masonry 7, 8.5 or 10 %, unreinforced
+                5 or 10 %, precast concrete 5 or 7 %, other concrete 7 % in all
 """
 
 from __future__ import annotations
@@ -61,11 +67,11 @@ DISTRIBUTION = "triangular"
 TAPER = 1.0
 """Stiffness of the top over that of the bottom storey [-]."""
 
-STEEL_PERIOD_SPREAD = 0.5 * math.log(0.045 / 0.028)
-CONCRETE_PERIOD_SPREAD = 0.5 * math.log(0.023 / 0.016)
+CONCRETE_PERIOD_SPREAD = 0.18
+PERIOD_SPREAD = 0.24
 DAMPING_SPREAD = math.sqrt(math.log(1.0 + 0.40**2))
 DRIFT_SPREAD = 0.40
-"""Standard deviations of logarithms [-]; sources above."""
+"""Standard deviations of logarithms [-]; where they are from stands above."""
 
 SOURCES = {
     "storeys": "Table 5.1",
@@ -73,18 +79,18 @@ SOURCES = {
     "height": "Table 5.1",
     "strength": "Tables 5.4, 5.5 and 5.7",
     "hardening": "Table 5.7",
-    "damping": "section 5.6",
+    "damping": "as the generator of Lu et al. 2014; programs read HAZUS differently",
     "drift": "Table 5.9",
 }
-"""Where in the manual every number stands."""
+"""Table of the manual in which a number stands, or where else it is from."""
 
 SPREAD_SOURCES = {
-    "period": "Goel and Chopra 1997",
-    "strength": "section 5.4",
-    "damping": "Porter et al. 2002",
-    "drift": "section 5.4",
+    "period": "assumed here",
+    "strength": "HAZUS of 1999, quoted by EQRM",
+    "damping": "assumed here",
+    "drift": "Hazus 5.1, quoted by SimCenter",
 }
-"""Where the dispersions stand."""
+"""Where the dispersions are from."""
 
 _SEED = 20260101
 
@@ -141,7 +147,7 @@ class Archetype:
         """Standard deviation of the logarithm of everything in UNCERTAIN [-]."""
         is_concrete_frame = self.type.startswith("C1")
         return {
-            "period": CONCRETE_PERIOD_SPREAD if is_concrete_frame else STEEL_PERIOD_SPREAD,
+            "period": CONCRETE_PERIOD_SPREAD if is_concrete_frame else PERIOD_SPREAD,
             "strength": 0.30 if self.design == "pre-code" else 0.25,
             "damping": DAMPING_SPREAD,
             "drift": DRIFT_SPREAD,

@@ -130,10 +130,9 @@ def _iter_archetype_references(resolved: Mapping[str, Any]) -> Iterator[tuple[st
         return
     types = ", ".join(f"{name} ({each['type']}, {each['design']})" for name, each in seen.items())
     yield "fema2012", f"the building type of {types}, Tables 5.1, 5.4, 5.5, 5.7 and 5.9"
+    yield "lu2014", "the damping ratio of the building type"
     if any(each["uncertain"] or each["sample"] for each in seen.values()):
-        yield "fema2012", "the dispersion of strength and drift capacity, section 5.4"
-        yield "goel1997", "the dispersion of the period"
-        yield "porter2002", "the dispersion of the damping"
+        yield "robinson2014", "the dispersion of the strength, which it quotes from HAZUS, and of the drift capacity"
         yield "mckay1979", "the choice of the buildings that a neighbour may be"
 
 

@@ -74,6 +74,28 @@ def test_ultimate_point_is_at_the_ductility_of_the_manual(name, design, ductilit
     assert archetype.ultimate_ductility == pytest.approx(archetype.lambda_ * ductility, rel=0.015)
 
 
+@pytest.mark.parametrize(("name", "design", "yielding", "ultimate"), [
+    ("W1", "high-code", (0.48, 0.400), (11.51, 1.200)), ("W2", "moderate-code", (0.31, 0.200), (4.70, 0.500)),
+    ("S1L", "high-code", (0.61, 0.250), (14.67, 0.749)), ("S1M", "pre-code", (0.44, 0.039), (5.33, 0.117)),
+    ("S2H", "low-code", (1.94, 0.063), (9.68, 0.127)), ("S4L", "moderate-code", (0.19, 0.160), (2.59, 0.360)),
+    ("S5M", "low-code", (0.34, 0.083), (2.27, 0.167)), ("C1M", "high-code", (1.15, 0.208), (18.44, 0.624)),
+    ("C1M", "pre-code", (0.29, 0.052), (3.46, 0.156)), ("C2H", "high-code", (2.94, 0.254), (29.39, 0.635)),
+    ("C3M", "pre-code", (0.26, 0.083), (1.95, 0.188)), ("PC1", "high-code", (0.72, 0.600), (11.51, 1.200)),
+    ("PC2M", "moderate-code", (0.52, 0.167), (4.15, 0.333)), ("RM1M", "low-code", (0.35, 0.111), (2.31, 0.222)),
+    ("RM2H", "moderate-code", (1.96, 0.169), (11.76, 0.338)), ("URMM", "pre-code", (0.27, 0.111), (1.81, 0.222)),
+])  # fmt: skip
+def test_capacity_curves_of_table_5_7(name, design, yielding, ultimate):
+    """Yield and ultimate point in inches and g, as another program has them (steva44/Rts on github.com)."""
+    archetype = find_archetype(name, design)
+    (yield_displacement, yield_acceleration), (displacement, acceleration) = yielding, ultimate
+    assert archetype.yield_acceleration == yield_acceleration
+    assert archetype.lambda_ == pytest.approx(acceleration / yield_acceleration, rel=0.02)
+    slope = (acceleration - yield_acceleration) / (displacement - yield_displacement)
+    assert archetype.hardening == pytest.approx(slope * yield_displacement / yield_acceleration, rel=0.02)
+    elastic = yield_acceleration * GRAVITY * (archetype.typical_period / (2 * np.pi)) ** 2 / 0.0254
+    assert elastic == pytest.approx(yield_displacement, abs=0.02 + 0.01 * yield_displacement)
+
+
 def test_the_building_yields_at_the_capacity_curve():
     """In its first mode the base shear at yield is that of an oscillator of the mode's mass at Ay, found by modes.
 
