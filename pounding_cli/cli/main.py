@@ -26,6 +26,7 @@ COMMANDS = {
     "show": ("results", "Print a table of a results file."),
     "report": ("results", "Write figures, tables, claims and a page of results files."),
     **_QUESTIONS,
+    "screen": ("screen", TITLES["screen"]),
     "export": ("results", "Write tables as CSV, Parquet, Excel or netCDF."),
     "compare": ("results", "Show what changed between two results files."),
     "cite": ("study", "List the references of what a study used."),
@@ -54,7 +55,7 @@ class LazyGroup(click.Group):
                 ctx.fail(f"No such command '{cmd_name}'. Did you mean '{near[0]}'?")
             return None
         module = importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}")
-        command = module.build_question_command(cmd_name) if cmd_name in TITLES else getattr(module, cmd_name)
+        command = getattr(module, cmd_name, None) or module.build_question_command(cmd_name)
         command.short_help = COMMANDS[cmd_name][1]
         return command
 
