@@ -46,6 +46,12 @@ def _figures(results: ResultTables) -> Sequence[Picture]:
     return list_figures(results)
 
 
+def _scope(results: ResultTables) -> str:
+    from pounding_cli.questions.screen.words import describe_scope
+
+    return describe_scope(results)
+
+
 def _further_sections(results: ResultTables) -> Sequence[Section]:
     """Return what `pound gap` says of the worst pair."""
     from pounding_cli.questions.gap.figures import list_figures
@@ -73,6 +79,7 @@ QUESTION = Question(
     notes=_notes,
     figures=_figures,
     further_sections=_further_sections,
+    scope=_scope,
     cite=_cite,
 )
 """`pound screen`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from pounding_cli.results.results import ResultTables
 
-PAIRS_PER_LINE = 8
-"""Pairs side by side, so that a page of a telephone shows their numbers."""
+LINE_WIDTH = 34.0
+"""Width of a line of buildings, so that a page of a telephone shows the ranks of pairs."""
 
 _WIDTH = 3.0
 _GAP = 0.9
@@ -29,6 +29,19 @@ _SPACE = 1.2
 
 _WALL = "0.80"
 _EDGE = "0.35"
+
+
+class _Placed(NamedTuple):
+    """A pair in the drawing.
+
+    row : of the table
+    begin : where its left building begins
+    is_shared : whether the pair before has drawn it
+    """
+
+    row: dict[Any, Any]
+    begin: float
+    is_shared: bool
 
 
 def list_figures(results: ResultTables) -> list[Picture]:
@@ -51,15 +64,15 @@ def draw_street(frame: pd.DataFrame, title: str) -> Figure:
     from matplotlib.colors import LogNorm
 
     rows: list[dict[Any, Any]] = frame.sort_values("row").to_dict("records")
-    lines = [rows[first : first + PAIRS_PER_LINE] for first in range(0, len(rows), PAIRS_PER_LINE)]
+    lines = _break_lines(rows)
     tallest = float(frame[["left_height", "right_height"]].max().max())
     rates = frame["rate"][frame["rate"] > 0]
     low = float(rates.min())
     high = float(rates.max())
     norm = LogNorm(low / 1.5 if low == high else low, high * 1.5 if low == high else high)
     colours = plt.get_cmap("YlOrRd")
-    height = 0.9 + 0.95 * len(lines)
-    figure, axes = plt.subplots(len(lines), 1, figsize=(6.4, height), squeeze=False, layout="constrained")
+    height = 0.9 + 0.75 * len(lines)
+    figure, axes = plt.subplots(len(lines), 1, figsize=(3.4, height), squeeze=False, layout="constrained")
     for ax, line in zip(axes[:, 0], lines, strict=True):
         _draw_line(ax, line, tallest, colours, norm)
     scale = ScalarMappable(norm, colours)
@@ -69,26 +82,36 @@ def draw_street(frame: pd.DataFrame, title: str) -> Figure:
     return figure
 
 
-def _draw_line(ax: Axes, line: list[dict[Any, Any]], tallest: float, colours: Colormap, norm: LogNorm) -> None:
-    """Draw some pairs side by side; a building that two of them share stands once."""
+def _break_lines(rows: list[dict[Any, Any]]) -> list[list[_Placed]]:
+    """Return the pairs line by line, each with its place; a building that two of them share stands once."""
+    lines: list[list[_Placed]] = []
     x = 0.0
     before = ""
-    for row in line:
+    for row in rows:
         is_shared = bool(before) and row["left_name"] == before
+        begin = x - _WIDTH if is_shared else x + _SPACE
+        if not lines or begin + 2 * _WIDTH + _GAP > LINE_WIDTH:
+            lines.append([])
+            is_shared = False
+            begin = 0.0
+        lines[-1].append(_Placed(row, begin, is_shared))
+        x = begin + 2 * _WIDTH + _GAP
+        before = str(row["right_name"])
+    return lines
+
+
+def _draw_line(ax: Axes, line: list[_Placed], tallest: float, colours: Colormap, norm: LogNorm) -> None:
+    """Draw some pairs side by side."""
+    for row, begin, is_shared in line:
         if not is_shared:
-            x += _SPACE if before is not None and x > 0 else 0.0
-            _draw_building(ax, x, row["left_height"], row["left_storeys"])
-            x += _WIDTH
+            _draw_building(ax, begin, row["left_height"], row["left_storeys"])
+        x = begin + _WIDTH
         colour = colours(norm(row["rate"])) if row["rate"] > 0 else "1.0"
         facing = min(row["left_height"], row["right_height"])
         ax.add_patch(_build_box(x, _GAP, facing, facecolor=colour, edgecolor="none"))
-        ax.text(x + _GAP / 2, -0.04 * tallest, str(row["rank"]), ha="center", va="top", fontsize=9)
-        x += _GAP
-        _draw_building(ax, x, row["right_height"], row["right_storeys"])
-        x += _WIDTH
-        before = str(row["right_name"])
-    full = PAIRS_PER_LINE * (2 * _WIDTH + _GAP + _SPACE) - _SPACE
-    ax.set_xlim(-0.2, full + 0.2)
+        ax.text(x + _GAP / 2, -0.04 * tallest, str(row["rank"]), ha="center", va="top", fontsize=8)
+        _draw_building(ax, x + _GAP, row["right_height"], row["right_storeys"])
+    ax.set_xlim(-0.2, LINE_WIDTH + 0.2)
     ax.set_ylim(-0.28 * tallest, 1.05 * tallest)
     ax.axhline(0.0, color=_EDGE, lw=0.8)
     ax.axis("off")

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic_core import PydanticCustomError
 
 from pounding_cli.model.archetypes import DESIGNS, list_types
+from pounding_cli.numbers import pluralize
 from pounding_cli.questions.screen.designs import ZONES, find_design
 from pounding_cli.records.text import load_text, parse_number
 from pounding_cli.study.file import Items, Map, Mark, Problems, dump_yaml, nearest, parse_value
@@ -35,7 +36,7 @@ CASE = "gap"
 
 MAX_PAIRS = 10_000
 
-MIN_PGA = 0.02
+MIN_PGA = 0.05
 """Peak ground acceleration down to which the hazard curve of rows that give one point of it goes [g]."""
 
 _SIDE_HEADINGS = {
@@ -165,7 +166,8 @@ class Street:
 
         tree = self._build_tree(pair)
         text = self.format_study(pair) + "".join(f"# {line}\n" for line in self.text.splitlines())
-        return build_study(self.path, text, tree, study_model())
+        study = build_study(self.path, text, tree, study_model())
+        return replace(study, title=f"{self.path.name}: {pluralize(len(self.pairs), 'pair')} of neighbours")
 
     def format_study(self, pair: Pair) -> str:
         """Return the text of the study of a pair, which `pound gap` runs."""

@@ -21,6 +21,15 @@ MAX_SHOWN = 20
 """Pairs that a terminal prints."""
 
 
+def describe_scope(results: ResultTables) -> str:
+    """Return in one line what was computed."""
+    frame = results.answer(SCREEN_TABLE).frame
+    pairs = pluralize(len(frame), "pair")
+    return f"{pairs} of neighbours, {pluralize(int(frame['neighbours'].max()), 'building')} that each may be, " + (
+        f"{pluralize(int(frame['motions'].max()), 'motion')}: an answer for each pair."
+    )
+
+
 def list_sentences(results: ResultTables) -> list[str]:
     """Return how many pairs will probably strike, which is the worst, and what decides most often."""
     table = results.answer(SCREEN_TABLE)
@@ -66,15 +75,15 @@ def _describe_worst(table: Table) -> str:
 
 
 def _describe_common(frame: pd.DataFrame) -> str:
-    """Return what decides most often; "" where nothing does of any pair."""
-    counts = frame.loc[frame["decides"] != "", "decides"].value_counts()
-    if counts.empty:
+    """Return what decides most often, of whichever building; "" where nothing does of any pair."""
+    decided = frame.loc[frame["decides"] != "", "decides"]
+    if decided.empty:
         return ""
-    name = str(counts.index[0])
-    verb = "measuring" if name.startswith("period") else "knowing"
-    pairs = pluralize(int(counts.sum()), "pair")
+    counts = decided.str.partition(" of the ")[0].value_counts()
+    quantity = str(counts.index[0])
     return (
-        f"Of {pairs} something of the buildings decides, most often the {name} one ({counts.iloc[0]}): {verb} it pays."
+        f"What most often decides is a {quantity} that nobody knows: of {counts.iloc[0]} of "
+        f"{pluralize(len(frame), 'pair')}, so that knowing it sharpens the answer most."
     )
 
 
