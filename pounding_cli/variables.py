@@ -33,8 +33,8 @@ class Variable:
     formula : the values of variables before it by name, and the heights of storeys as "height" -> its own; shapes
         (swept axes, SCENE_DIMS, its own dimensions after these), of lengths 1 where they do not change
     difference_scale : what a difference is relative to when two files are compared: ITSELF, the largest of another
-        variable in the scene, or NO_DIFFERENCE (none is allowed); "" for one that follows from others and is
-        not compared
+        variable in the scene (of rotations of floors [rad] a length [m], as plans are wider than 1 m: twist may be
+        rounding), or NO_DIFFERENCE (none is allowed); "" for one that follows from others and is not compared
     charts : charts of the page that offer it: "height" (storey by storey, link by link), "sweep"
     label : what pages and figures call it; its name unless given
     always : whether every file has it; not so where it came later, or where only some studies have it
@@ -125,23 +125,23 @@ RESPONSE_VARIABLES = (
     Variable("edge_drift_ratio", STOREY_DIMS, "1", "edge_drift / height of the storey",
              formula=lambda of: of["edge_drift"] / of["height"], charts=_BOTH, label="edge drift ratio", always=False),
     Variable("twist", FLOOR_DIMS, "rad", "largest rotation of the floor about the vertical, either way",
-             of="building.twist", difference_scale="twist", charts=_BOTH, always=False),
+             of="building.twist", difference_scale="displacement", charts=_BOTH, always=False),
     Variable("twist0", FLOOR_DIMS, "rad", "largest rotation of the floor of the building alone",
-             of="building.twist", alone=True, difference_scale="twist0", label="twist alone", always=False),
+             of="building.twist", alone=True, difference_scale="drift0", label="twist alone", always=False),
     Variable("line_V", LINE_DIMS, "N", "largest shear of the frame line, without damping force",
-             of="line.line_shear", difference_scale="V", label="V of the line", always=False),
+             of="line.line_shear", difference_scale="V", label="V of the line", charts=_BOTH, always=False),
     Variable("line_V0", LINE_DIMS, "N", "largest shear of the frame line of the building alone",
              of="line.line_shear", alone=True, difference_scale="V0", label="V₀ of the line", always=False),
     Variable("line_V_ratio", LINE_DIMS, "1", "V / V0 of the line",
-             ratio=("line_V", "line_V0"), label="V/V₀ of the line", always=False),
+             ratio=("line_V", "line_V0"), label="V/V₀ of the line", charts=_BOTH, always=False),
     Variable("line_mu", LINE_DIMS, "1", "ductility of the frame line, largest drift over yield drift",
-             of="line.line_ductility", difference_scale="mu", label="μ of the line", always=False),
+             of="line.line_ductility", difference_scale="mu", label="μ of the line", charts=_BOTH, always=False),
     Variable("line_mu0", LINE_DIMS, "1", "ductility of the frame line of the building alone",
              of="line.line_ductility", alone=True, difference_scale="mu0", label="μ₀ of the line", always=False),
     Variable("line_mu_ratio", LINE_DIMS, "1", "mu / mu0 of the line",
-             ratio=("line_mu", "line_mu0"), label="μ/μ₀ of the line", always=False),
+             ratio=("line_mu", "line_mu0"), label="μ/μ₀ of the line", charts=_BOTH, always=False),
     Variable("line_drift", LINE_DIMS, "m", "largest storey drift at the frame line, in its plane",
-             of="line.line_drift", difference_scale="drift", label="drift of the line", always=False),
+             of="line.line_drift", difference_scale="drift", label="drift of the line", charts=_BOTH, always=False),
     Variable("line_drift0", LINE_DIMS, "m", "largest storey drift at the frame line of the building alone",
              of="line.line_drift", alone=True, difference_scale="drift0", label="drift of the line alone",
              always=False),

@@ -126,7 +126,7 @@ class Run:
 def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool = False, **settings: Any) -> Run:
     """The run of a scene, by Taylor series unless `settings` say otherwise; `estimate` its error as in a batch."""
     built, start = (scene.built, scene.start) if isinstance(scene, Scene) else (scene, None)
-    found = solver.solve(built, accuracy, initial=start, **settings)
+    found = solver.solve(built, accuracy, **{"initial": start, **settings})
     if estimate:
         (found,) = estimates.assess([built], [found], accuracy)
     numbers = {name: np.concatenate([getattr(each, name) for each in found.buildings]) for name in FLOORS}
@@ -136,13 +136,18 @@ def solve(scene: Scene | pound.Scene, accuracy: float = 1e-6, *, estimate: bool 
     if found.peaks.dtype.names and "twist" in found.peaks.dtype.names:
         numbers |= {f"line_{name}": _flat([getattr(each, name) for each in found.lines]) for name in LINES}
         numbers |= {name: np.concatenate([getattr(each, name) for each in found.turns]) for name in TURNS}
-        numbers["end_twist"] = np.concatenate([turns for turns, _ in found.final_turns])
+        numbers["end_twist"], numbers["end_twist_rate"] = map(np.concatenate, zip(*found.final_turns, strict=True))
     numbers["end"], numbers["end_velocity"] = (np.concatenate(each) for each in zip(*found.final, strict=True))
     place = found.collapse_building, found.collapse_storey
     return Run(
         found.status, found.advice, numbers, found.energy, found.steps, found.events, found.seconds,
         found.collapse_time, place, found.error_estimate, found.flags, found.effects,
     )  # fmt: skip
+
+
+def solve_scene(scene: pound.Scene, accuracy: float = 1e-6, **settings: Any) -> pound.Response:
+    """Return the response of a scene, with its numbers by building."""
+    return solver.solve(scene, accuracy, **settings)
 
 
 def _flat(arrays: Sequence[np.ndarray]) -> np.ndarray:

@@ -27,6 +27,8 @@ from pounding_cli.report.style import RC
 FOLDER = Path(__file__).parents[1] / "gallery"
 POUND = [sys.executable, "-c", "from pounding_cli.cli.main import main; main()"]
 LINES = {"elastic": "-", "inelastic": "--"}
+LINES_OF_END = {1: "core (-8 m)", 2: "frame (0 m)", 3: "light frame (8 m)"}
+"""Frame lines along the row of the building at the end of a row, by number."""
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#777777")
 
 
@@ -134,6 +136,26 @@ def draw_columns(solved: Solved, figure: Figure) -> None:
     ax.axhline(1.0, color="0.6", lw=0.8)
     ax.set(xlabel="gap [cm]", ylabel="largest shear demand of columns", yscale="log")
     ax.legend()
+
+
+def draw_lines(solved: Solved, figure: Figure) -> None:
+    """Draw the largest mean V/V0 and mu/mu0 of every frame line of `end` along the row against its shift."""
+    data = open_results(solved.file).dataset.sel(building="end")
+    shift = data["buildings.end.plan.shift"].to_numpy()
+    for ax, analysis, name, label in zip(
+        figure.subplots(1, 2, sharey=True),
+        ("elastic", "inelastic"),
+        ("line_V_ratio", "line_mu_ratio"),
+        ("V/V0, elastic", "mu/mu0, inelastic"),
+        strict=True,
+    ):
+        means = data[name].sel(case="gap", analysis=analysis).mean("record").max("storey")
+        for color, line in zip(COLORS, LINES_OF_END, strict=False):
+            ax.plot(shift, means.sel(line=line), "o-", ms=3, color=color, label=LINES_OF_END[line])
+        ax.axhline(1.0, color="0.6", lw=0.8)
+        ax.set(xlabel="shift of the end along the street [m]", title=label)
+    figure.axes[0].set_ylabel("largest of the storeys")
+    figure.axes[1].legend()
 
 
 def draw_gap(solved: Solved, figure: Figure) -> None:
@@ -278,13 +300,33 @@ def wall_numbers(solved: Solved) -> Iterator[tuple[str, str]]:
     yield "convergence of that stress", f"none: {stress[0.25]:.1f} N/mm2 at 0.25 m"
 
 
+def find_line_ratios(solved: Solved) -> Iterator[tuple[str, str]]:
+    """Yield the largest mu/mu0 of every frame line of `end`, where it is set back by a third to either side, and of its
+    storeys if floors do not twist."""
+    ratios = open_results(solved.file).dataset["line_mu_ratio"].sel(building="end", analysis="inelastic", case="gap")
+    means = ratios.mean("record").max("storey")
+    for line, name in LINES_OF_END.items():
+        low, high = (means.sel({"buildings.end.plan.shift": shift, "line": line}).item() for shift in (-6.0, 6.0))
+        yield f"mu/mu0 of the {name}", f"{low:.2f} with a shift of -6 m; {high:.2f} with 6 m"
+    study = yaml.safe_load(solved.study.read_text(encoding="utf-8"))
+    del study["sweep"]
+    for building in study["buildings"].values():
+        del building["plan"]
+    path = solved.file.with_name("without-plans.yaml")
+    path.write_text(yaml.safe_dump(study), encoding="utf-8")
+    storeys = Solved(path, "run", path.parent).table("storey").query("building == 'end' and analysis == 'inelastic'")
+    largest = storeys.groupby("storey")["mu_ratio"].mean().max()
+    yield "mu/mu0 of its storeys without `plan:`", f"{largest:.2f}"
+
+
 @dataclass(frozen=True)
 class Entry:
-    """A study of the gallery: the command that answers it, its figure, and numbers beside published ones."""
+    """A study of the gallery: the command that answers it, its figure, and numbers under two headings."""
 
     command: str
     figure: Callable[[Solved, Figure], None]
     numbers: Callable[[Solved], Iterator[tuple[str, str]]] | None = None
+    headings: tuple[str, str] = ("published", "here, with the stand-in motions")
 
 
 ENTRIES = {
@@ -296,6 +338,9 @@ ENTRIES = {
     "viscous-dampers": Entry("run", over("cases.dampers.links.1.damping_coefficient", "damping [MN s/m]", 1e-6, True)),
     "friction-dampers": Entry("run", over("cases.dampers.links.1.slip_force", "slip force [kN]", 1e-3, True)),
     "retrofit": Entry("run", heights("frame")),
+    "end-of-row": Entry(
+        "run", draw_lines, find_line_ratios, ("frame line of the end building", "mean over the motions, worst storey")
+    ),
     "slabs-columns": Entry("run", draw_columns),
     "soft-soil": Entry("run", over("buildings.stiff.foundation.sway_stiffness", "sway stiffness [MN/m]", 1e-6, True)),
     "hospital-moat": Entry("run", over("cases.moat.gap", "width of the moat [cm]", 100)),
@@ -326,7 +371,7 @@ def section(name: str, solved: Solved) -> tuple[str, bytes]:
     parts = [f"## {title}", about, f"![{title}]({name}.svg)"]
     if entry.numbers is not None:
         rows = [f"| {said} | {found} |" for said, found in entry.numbers(solved)]
-        parts.append("\n".join(["| published | here, with the stand-in motions |", "|---|---|", *rows]))
+        parts.append("\n".join([f"| {' | '.join(entry.headings)} |", "|---|---|", *rows]))
     study = "".join(f"    {line}\n" for line in text[text.index("title:") :].splitlines())
     parts.append(
         f'??? example "`pound {entry.command} {name}.yaml`: {solved.seconds:.1f} s"\n\n    ```yaml\n{study}    ```'

@@ -98,6 +98,9 @@ def stays_open(scene: Scene, apart: ApartScene, response: Response, accuracy: fl
         return False
     displacements = np.concatenate([response.peaks[name].ravel() for name in ("displacement_max", "displacement_min")])
     largest = np.nanmax(np.abs(displacements), initial=0.0)  # a wall that moves with the ground has none
+    if count_lines(response.peaks):
+        arm = max((max(abs(link.left_y), abs(link.right_y)) for link in scene.links), default=0.0)
+        largest += arm * np.nanmax(response.peaks["twist"], initial=0.0)
     margin = MAX_CLOSING_ERROR * accuracy * largest
     return bool(np.all(_open_gaps_to_rest(scene, apart, response) > margin))
 

@@ -50,11 +50,12 @@ def build_forecast(plan: Plan) -> Forecast:
     group = np.flatnonzero(columns == 0)
     step = max(1, len(group) // MAX_VIEWED_SCENES)
     forecast = Forecast({"of a building alone": int((columns > 0).sum()), "of the group": len(group)})
+    has_plans = plan.study.has_plans
     for scene in plan.scenes(group[::step]):
         effects = effects_of(scene)
         forecast.kept.update(dict.fromkeys(effects.kept, step))
         forecast.dropped.update(dict.fromkeys(effects.dropped, step))
-        if plan.study.has_plans and TWIST not in effects.kept:
+        if has_plans and TWIST not in effects.kept:
             forecast.dropped[DroppedEffect(TWIST, NOTHING_ECCENTRIC)] += step
     return forecast
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _FEW = 12
 """Lines of one kind that `pound compare` shows without --all."""
-_PLACES = ("case", "analysis", "record", "building", "storey", "floor", "link")
+_PLACES = ("case", "analysis", "record", "building", "storey", "floor", "line", "link")
 """What figures over a sweep may fix besides swept keys."""
 
 
@@ -140,8 +140,8 @@ def _find_values(values: Sequence[Any], text: str, unit: Unit, key: str) -> list
 @click.option("--study", "wants_study", is_flag=True, help="Print the study as it was run, as a file that runs again.")
 @rows_options
 def show(file: Path, table: str | None, form: str, wants_study: bool, **rows: Any) -> None:  # fmt: skip
-    """Print TABLE of a results file: storey, floor, link, struck, base, scene, flagged, accuracy, summary, records or
-    buildings, or the answer of the command that wrote the file, which is the default (docs/results.md).
+    """Print TABLE of a results file: storey, floor, line, link, struck, base, scene, flagged, accuracy, summary,
+    records or buildings, or the answer of the command that wrote the file, which is the default (docs/results.md).
 
     \b
     Example:

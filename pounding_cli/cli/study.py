@@ -267,7 +267,7 @@ def _plans(plan: Plan, group: Sequence[Building]) -> list[str]:
         return []
     first = plan.study.first_point
     links = {case: plan.study.resolved.links[case].at(first) for case in plan.cases}
-    lines = ["plans"]
+    lines = ["plans (at the first point of the sweep)" if plan.study.axes_changing("buildings") else "plans"]
     for name, words in describe_plans(group):
         lines += _hang(name, words)
     lines.append("twist")

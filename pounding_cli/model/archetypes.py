@@ -5,10 +5,11 @@ Technical Manual. Federal Emergency Management Agency, chapter 5):
 
 hazus_types.csv    the 36 types, their range of storeys, typical storeys and height in feet (Table 5.1); period, share
                    of the weight in the pushover mode alpha1, overstrength ratios gamma and lambda (Table 5.5); elastic
-                   damping (section 5.6.1)
+                   damping (section 5.6)
 hazus_designs.csv  by type and design level: design strength Cs (Table 5.4); yield acceleration Ay and hardening, the
-                   slope between yield and ultimate point over the slope before it (Table 5.7); interstorey drift at the
-                   thresholds of the four damage states (Table 5.9)
+                   slope between yield and ultimate point over the slope before it (Table 5.7, whose ultimate points of
+                   pre-codes lie further than the ductilities of Table 5.6); interstorey drift at the thresholds of the
+                   four damage states (Table 5.9)
 
 How uncertain a guess from the street is, as standard deviations of logarithms:
 
@@ -72,7 +73,7 @@ SOURCES = {
     "height": "Table 5.1",
     "strength": "Tables 5.4, 5.5 and 5.7",
     "hardening": "Table 5.7",
-    "damping": "section 5.6.1",
+    "damping": "section 5.6",
     "drift": "Table 5.9",
 }
 """Where in the manual every number stands."""

@@ -285,17 +285,23 @@ class Building:
         softens = self._may_soften(softest)
         return (DEFAULT_COLLAPSE_RATIO if softens.any() else np.inf) * self.height
 
+    @property
+    def can_yield(self) -> np.ndarray:
+        """Whether every storey, or one of its frame lines, can leave its elastic branch, shape (n,)."""
+        if self.plan is None:
+            return np.isfinite(self.yield_shear)
+        return np.any([np.isfinite(line.yield_shear) for line in self.plan.all_lines], axis=0)
+
     def _may_soften(self, slope_ratio: np.ndarray) -> np.ndarray:
         """Return whether every storey may lose all resistance as it yields, shape (n,).
 
         slope_ratio : least slope of what yields over its initial stiffness [-], shape (n,)
         """
         if self.plan is None:
-            return np.asarray(np.isfinite(self.yield_shear) & (self.stability_coefficient > slope_ratio))
-        can_yield = np.any([np.isfinite(line.yield_shear) for line in self.plan.all_lines], axis=0)
+            return np.asarray(self.can_yield & (self.stability_coefficient > slope_ratio))
         left = self.plan.storey_matrices(slope_ratio) - self._load_matrices(self.plan)
         rounding = NO_RESISTANCE * np.trace(self.plan.storey_matrices(), axis1=1, axis2=2)
-        return np.asarray(can_yield & (np.linalg.eigvalsh(left)[:, 0] < -rounding))
+        return np.asarray(self.can_yield & (np.linalg.eigvalsh(left)[:, 0] < -rounding))
 
     @property
     def stability_coefficient(self) -> np.ndarray:

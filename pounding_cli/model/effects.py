@@ -184,7 +184,7 @@ def _decide_effects(
 
     inelastic = analysis == Analysis.INELASTIC
     yielding = decide(
-        inelastic and any(np.isfinite(building.yield_shear).any() for building in buildings),
+        inelastic and any(building.can_yield.any() for building in buildings),
         "yielding storeys",
         "every yield shear is infinite" if inelastic else "the analysis is elastic",
     )

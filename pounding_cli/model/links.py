@@ -122,7 +122,8 @@ class Link:
         names = self.law.scaled_parameters
         if names:
             return float(getattr(self.law, names[0]) / getattr(self.whole_law, names[0]))
-        return sum(self.law.max_slopes) / sum(self.whole_law.max_slopes)
+        whole_slope = sum(self.whole_law.max_slopes)
+        return sum(self.law.max_slopes) / whole_slope if whole_slope else 1.0  # a constant force has no slope
 
     @property
     def inclination(self) -> float:

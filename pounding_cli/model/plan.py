@@ -178,7 +178,8 @@ class FloorPlan:
                 stiffness[j - 1, :, j, :] -= storey
         root = np.sqrt(np.column_stack((mass, self.inertia)).ravel())
         squares = np.linalg.eigvalsh(stiffness.reshape(2 * n, 2 * n) / np.outer(root, root))
-        return np.asarray(2 * np.pi / np.sqrt(squares))
+        with np.errstate(divide="ignore"):  # what is as good as free has no period
+            return np.asarray(2 * np.pi / np.sqrt(np.maximum(squares, 0.0)))
 
     @cached_property
     def identity(self) -> str:

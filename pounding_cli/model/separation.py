@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pounding_cli.model.building import Building
+from pounding_cli.model.plan import FloorPlan
 from pounding_cli.records.motion import GRAVITY
 
 
@@ -61,6 +62,26 @@ def first_mode_damping(building: Building) -> float:
     """Damping ratio of the first mode of the fixed-base building [-]: (alpha / w + beta w) / 2."""
     omega = 2 * math.pi / float(building.periods[0])
     return (building.alpha / omega + building.beta * omega) / 2
+
+
+def edge_displacement(plan: FloorPlan, shears: np.ndarray, y: float) -> np.ndarray:
+    """Return the static displacements of the floors of an elastic building at a place of its plan [m], shape (n,).
+
+    The forces pass through the centres of mass, so that no torsional moment acts about these: every storey deforms by
+    the drift d and the twist t of [[k, -k e], [-k e, k_t]] (d, t) = (V, 0), and the place by d - y t.
+
+    Parameters
+    ----------
+    plan : of the building
+    shears : of the storeys under these forces [N], shape (n,)
+    y : of the place, from the centres of mass [m]
+    """
+    stiffness = plan.stiffness
+    coupling = plan.eccentricity * stiffness
+    turning = plan.torsional_stiffness + np.sum([line.place**2 * line.stiffness for line in plan.all_lines], axis=0)
+    drift = shears / (stiffness - coupling**2 / turning)
+    twist = coupling / turning * drift
+    return np.cumsum(drift - y * twist)
 
 
 def asce7_displacement(elastic: ArrayLike, deflection_factor: float, importance: float) -> np.ndarray:

@@ -52,7 +52,8 @@ def merge_links(buildings: Sequence[Building], links: Sequence[Link]) -> tuple[L
 
 @functools.lru_cache(maxsize=256)  # scenes of a study share buildings and links
 def find_twisting(buildings: tuple[Building, ...], links: tuple[Link, ...]) -> tuple[bool, ...]:
-    """Return of every building of a row whether its floors twist."""
+    """Return of every building of a row whether its floors twist; links that can exert no force pass nothing on."""
+    links = tuple(link for link in links if link.law.can_act)
     twists = [False] * len(buildings)
     for part in find_parts(buildings, links):
         members = range(part.first, part.end)
@@ -103,11 +104,12 @@ def _describe_links_that_turn(buildings: Sequence[Building], links: Sequence[Lin
     off_centre = []
     turning = []
     for pair, other in ((place - 1, place - 1), (place, place + 1)):
-        arms = [(link.right_y if pair < place else link.left_y) for link in links if link.left == pair]
-        if not arms:
+        joined = [link for link in links if link.left == pair]
+        if not joined:
             continue
+        arms = [link.right_y if pair < place else link.left_y for link in joined]
         name = buildings[other].name
-        mean = float(np.mean(arms))
+        mean = float(np.average(arms, weights=[link.share for link in joined]))
         if abs(mean) > 1e-9 * max(map(abs, arms), default=0.0):
             off_centre.append(f"its links to {name} act {abs(mean):.3g} m off its centre of mass")
         elif any(arms):

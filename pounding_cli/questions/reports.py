@@ -47,7 +47,10 @@ def build_report(
     answer = Section("", question.sentences(results), question.shown_tables(results), notes=notes)
 
     def more() -> list[Section]:
+        from pounding_cli.report.from_above import list_plan_sections
+
         return [
+            *list_plan_sections(shown),
             *question.further_sections(results, **options),
             *further,
             *build_background(results, shown, question.is_sampled),

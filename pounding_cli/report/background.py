@@ -13,11 +13,12 @@ import pandas as pd
 
 from pounding_cli.laws import link_laws
 from pounding_cli.laws.apart import Apart
-from pounding_cli.model.effects import DroppedEffect, summarize_effects
+from pounding_cli.model.effects import NOTHING_ECCENTRIC, TWIST, DroppedEffect, summarize_effects
 from pounding_cli.model.links import BASE
 from pounding_cli.numbers import NOTHING, Unit, count_histories, format_number, join_limited, pluralize
 from pounding_cli.report.document import Picture, Section
 from pounding_cli.report.evidence import Evidence, describe_motions, find_written_value, format_point
+from pounding_cli.report.plans import has_plans
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of
 from pounding_cli.tables import Table, table_of_texts
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
 _TITLES = {
-    "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "link": "Links",
+    "summary": "Means over the motions", "storey": "Storeys", "floor": "Floors", "line": "Frame lines", "link": "Links",
     "struck": "Struck columns", "scene": "Outcomes", "flagged": "Flags", "records": "Motions", "buildings": "Buildings",
 }  # fmt: skip
 """The tables of scenes that a report has, and what they are called."""
@@ -67,7 +68,7 @@ def build_background(results: ResultTables, shown: Evidence, is_sampled: bool) -
     tables = [results.answer(name) for name in results.answers]
     for name in ("records",) if is_sampled else tuple(_TITLES):
         frame = results.table(name)
-        if len(frame) or name not in ("struck", "flagged"):
+        if len(frame) or name not in ("line", "struck", "flagged"):
             tables.append(table_of_results(results, name, frame))
     where = (
         "All rows with all digits, in SI units: `tables/` beside this page, `pound show FILE.h5 TABLE --format csv`."
@@ -208,7 +209,7 @@ def _build_simulated(results: ResultTables, shown: Evidence) -> Section:
         f"{pluralize(len(scene), 'row')} of {histories}: each different one is solved once, buildings alone included."
     ]
     said += _open_gaps(scene)
-    tables, failed = [_build_cases(shown), _build_effects(scene)], failed_scenes(scene)
+    tables, failed = [_build_cases(shown), _build_effects(scene, has_plans(shown))], failed_scenes(scene)
     if len(failed):
         said.append("The means and tables leave failed rows out.")
         rows = [
@@ -240,10 +241,16 @@ def _build_cases(shown: Evidence) -> Table:
     return table_of_texts("Cases", ("case", "links", "at floors"), rows)
 
 
-def _build_effects(scene: pd.DataFrame) -> Table:
-    """Return the table of effects: in how many rows each was simulated or left out, and why."""
+def _build_effects(scene: pd.DataFrame, tells_twist: bool) -> Table:
+    """Return the table of effects: in how many rows each was simulated or left out, and why.
+
+    tells_twist : whether buildings have plans, so that a row may leave their twist out
+    """
     kept = Counter(line.partition(": ")[0] for cell in scene["effects"] for line in cell.splitlines())
     dropped = Counter(_dropped_effects(scene))
+    untwisted = sum(bool(cell) and TWIST not in cell.splitlines() for cell in scene["effects"])
+    if tells_twist and untwisted:
+        dropped[DroppedEffect(TWIST, NOTHING_ECCENTRIC)] = untwisted
     rows = [
         [name, str(here or NOTHING), str(out or NOTHING), why]
         for name, here, out, why in summarize_effects(kept, dropped)

@@ -47,7 +47,27 @@ def list_profiles(evidence: Evidence) -> list[Picture]:
         text = "Largest floor accelerations over those of the building alone, floor by floor."
         draw = partial(accelerations, evidence, building)
         pictures.append(Picture(f"{building}-accelerations", f"{building}: floor accelerations", text, draw))
+        if find_frame_lines(evidence, building):
+            text = "Ratios to the building alone of every frame line, storey by storey, one panel per line."
+            draw = partial(frame_lines, evidence, building)
+            pictures.append(Picture(f"{building}-lines", f"{building}: frame lines", text, draw))
     return pictures
+
+
+MOST_LINES = 8
+"""Frame lines of a building that a figure has a panel for."""
+
+
+def find_frame_lines(evidence: Evidence, building: str) -> list[int]:
+    """Return the numbers of the frame lines of a building that the figures show; none where its floors do not twist."""
+    if "line_drift" not in evidence.data:
+        return []
+    drift = evidence.data["line_drift"].sel(building=building)
+    twist = evidence.data["twist"].sel(building=building)
+    if not (twist.fillna(0.0) != 0.0).any():
+        return []
+    there = np.isfinite(drift.transpose(..., "line").values.reshape(-1, drift.sizes["line"])).any(axis=0)
+    return [int(line) for line, is_there in zip(drift["line"].values, there, strict=True) if is_there][:MOST_LINES]
 
 
 def has_contacts(links: pd.DataFrame) -> bool:
@@ -71,6 +91,25 @@ def response(evidence: Evidence, building: str) -> Figure:
 
 
 @styled
+def frame_lines(evidence: Evidence, building: str) -> Figure:
+    """Return the ratios of the frame lines of one building to those of the building alone, a panel for each line.
+
+    They are those of the ductility demands, or of the shears where all is elastic.
+    """
+    is_inelastic = "inelastic" in evidence.analyses
+    analysis = "inelastic" if is_inelastic else "elastic"
+    ratio = "line_mu_ratio" if is_inelastic else "line_V_ratio"
+    values = evidence.data[ratio].sel(analysis=analysis, building=building)
+    lines = find_frame_lines(evidence, building)
+    panels = [(values.sel(line=line), column_of(ratio).label) for line in lines]
+    caption = f"Ratios of the frame lines of {building} to {building} alone under the same motion"
+    is_along = np.isfinite(evidence.data["line_y"].sel(building=building, line=lines).values)
+    ways = np.where(is_along, "", " across the row")
+    titles = [f"Line {line}{way}, {analysis}" for line, way in zip(lines, ways, strict=True)]
+    return _draw_over_height(evidence, building, panels, caption, titles=titles)
+
+
+@styled
 def accelerations(evidence: Evidence, building: str) -> Figure:
     """Return the largest floor accelerations of one building over those of the building alone."""
     ratios = evidence.data["acceleration_ratio"].sel(building=building)
@@ -82,17 +121,29 @@ def accelerations(evidence: Evidence, building: str) -> Figure:
 
 
 def _draw_over_height(
-    evidence: Evidence, building: str, panels: Sequence[Panel], caption: str, remark: str = ""
+    evidence: Evidence,
+    building: str,
+    panels: Sequence[Panel],
+    caption: str,
+    remark: str = "",
+    titles: Sequence[str] = (),
 ) -> Figure:
     """Return a figure with storeys or floors upwards and ratios to the building alone, whose 1 is marked, across.
 
     caption : meaning of the ratios
     remark : further sentence of the caption
+    titles : of the panels, two in a row; the analysis of each, all in one row, unless given
     """
-    figure, ((*axes,),) = new_framed_panels(evidence, building, 1, len(panels), cases=evidence.plotted_cases)
-    for ax, (values, label) in zip(axes, panels, strict=True):
+    columns = min(len(panels), 2) if titles else len(panels)
+    rows = -(-len(panels) // columns)
+    figure, lines = new_framed_panels(evidence, building, rows, columns, cases=evidence.plotted_cases)
+    axes = [ax for line in lines for ax in line]
+    for ax in axes[len(panels) :]:
+        ax.axis("off")
+    titles = titles or [str(values["analysis"].item()).capitalize() for values, _ in panels]
+    for ax, (values, label), title in zip(axes, panels, titles, strict=False):
         _draw_panel(ax, evidence, values)
-        ax.set_title(str(values["analysis"].item()).capitalize(), loc="left")
+        ax.set_title(title, loc="left")
         ax.set_xlabel(label)
         ax.axvline(1, color="0.35", lw=1.0, zorder=1)
     sentences = [

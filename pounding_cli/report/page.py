@@ -21,7 +21,7 @@ from pounding_cli.texts import join_units
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SCRIPTS = ("parts.js", "explorer.js", "stage.js", "player.js", "main.js")
+SCRIPTS = ("parts.js", "explorer.js", "stage.js", "above.js", "player.js", "main.js")
 """The scripts of the page, in the order they are needed."""
 
 

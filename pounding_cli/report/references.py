@@ -157,9 +157,19 @@ def _iter_law_references(resolved: Mapping[str, Any]) -> Iterator[tuple[str, str
     bases = [building.get("foundation") for building in buildings.values()]
     if any(isinstance(base, dict) and (base.get("isolation") or {}).get("friction") for base in bases):
         yield from FrictionPendulum.citation
+    if any(building.get("plan") for building in buildings.values()):
+        yield "kan1977", "elastic floors that twist"
+        yield "kan1981", "floors that twist and yield"
     for name, building in buildings.items():
-        if building["yield_shear"] is None and "code" in building["yield"]:
+        has_code = building["yield_shear"] is None and "code" in building["yield"]
+        if has_code and not _gives_yield_shears(building.get("plan")):
             yield f"ubc{building['yield']['code'][-4:]}", f"the yield shears of {name}, the separation"
+
+
+def _gives_yield_shears(plan: Mapping[str, Any] | None) -> bool:
+    """Return whether the frame lines of a plan give the yield shears of a building as numbers."""
+    shears = [line["yield_shear"] for line in (plan or {}).get("lines") or ()]
+    return bool(shears) and all(isinstance(each, list) or each == "never" for each in shears)
 
 
 def iter_motion_sources(sources: Mapping[str, str]) -> Iterator[str]:

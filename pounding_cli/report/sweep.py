@@ -32,6 +32,8 @@ OF_SCENES = ("error_estimate", "sensitivity", "energy_residual", "steps", "event
 """Quantities of whole runs."""
 CONTACT_QUANTITIES = ("acceleration", "acceleration_ratio", "peak_force", "contact_time")
 """Quantities that depend on the contact stiffness where floors strike."""
+LEVELS = ("storey", "floor", "line", "link")
+"""Last dimensions of the quantities that can be drawn."""
 WORST = "worst"
 """Stands for a case or building: the largest value over all of them."""
 MOST_CASES = 6
@@ -117,13 +119,13 @@ def over_sweep(
 
     Parameters
     ----------
-    places : case, analysis, building, storey, floor, link or record; all of those that are not given
+    places : case, analysis, building, storey, floor, line, link or record; all of those that are not given
     index : by the first key of an axis the number of the point at which it is cut, or the numbers of some; all of the
         others, in their order
 
     Raises
     ------
-    InputError : a quantity, case, analysis, building, storey, floor, link or motion that is not there
+    InputError : a quantity, case, analysis, building, storey, floor, line, link or motion that is not there
     """
     index = index or {}
     values = _select_values(results, quantity, places or {}).isel(index, drop=True)
@@ -145,7 +147,7 @@ def _select_values(results: ResultTables, quantity: str, places: Mapping[str, An
 
     Raises InputError: a quantity or a place that is not there, with those that are.
     """
-    known = (*(v.name for v in RESPONSE_VARIABLES if v.dims[-1] in ("storey", "floor", "link")), *OF_SCENES)
+    known = (*(v.name for v in RESPONSE_VARIABLES if v.dims[-1] in LEVELS), *OF_SCENES)
     if quantity not in known:
         raise InputError(Problem(f"there is no quantity {quantity!r}", f"write one of: {', '.join(known)}"))
     if quantity not in results.data:
@@ -301,7 +303,7 @@ def _select_by_case(
 
 def _build_caption(shown: Evidence, places: Mapping[str, Any], cut: Mapping[str, Any], panels: Panels) -> str:
     """Return the caption of a figure, without its last full stop."""
-    where = [f"{name} {place}" for name, place in places.items() if name in ("record", "storey", "floor", "link")]
+    where = [f"{name} {place}" for name, place in places.items() if name in ("record", *LEVELS)]
     where += [f"{key} = {shown.results.value_label(key, value)}" for key, value in cut.items()]
     mean = f"Mean over the {pluralize(len(shown.records), 'motion')}, at the place where it is largest"
     sentences = [describe_motions(shown.records)]

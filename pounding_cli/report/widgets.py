@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import xarray as xr
 
 from pounding_cli.laws import is_damper, link_symbol
 from pounding_cli.report.evidence import MOST_CASES, Evidence, build_evidence, list_points
+from pounding_cli.report.plans import PlanOutline, find_link_ends, has_plans, read_outlines
 from pounding_cli.report.style import looks, to_page_look
 from pounding_cli.report.sweep import SweptAxis, find_meaningless, list_swept_axes
 from pounding_cli.results.columns import column_of
@@ -26,6 +27,8 @@ MOST_VALUES = 120_000
 """Numbers that a page carries; of more only means and the largest over the height, then fewer quantities."""
 MEAN = "mean"
 """Entry for all motions in the list of motions."""
+TWIST_REMARK = "; of floors that twist"
+"""Begins the part of the meaning of a quantity that only studies with plans need."""
 MOST_BYTES = 12_000_000
 """Size of all series of a page together, as text."""
 
@@ -71,8 +74,11 @@ def _select_arrays(data: xr.Dataset) -> dict[str, xr.DataArray]:
     variables = [variable for variable in RESPONSE_VARIABLES if variable.charts and variable.name in data]
     arrays = {}
     for variable in sorted(variables, key=lambda variable: not variable.ratio):
-        is_of_links = variable.dims[-1] == "link"
-        values = group_links_by_floor(data, variable.name) if is_of_links else data[variable.name]
+        values = data[variable.name]
+        if variable.dims[-1] == "link":
+            values = group_links_by_floor(data, variable.name)
+        elif variable.dims[-1] == "line":
+            values = stack_lines(values)
         if (values.fillna(0.0) != 0).any():
             arrays[variable.name] = values
     return arrays
@@ -119,6 +125,9 @@ def _pack_quantity(
     spread = {kind: numbers.expand_dims(record=[MEAN]) for kind, numbers in spread.items()}
     if is_whole and values.sizes["record"] > 1:
         spread["mean"] = xr.concat([spread["mean"], values], "record")
+    text = column.text or column.label
+    if "plan_low" not in results.arrays:
+        text = text.partition(TWIST_REMARK)[0]
     order = ("case", "record", "analysis", where, level, *dims)
     packed = {}
     for kind, numbers in spread.items():
@@ -126,7 +135,7 @@ def _pack_quantity(
     return {
         "key": name,
         "label": column.head,
-        "text": column.text or column.label,
+        "text": text,
         "level": level,
         "levels": values[level].values.tolist() if is_whole else [0],
         "where": where,
@@ -149,6 +158,21 @@ def group_links_by_floor(data: xr.Dataset, name: str) -> xr.DataArray:
         largest[at] = np.fmax(largest[at], values.values[..., number])
     coords = {dim: data[dim] for dim in values.dims[:-1]} | {"pair": places, "floor": levels}
     return xr.DataArray(largest, coords, (*values.dims[:-1], "pair", "floor"))
+
+
+def stack_lines(values: xr.DataArray) -> xr.DataArray:
+    """Return values of frame lines over `frame line`, such as "corner, line 1", and storey, lines without any left out.
+
+    values : over building, storey and line, and further dimensions before these
+    """
+    further = values.dims[:-3]
+    stacked = values.transpose(*further, "building", "line", "storey")
+    names = [f"{building}, line {line}" for building in values["building"].values for line in values["line"].values]
+    whole = stacked.values.reshape(*stacked.shape[:-3], len(names), -1)
+    is_there = np.isfinite(whole).any(axis=(*range(len(further)), -1))
+    coords: dict[Any, Any] = {dim: values[dim] for dim in further} | {"storey": values["storey"]}
+    coords["frame line"] = [name for name, kept in zip(names, is_there, strict=True) if kept]
+    return xr.DataArray(whole[..., is_there, :], coords, (*further, "frame line", "storey"))
 
 
 def round_for_page(value: float) -> float | int | None:
@@ -182,12 +206,19 @@ def build_player_scenes(results: ResultTables) -> list[dict[str, Any]]:
 def _pack_scene(evidence: Evidence, place: Mapping[str, str]) -> dict[str, Any]:
     """Return a time history as the player reads it.
 
-    `series` has the ground, of every building its floors, and its sway and rocking where its foundation moves, and the
-    force of every link.
+    `series` has the ground, of every building its floors, and its sway and rocking where its foundation moves, then of
+    every building whose floors twist their rotations, and the force of every link.
     """
     history = evidence.results.history(*place.values(), **evidence.point)
+    twist = history.dataset["twist"].values if "twist" in history.dataset else None
+    outlines = read_outlines(evidence) if twist is not None and has_plans(evidence) else []
     buildings, motions = _pack_buildings(evidence, history)
-    links, forces = _pack_links(evidence, history, place["case"])
+    for number, outline in enumerate(outlines):
+        turns = np.asarray(twist)[:, number, : len(buildings[number]["heights"])]
+        turns = turns[:, np.isfinite(turns).all(axis=0)]  # none where the floors do not twist
+        buildings[number]["plan"] = _pack_plan(outline, has_turns=turns.size > 0)
+        motions += list(turns.T)
+    links, forces = _pack_links(evidence, history, place["case"], outlines)
     series = np.ascontiguousarray([history.ground_acceleration, *motions, *forces], dtype="<f4")
     strikes = [force.any() for link, force in zip(links, forces, strict=True) if link["drawn"] != "bar"]
     unit = evidence.unit("acceleration")
@@ -229,8 +260,40 @@ def _pack_buildings(evidence: Evidence, history: History) -> tuple[list[dict[str
     return buildings, series
 
 
-def _pack_links(evidence: Evidence, history: History, case: str) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
-    """Return the links of a time history, and their forces [N]."""
+def _pack_plan(outline: PlanOutline, has_turns: bool) -> dict[str, Any]:
+    """Return a building from above as the player reads it; places are along the street [m].
+
+    has_turns : whether its floors twist in this time history
+    """
+    lines = {"lines": outline.lines, "across": outline.across}
+    return {
+        "low": round_for_page(outline.low),
+        "high": round_for_page(outline.high),
+        "centre": round_for_page(outline.centre if outline.has_plan else 0.5 * (outline.low + outline.high)),
+        "depth": round_for_page(outline.depth),
+        "known": outline.has_plan and not outline.depth_source,
+        "turns": has_turns,
+    } | {
+        way: [
+            {
+                "place": round_for_page(line.place),
+                "share": round_for_page(line.share),
+                "yield": [round_for_page(drift) for drift in line.yield_drifts.tolist()],
+            }
+            for line in some
+        ]
+        for way, some in lines.items()
+    }
+
+
+def _pack_links(
+    evidence: Evidence, history: History, case: str, outlines: Sequence[PlanOutline]
+) -> tuple[list[dict[str, Any]], list[np.ndarray]]:
+    """Return the links of a time history, and their forces [N].
+
+    outlines : of the buildings from above, where floors twist
+    """
+    placed = evidence.data.sel(case=case)
     rows = evidence.link[evidence.link["case"] == case].drop_duplicates("link")
     row_of = dict(zip(rows["link"], rows.to_dict("records"), strict=True))
     links = []
@@ -240,9 +303,11 @@ def _pack_links(evidence: Evidence, history: History, case: str) -> tuple[list[d
         if row is None:
             continue
         forces.append(history.link_force[:, number])
+        left = history.buildings.index(row["left"])
+        ends = find_link_ends(placed.sel(link=name), outlines[left], outlines[left + 1]) if outlines else None
         links.append(
             {
-                "left": history.buildings.index(row["left"]),
+                "left": left,
                 "right": history.buildings.index(row["right"]),
                 "floor": int(row["floor"]),
                 "right_floor": int(row["right_floor"]),
@@ -251,6 +316,7 @@ def _pack_links(evidence: Evidence, history: History, case: str) -> tuple[list[d
                 "gap": float(row["gap"]),
                 "left_at": float(row.get("left_at", 1.0)),
                 "right_at": float(row.get("right_at", 1.0)),
+                "places": ends,
             }
         )
     return links, forces

@@ -24,10 +24,15 @@ if TYPE_CHECKING:
     from pounding_cli.study.plan import Plan
 
 
-COORDINATES = ("time", "building", "storey", "floor", "link")
+COORDINATES = ("time", "building", "storey", "floor", "line", "link")
+"""Coordinates of a history; lines are those of floors that twist."""
+
 ENERGIES = ("input", "kinetic", "stored", "damping", "hysteresis", "links")
-LARGEST = ("displacement", "drift", "total_acceleration", "shear", "closing", "link_force")
-"""Quantities whose largest values are told."""
+LARGEST = (
+    *("displacement", "drift", "total_acceleration", "shear"),
+    *("twist", "line_drift", "line_shear", "closing", "link_force"),
+)
+"""Quantities whose largest values are told, as far as a history has them."""
 
 
 def _series(name: str, text: str) -> property:
@@ -36,7 +41,7 @@ def _series(name: str, text: str) -> property:
 
 
 class History:
-    """The response of a scene over time; NaN where a floor, storey or link does not exist.
+    """The response of a scene over time; NaN where a floor, storey, frame line or link does not exist.
 
     Attributes
     ----------
@@ -56,6 +61,16 @@ class History:
     )
     drift = _series("drift", "Storey drifts [m], shape (times, buildings, storeys).")
     shear = _series("shear", "Storey shears, without damping force [N], shape (times, buildings, storeys).")
+    twist = _series(
+        "twist", "Rotations of floors that twist [rad], shape (times, buildings, floors); of scenes where some do."
+    )
+    line_drift = _series(
+        "line_drift", "Drifts of frame lines in their planes [m], shape (times, buildings, storeys, lines); likewise."
+    )
+    line_shear = _series(
+        "line_shear",
+        "Shears of frame lines, without damping force [N], shape (times, buildings, storeys, lines); likewise.",
+    )
     sway = _series("sway", "Translations of the foundations [m], shape (times, buildings).")
     rocking = _series("rocking", "Rotations of the foundations [rad], shape (times, buildings).")
     base_force = _series(
@@ -89,11 +104,12 @@ class History:
         return {kind: self.dataset[f"energy_{kind}"].values for kind in ENERGIES}
 
     def frame(self, quantity: str = "displacement") -> pd.DataFrame:
-        """One quantity over time, a column each for the floors, storeys or links that there are.
+        """One quantity over time, a column each for the floors, storeys, frame lines or links that there are.
 
         Parameters
         ----------
         quantity : displacement, total_acceleration (columns: building and floor); drift, shear (building and storey);
+            where floors twist, twist (building and floor), line_drift, line_shear (building, storey and line);
             link_force, closing (link); sway, rocking, base_force (building); ground_acceleration, ground_displacement;
             energy
 
@@ -112,7 +128,7 @@ class History:
         if quantity == "energy":
             frame = pd.DataFrame(self.energy, array.get_index("time")).rename_axis(columns="kind")
         else:
-            flat = array.stack(place=array.dims[1:]) if array.ndim == 3 else array  # noqa: PD013 (of xarray)
+            flat = array.stack(place=array.dims[1:]) if array.ndim > 2 else array  # noqa: PD013 (of xarray)
             frame = pd.DataFrame(flat.to_pandas())
         frame = frame.dropna(axis=1, how="all")
         frame.attrs = {"units": array.attrs["units"]}
@@ -153,7 +169,8 @@ class History:
         return list(panels[:, 0])
 
     def _curves(self, quantity: str, level: int | None) -> pd.DataFrame:
-        """Return the columns of a quantity that are drawn: one floor or storey a building, one link a pair."""
+        """Return the columns of a quantity that are drawn: one floor or storey a building with all its frame lines, the
+        links of one floor a pair."""
         frame = self.frame(quantity)
         places: list[Any] = list(frame.columns)
         if frame.columns.names == ["link"]:
@@ -161,8 +178,8 @@ class History:
             places = [(pair, floors.split(",")[0].split("|")[0]) for pair, _, floors in parts]
         elif frame.columns.nlevels == 1:
             return frame
-        top = dict(places)  # the highest number comes last
-        kept = [str(number) == str(level or top[of]) for of, number in places]
+        top = {of: number for of, number, *_ in places}  # the highest number comes last
+        kept = [str(number) == str(level or top[of]) for of, number, *_ in places]
         if not any(kept):
             raise InputError(Problem(f"{quantity}: there is nothing at level {level}", "give an existing floor"))
         return frame.loc[:, kept]
@@ -177,9 +194,13 @@ class History:
 
         found = {}
         for name in LARGEST:
+            if name not in self.dataset:
+                continue
             frame = self.frame(name)
             unit, frame = frame.attrs["units"], frame if name == "closing" else frame.abs()
-            whole = [frame] if frame.columns.nlevels == 1 else [frame[[b]] for b in self.buildings]
+            whole = [frame]
+            if frame.columns.nlevels > 1:
+                whole = [frame[[each]] for each in self.buildings if each in frame.columns.get_level_values(0)]
             for part in whole if not frame.empty else ():
                 column = part.max().idxmax()
                 found[name, _label(column, part)] = part[column].max(), unit, part[column].idxmax()
@@ -199,8 +220,11 @@ class History:
 
 
 def _label(column: Any, frame: pd.DataFrame) -> str:
-    """A column in words: "soft, floor 5"."""
-    return f"{column[0]}, {frame.columns.names[1]} {column[1]}" if isinstance(column, tuple) else str(column)
+    """Return a column in words: "soft, floor 5", "soft, storey 5, line 1"."""
+    if not isinstance(column, tuple):
+        return str(column)
+    levels = zip(frame.columns.names[1:], column[1:], strict=True)
+    return ", ".join([str(column[0]), *(f"{level} {number}" for level, number in levels)])
 
 
 def to_arrays(history: Mapping[str, Any], over: Mapping[str, np.ndarray] | None = None) -> ResultArrays:
@@ -209,8 +233,10 @@ def to_arrays(history: Mapping[str, Any], over: Mapping[str, np.ndarray] | None 
     over : coordinates in place of its own; NaN where it has none of a name
     """
     data = {name: Array(*each) for name, each in history.items()}
-    coordinates = {name: data.pop(name) for name in COORDINATES}
+    coordinates = {name: data.pop(name) for name in COORDINATES if name in data}
     for dim, wanted in (over or {}).items():
+        if dim not in coordinates:  # lines, where no floor of the scene twists
+            continue
         own = coordinates[dim].values.tolist()
         names = wanted.tolist()
         known = [place for place, name in enumerate(names) if name in own]

@@ -36,7 +36,8 @@ def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tu
     itself and takes any names.  The columns are called TYPE-FLOOR-DIRECTION: `PFA-0-1` is the peak acceleration of the
     ground, `PID-2-1` the drift of the second storey over its height (Zsarnoczay, A. and Deierlein, G. G. (2020).
     PELICUN - A computational framework for estimating damage, loss and community resilience. 17th World Conference on
-    Earthquake Engineering).
+    Earthquake Engineering).  Where floors twist, PID is that of the edge of the plan where it is larger, RID that of
+    the frame line along the row where it is largest, and PFA that of the centre of mass.
 
     Raises
     ------
@@ -57,8 +58,17 @@ def demands(results: ResultTables, rows: pd.DataFrame, direction: int = 1) -> tu
     keys = [*scene, "case", "analysis", "building", "storey"]
     rows = rows.merge(results.floor("acceleration").rename(columns={"floor": "storey"}), on=keys)
     over_height = (rows["drift_ratio"] / rows["drift"]).fillna(0.0)  # 1 / height
+    residual_drift = rows["residual_drift"].abs()
+    if "edge_drift_ratio" in rows:
+        lines = results.line("residual_drift", "y")
+        lines = lines[lines["y"].notna()].assign(of_line=lines["residual_drift"].abs())
+        largest = lines.groupby(keys, sort=False)["of_line"].max()
+        of_line = rows.merge(largest.reset_index(), on=keys, how="left")["of_line"]
+        residual_drift = residual_drift.where(of_line.isna() | residual_drift.isna(), of_line)
     rows = rows.assign(
-        PFA=rows["acceleration"], PID=rows["drift_ratio"], RID=rows["residual_drift"].abs() * over_height
+        PFA=rows["acceleration"],
+        PID=rows["edge_drift_ratio" if "edge_drift_ratio" in rows else "drift_ratio"],
+        RID=residual_drift * over_height,
     )
     wide = rows[rows["RID"].notna()].pivot_table(list(UNITS), scene, "storey")
     wide.columns = [f"{kind}-{storey}-{direction}" for kind, storey in wide.columns.to_list()]  # type: ignore[str-unpack]

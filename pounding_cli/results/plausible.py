@@ -71,9 +71,11 @@ def _describe_ductility(results: ResultTables, hidden: Sequence[str]) -> Iterato
 
 
 def _describe_drift(results: ResultTables, hidden: Sequence[str]) -> Iterator[str]:
-    """Yield a sentence on the largest interstorey drift, if it is above `MAX_DRIFT_RATIO`."""
-    values = _without_walls(results, "drift_ratio")
-    place = _find_largest(results, "drift_ratio", values, MAX_DRIFT_RATIO, _PERCENT, hidden)
+    """Yield a sentence on the largest interstorey drift, if it is above `MAX_DRIFT_RATIO`: that of an edge of the plan
+    where floors twist."""
+    name = "edge_drift_ratio" if "edge_drift_ratio" in results.arrays else "drift_ratio"
+    values = _without_walls(results, name)
+    place = _find_largest(results, name, values, MAX_DRIFT_RATIO, _PERCENT, hidden)
     if place is None:
         return
     building = _building_of_study(results, results.names("building")[place.index["building"]])
@@ -82,10 +84,9 @@ def _describe_drift(results: ResultTables, hidden: Sequence[str]) -> Iterator[st
     if is_inelastic and not (building.get("p_delta") and building.get("collapse")):
         cause = "what then decides is left out: write `p_delta: true` and `collapse:`; or " + cause
     limit = _PERCENT.text(MAX_DRIFT_RATIO)
-    yield (
-        f"Hardly plausible: an interstorey drift of {place.text}. Most storeys lose their strength below {limit}: "
-        f"{cause}."
-    )
+    twists = "twist" in results.arrays and _value_at_floor(results, place.index) > 0
+    drift = f"an interstorey drift{' at an edge of the plan' if twists else ''}"
+    yield f"Hardly plausible: {drift} of {place.text}. Most storeys lose their strength below {limit}: {cause}."
 
 
 def _describe_acceleration(results: ResultTables, hidden: Sequence[str]) -> Iterator[str]:
@@ -185,10 +186,16 @@ def _find_largest(
 
 def _value_of_alone(results: ResultTables, name: str, index: Mapping[str, int]) -> float:
     """Return a variable of the building alone at one place; NaN where it is not known."""
-    if name != "drift_ratio":
+    if not name.endswith("drift_ratio"):
         return _value_at(results, ALONE_VARIABLES[name], index)
-    drift = _value_at(results, "drift", index)
-    return _value_at(results, "drift0", index) * _value_at(results, "drift_ratio", index) / drift
+    length = name.removesuffix("_ratio")
+    drift = _value_at(results, length, index)
+    return _value_at(results, f"{length}0", index) * _value_at(results, name, index) / drift
+
+
+def _value_at_floor(results: ResultTables, index: Mapping[str, int]) -> float:
+    """Return the largest twist of the floor above a storey [rad]; NaN of a building without a plan."""
+    return _value_at(results, "twist", {**index, "floor": index["storey"]})
 
 
 def _value_at(results: ResultTables, name: str, index: Mapping[str, int]) -> float:

@@ -60,7 +60,7 @@ _ACCURACY = [
 _RECORD = ["source", "digest", "scale", "window", "pga", "arias"]
 _BUILDING = ["mass", "height", "stiffness", "yield_shear", "period", "base_shear_ratio", "slab", "separation"]
 _PLAN = ["plan_low", "plan_high", "plan_centre", "stiffness_centre", "inertia", "torsional_stiffness"]
-_LINE_FACTS = ["line_y", "line_x", "line_stiffness", "line_yield_shear"]
+_LINE = ["line_y", "line_x", *(v.name for v in LINE_VARIABLES), "line_stiffness", "line_yield_shear"]
 _BASE = ["sway", "rocking", "isolator_displacement"]
 _MEASURES = ("mean", "mean_error", "mean_sensitivity", "std", "min", "max")
 
@@ -227,10 +227,10 @@ class ResultTables:
         )
 
     def line(self, *columns: str) -> pd.DataFrame:
-        """Return what `storey` has for every frame line of buildings with a plan, without residual drifts of buildings
-        alone; all columns unless some are named, then place along the street or, of a line across the row, from the
-        centre of mass [m], stiffness [N/m] and yield shear [N]. No row where no building has a plan."""
-        names = [f"line_{name}" for name in columns] or [*(v.name for v in LINE_VARIABLES), *_LINE_FACTS]
+        """Shear [N], ductility [-] and drift [m] of every frame line of buildings with a plan, with and without
+        neighbours, their ratios, and its place, stiffness and yield shear; all unless some are named. No row where no
+        building has a plan."""
+        names = [f"line_{name}" for name in columns] or _LINE
         places = (*SCENE_DIMS, "building", "storey", "line")
         if "line" not in self.arrays:
             import pandas as pd
@@ -504,7 +504,7 @@ def _describe_columns(names: Sequence[str]) -> str:
 for _table, _columns in {
     ResultTables.storey: _OVER[STOREY_DIMS],
     ResultTables.floor: _OVER[FLOOR_DIMS],
-    ResultTables.line: [v.name for v in LINE_VARIABLES] + _LINE_FACTS,
+    ResultTables.line: _LINE,
     ResultTables.link: ("kind", "gap", *_OVER[LINK_DIMS]),
     ResultTables.base: _BASE,
     ResultTables.scene: _SCENE,

@@ -560,10 +560,10 @@ def records_of(
     formulas = _put_links(elements[:, layout.of_links], scenes, layout.masses)
     if initial is not None:
         for floors, turns, u, v in zip(layout.floors, layout.turns, *initial, strict=True):
-            count = floors.stop - floors.start
-            dofs["u0"][:, floors], dofs["w"][:, floors, 0] = u[:count], v[:count]
-            if len(u) > count:  # rotations behind the displacements
-                dofs["u0"][:, turns], dofs["w"][:, turns, 0] = u[count:], v[count:]
+            storeys = floors.stop - floors.start
+            dofs["u0"][:, floors], dofs["w"][:, floors, 0] = u[:storeys], v[:storeys]
+            if len(u) > storeys:  # rotations behind the displacements
+                dofs["u0"][:, turns], dofs["w"][:, turns, 0] = u[storeys:], v[storeys:]
     tolerance = min(max(accuracy * SAFETY, FINEST), COARSEST)
     r, always_smooth = np.zeros(count, RUN), method.name == "dop853"
     r["n"], r["m"], r["drags"], r["lines"] = n, m, layout.drags, len(layout.lines)

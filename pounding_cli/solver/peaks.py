@@ -31,7 +31,10 @@ def raise_peaks(dofs, elements, terms, r, series, columns):
         if max(d.u0, d.u1) + d.du > d.u_max or min(d.u0, d.u1) - d.du < d.u_min:
             d.u_max, d.u_min = max(d.u_max, d.u0, d.u1), min(d.u_min, d.u0, d.u1)
             if not _keeps_sign(d.w[0], d.v1, d.dv):
-                _displacement_peak(d, r)
+                if max(d.u0, d.u1) + d.du > d.u_max:
+                    d.u_max = _displacement_peak(d, r, 1.0, d.u_max)
+                if min(d.u0, d.u1) - d.du < d.u_min:
+                    d.u_min = -_displacement_peak(d, r, -1.0, -d.u_min)
         if d.felt == 0.0:
             continue
         largest = max(abs(d.a0), abs(d.a1))
@@ -100,16 +103,13 @@ def _deformation_peaks(el, r, storey):
 
 
 @njit(**CALLED)
-def _displacement_peak(d, r):
-    """Largest and smallest displacement inside the step."""
+def _displacement_peak(d, r, side, peak):
+    """Largest displacement inside the step, times `side`."""
     p, absolute = r.p, r.h < 0.0
-    p[0] = d.u0
+    p[0] = side * d.u0
     for k in range(r.order + 1):
-        p[k + 1] = d.w[k] * r.h * INVERSE[k + 1]
-    d.u_max = highest(r, r.order + 1, r.end, d.u_max, absolute)
-    for k in range(r.order + 2):
-        p[k] = -p[k]
-    d.u_min = -highest(r, r.order + 1, r.end, -d.u_min, absolute)
+        p[k + 1] = side * d.w[k] * r.h * INVERSE[k + 1]
+    return highest(r, r.order + 1, r.end, peak, absolute)
 
 
 @njit(**CALLED)

@@ -183,11 +183,11 @@ def _walk_up(dofs, elements, n, k, part, after, has_lean):
     return max(size, _next_velocity(dofs[n - 1], k, left, own, after))
 
 
-@njit(**CALLED)
+@njit(**PART)
 def _walk_up_twisting(dofs, elements, n, k, part, after, has_lean):
     """The same where floors twist: a storey has a drift and a twist, whose forces are those of its lines together."""
     size = left = before = own = left_turn = before_turn = own_turn = 0.0
-    last = np.int64(-1)
+    last = -1
     for i in range(n):
         d, el = dofs[i], elements[i]
         if el.twists and el.mate < np.uint64(i):  # a twist, which comes with its drift
@@ -234,7 +234,10 @@ def expand(dofs, elements, terms, r, series):
         part, after = h * INVERSE[k], h * INVERSE[k + 1]
         size = _push_of_links(dofs, elements, terms, series, count, k, part) if count else 0.0
         if has_lines:
-            size = max(size, _walk_up_twisting(dofs, elements, n, k, part, after, has_lean))
+            if has_lean:
+                size = max(size, _walk_up_twisting(dofs, elements, n, k, part, after, True))
+            else:
+                size = max(size, _walk_up_twisting(dofs, elements, n, k, part, after, False))
         elif has_lean:  # as constants, so that each is compiled by itself
             size = max(size, _walk_up(dofs, elements, n, k, part, after, True))
         else:

@@ -39,8 +39,9 @@ def find_drive(dofs, elements, terms, r, series, i):
             if terms[x].dof == i:
                 weight += terms[x].weight
         if link.acts and weight != 0.0:
+            dashpot = link.c if link.drifts else 0.0  # forces of lines are kept without
             for k in range(count):
-                f[k] -= weight * s.f[k]
+                f[k] -= weight * (s.f[k] + dashpot * s.rate[k])
     if i + 1 < r.n and dofs[i + 1].below != 0.0:
         _add_storey_above(dofs, elements, terms, r, series, i + 1, f)
 

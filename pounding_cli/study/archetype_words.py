@@ -4,7 +4,7 @@ is doubtful about them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pounding_cli.model.archetypes import (
     DAMAGE_STATES,
@@ -16,14 +16,14 @@ from pounding_cli.model.archetypes import (
     list_types,
 )
 from pounding_cli.numbers import format_number, pluralize
-from pounding_cli.study.archetypes import UNCERTAIN_KEYS, Seen, list_seen
+from pounding_cli.study.archetypes import Seen, list_seen
 
 if TYPE_CHECKING:
     from pounding_cli.study.file import Problems
     from pounding_cli.study.study import Study
 
-_TITLES = {"period": "period", "strength": "base shear V/W", "damping": "damping"}
-"""Quantity -> its name in a line."""
+_TITLES = {"strength": "base shear V/W", "height": "storey height"}
+"""Quantity -> its name in a line where it has another."""
 
 
 def describe_seen_buildings(study: Study) -> list[str]:
@@ -31,7 +31,10 @@ def describe_seen_buildings(study: Study) -> list[str]:
     lines = []
     for seen in list_seen(study.tree):
         lines.append(f"seen       {seen.name}: {describe_archetype(seen)}")
-        rows = [("quantity", "median", "β", "source"), *_iter_rows(study, seen)]
+        rows = [
+            _Row("quantity", "median" if seen.spec.sample == 0 else "value", "β", "source"),
+            *_iter_rows(study, seen),
+        ]
         widths = [max(len(row[column]) for row in rows) for column in range(3)]
         for *cells, source in rows:
             padded = "  ".join(f"{cell:<{width}}" for cell, width in zip(cells, widths, strict=True))
@@ -46,61 +49,64 @@ def describe_archetype(seen: Seen) -> str:
     return f"{seen.spec.type}, {seen.archetype.description}; {seen.spec.design}, {storeys} ({MANUAL})"
 
 
-def _iter_rows(study: Study, seen: Seen) -> Iterator[tuple[str, str, str, str]]:
-    """Yield a row for every number: what it is, its median, its dispersion and its source."""
+class _Row(NamedTuple):
+    """A line about one number: what it is, its value, the dispersion of its logarithm, and its source."""
+
+    quantity: str
+    value: str
+    spread: str
+    source: str
+
+
+def _iter_rows(study: Study, seen: Seen) -> Iterator[_Row]:
+    """Yield the lines about a building that is only seen."""
     archetype = seen.archetype
-    spec = study.resolved.building_specs[seen.name].at(study.first_point)
     building = study.resolved.types[seen.name].at(study.first_point)
-    period = f"{format_number(building.periods[0], 4)} s"
-    shear = f"{format_number(building.base_shear_ratio, 3)}"
-    hazus = {
-        "period": f"{format_number(seen.median('period'), 4)} s",
-        "strength": format_number(seen.median("strength"), 3),
-        "damping": f"{100 * archetype.damping:g} %",
-    }
-    is_rayleigh = spec.rayleigh is not None
-    values = {
-        "period": period,
-        "strength": shear,
-        "damping": "by rayleigh" if is_rayleigh else f"{format_number(100 * spec.damping, 3)} %",
-    }
-    details = {
-        "period": f"{format_number(archetype.period_per_storey, 4)} s a storey; {SOURCES['period']}",
-        "strength": (
-            f"Cs {archetype.design_strength:g}, overstrength {archetype.gamma:g} and {archetype.lambda_:g}, "
-            f"Ay {archetype.yield_acceleration:g} g times the share of the first mode; {SOURCES['strength']}"
-        ),
-        "damping": SOURCES["damping"],
-    }
-    for quantity in UNCERTAIN_KEYS:
-        if seen.is_known(quantity):
-            yield _TITLES[quantity], values[quantity], "", f"given in the study; of the type: {hazus[quantity]}"
-            continue
-        spread = f"{archetype.spreads[quantity]:.2f}" if seen.spec.uncertain else ""
-        source = details[quantity] + (f"; β: {SPREAD_SOURCES[quantity]}" if spread else "")
-        yield _TITLES[quantity], values[quantity], spread, source
+    spec = study.resolved.building_specs[seen.name].at(study.first_point)
+    damping = f"{format_number(100 * spec.damping, 3)} %" if spec.rayleigh is None else "by `rayleigh`"
+    yield _build_row(
+        seen,
+        "period",
+        f"{format_number(building.periods[0], 4)} s",
+        f"{format_number(seen.median('period'), 4)} s",
+        f"{format_number(archetype.period_per_storey, 4)} s a storey; {SOURCES['period']}",
+    )
+    yield _build_row(
+        seen,
+        "strength",
+        format_number(building.base_shear_ratio, 3),
+        format_number(seen.median("strength"), 3),
+        f"Cs {archetype.design_strength:g}, overstrength {archetype.gamma:g} and {archetype.lambda_:g}, Ay "
+        f"{archetype.yield_acceleration:g} g times the share of the first mode; {SOURCES['strength']}",
+    )
+    yield _build_row(seen, "damping", damping, f"{100 * archetype.damping:g} %", SOURCES["damping"])
     height = f"{archetype.storey_height:g} m"
-    if "height" in seen.building:
-        yield "storey height", str(seen.building["height"]), "", f"given in the study; of the type: {height}"
-    else:
-        yield "storey height", height, "", SOURCES["height"]
+    yield _build_row(seen, "height", str(seen.building.get("height", height)), height, SOURCES["height"])
     hardening = format_number(archetype.hardening, 3)
-    if "hardening" in seen.building:
-        yield "hardening", str(seen.building["hardening"]), "", f"given in the study; of the type: {hardening}"
-    else:
-        yield (
-            "hardening",
-            hardening,
-            "",
-            f"{SOURCES['hardening']}; ultimate point at a ductility of "
-            + format_number(archetype.ultimate_ductility, 3),
-        )
+    ductility = format_number(archetype.ultimate_ductility, 3)
+    source = f"{SOURCES['hardening']}; ultimate point at a ductility of {ductility}"
+    yield _build_row(seen, "hardening", str(seen.building.get("hardening", hardening)), hardening, source)
     mass = "given in the study" if "mass" in seen.building else "default of studies; HAZUS has none: write `mass`"
-    yield "floor mass", f"{format_number(building.mass.mean() / 1e3, 4)} t", "", mass
-    spread = f"{archetype.spreads['drift']:.2f}" if seen.spec.uncertain else ""
+    yield _Row("floor mass", f"{format_number(building.mass.mean() / 1e3, 4)} t", "", mass)
     for state in DAMAGE_STATES:
-        source = SOURCES["drift"] + (f"; β: {SPREAD_SOURCES['drift']}" if spread else "")
-        yield f"drift, {state}", f"{100 * archetype.drift_limits[state]:.4g} %", spread, source
+        drift = f"{100 * archetype.drift_limits[state]:.4g} %"
+        yield _build_row(seen, "drift", drift, drift, SOURCES["drift"])._replace(quantity=f"drift, {state}")
+
+
+def _build_row(seen: Seen, quantity: str, value: str, of_type: str, source: str) -> _Row:
+    """Return the line about a number that the type gives, or the study beside it.
+
+    value : of the building
+    of_type : of its type
+    source : where that stands
+    """
+    title = _TITLES.get(quantity, quantity)
+    if seen.is_known(quantity):
+        return _Row(title, value, "", f"given in the study; of the type: {of_type}")
+    is_drawn = quantity in SPREAD_SOURCES and seen.uncertain_quantities() and seen.spec.sample == 0
+    if not is_drawn:
+        return _Row(title, value, "", source)
+    return _Row(title, value, f"{seen.archetype.spreads[quantity]:.2f}", f"{source}; β: {SPREAD_SOURCES[quantity]}")
 
 
 def _describe_use(seen: Seen) -> str:

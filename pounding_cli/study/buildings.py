@@ -10,7 +10,7 @@ import numpy as np
 from pounding_cli.laws import storey_laws
 from pounding_cli.model.building import Building, Foundation, UnstableError, weight_above
 from pounding_cli.model.code_design import BaseShearDesign, Design, UbcDesign
-from pounding_cli.model.separation import CODE_RULES, UBC
+from pounding_cli.model.separation import CODE_RULES, UBC, edge_displacement
 from pounding_cli.model.stiffness import frequencies, rayleigh_factors, stiffness_for_period
 from pounding_cli.model.wall import UNLIMITED_HEIGHT, Wall
 from pounding_cli.study.building_spec import BaseShearSpec, BuildingSpec, StiffnessAtSpec
@@ -145,8 +145,11 @@ def _build_design(code: Any) -> Design:
     return UbcDesign(int(code.code[-4:]), code.zone, code.soil, code.importance, **factors)
 
 
-def find_code_displacements(spec: Any, building: Building) -> dict[str, np.ndarray]:
+def find_code_displacements(spec: Any, building: Building, y: float | None = None) -> dict[str, np.ndarray]:
     """Return the displacement that a code expects, by the name of its rule [m], shape (n,), from the ground up.
+
+    y : from the centres of mass of floors that twist, whose displacement there counts their twist under forces through
+        the centres of mass [m]; None of floors that do not twist
 
     Rules whose factors the study does not give are left out. All follow from the static displacements under the design
     forces: those of the UBC times `UbcDesign.amplification`, those of the others from the forces of `base_shear` and
@@ -158,7 +161,11 @@ def find_code_displacements(spec: Any, building: Building) -> dict[str, np.ndarr
         return {}
     code = spec.yield_
     design = _build_design(code)
-    elastic = design.displacements(building.mass, building.height, building.stiffness, float(building.periods[0]))
+    period = float(building.periods[0])
+    elastic = design.displacements(building.mass, building.height, building.stiffness, period)
+    if building.plan is not None and y is not None:
+        shears = design.yield_shears(building.mass, building.height, period)
+        elastic = edge_displacement(building.plan, shears, y)
     if isinstance(design, UbcDesign):
         return {UBC: design.amplification * elastic}
     displacements: dict[str, np.ndarray] = {}

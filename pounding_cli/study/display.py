@@ -142,8 +142,32 @@ def _describe_building(building: Any) -> dict[str, Any]:
     return derived
 
 
+LIST_ENTRIES = {"lines": "line", "across": "line across", "links": "link", "places": "place", "shares": "share"}
+"""Key of a list -> one of its entries in words; the entries of other lists are of storeys."""
+
+KEY_WORDS = {"y": "place", "x": "place", "places": "place", "accidental": "accidental eccentricity"}
+"""Keys that words name otherwise."""
+
+
 def key_words(key: str) -> str:
-    """A dotted key in words: "stiffness of connected" for `cases.connected.stiffness`; one of one part as it is."""
+    """A dotted key in words: "stiffness of connected" for `cases.connected.stiffness`, "place of line 1 of corner" for
+    `buildings.corner.plan.lines.0.y`; one of one part as it is."""
     section, *rest = key.split(".")
-    words = rest[-1].replace("_", " ") if rest else key
-    return f"{words} of {rest[0]}" if section in ("buildings", "cases") and words != rest[0] else words
+    if not rest:
+        return key
+    words: list[str] = []
+    for step, below in zip(rest[1:] or rest, [*rest[2:], ""], strict=False):
+        if step.isdigit():
+            continue
+        if not below.isdigit():
+            words.append(KEY_WORDS.get(step, step).replace("_", " "))
+        elif step in LIST_ENTRIES:
+            words.append(f"{LIST_ENTRIES[step]} {int(below) + 1}")
+        else:
+            words.append(f"{step.replace('_', ' ')} of storey {int(below) + 1}")
+    *above, last = words
+    is_place = last.startswith(("place", "share"))  # of which every link may have some
+    numbered = [each for each in above if each[-1].isdigit() and (is_place or not each.startswith("link "))]
+    words_of_key = " of ".join([last, *reversed(numbered)])
+    is_named = section in ("buildings", "cases") and words_of_key != rest[0]
+    return f"{words_of_key} of {rest[0]}" if is_named else words_of_key

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,9 @@ def build_plan(plan: PlanSpec, mass: np.ndarray, stiffness: np.ndarray, yield_sh
         for number, line in enumerate(plan.across, 1)
     )
     if plan.lines is None:
-        lines, torsional_stiffness = _build_short_form(plan, centre, mass, inertia, stiffness, yield_shear)
+        nominal, torsional_stiffness = _build_short_form(plan, mass, inertia, stiffness, yield_shear)
+        moved = plan.centre_of_mass - centre
+        lines = tuple(replace(line, place=line.place + moved) for line in nominal)
     else:
         places = [line.y - centre for line in plan.lines]
         parts = zip(places, plan.fill_rest("stiffness"), plan.fill_rest("yield_shear"), strict=True)
@@ -137,7 +140,6 @@ def _take_share(value: Any, whole: np.ndarray) -> np.ndarray:
 
 def _build_short_form(
     plan: PlanSpec,
-    centre: float,
     mass: np.ndarray,
     inertia: np.ndarray,
     stiffness: np.ndarray,
@@ -146,9 +148,7 @@ def _build_short_form(
     """Return two equal lines about the centre of stiffness, and the torsional stiffness beside them [N m].
 
     They stand as far apart as frames spread evenly across the width resist the twist, or closer where the plan ends or
-    the ratio of frequencies asks for less.
-
-    centre : y of the centre of mass from the middle of the plan [m]
+    the ratio of frequencies asks for less. Their places are from the centres of mass without what is accidental.
 
     Raises
     ------
@@ -156,6 +156,7 @@ def _build_short_form(
     """
     assert plan.eccentricity is not None
     assert plan.frequency_ratio is not None
+    centre = plan.centre_of_mass
     eccentricity = plan.eccentricity * plan.width
     written = f"an eccentricity of {100 * plan.eccentricity:.4g} %"
     to_edge = 0.5 * plan.width - abs(centre + eccentricity)

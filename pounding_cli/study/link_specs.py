@@ -333,6 +333,12 @@ class NoLinkSpec(LinkSpec):
 
     link: Literal["none"] = spec_field(NO_LINK, "no link")
 
+    def issues(self) -> Iterator[SpecIssue]:
+        yield from super().issues()
+        for name in ("places", "shares"):
+            if getattr(self, name) is not None:
+                yield (name,), f"'{name}' does not apply to link: none", "remove it: it keeps the whole edge free", True
+
 
 class OwnLinkSpec(LinkSpec):
     """A link whose law the study writes itself (`laws`)."""

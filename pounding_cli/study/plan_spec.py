@@ -19,6 +19,7 @@ _SIZE = LENGTH.replace(high=500.0, usual=PLAUSIBLE_RANGES["size of a plan"])
 WIDTH = _SIZE.replace(name="width", example="20 m")
 DEPTH = _SIZE.replace(name="depth", example="14 m")
 RATIO_OF_WIDTH = Quantity("part of the width", "", "10 %", -0.5, 0.5, open_low=True, open_high=True)
+ACCIDENTAL = RATIO_OF_WIDTH.replace(example="5 %")
 
 
 REST = "rest"
@@ -137,8 +138,10 @@ class PlanSpec(Model):
     centre_of_mass: Annotated[float, PLACE] = spec_field(
         "0 m", "y of the centres of mass of the floors [m], from the middle of the plan"
     )
-    accidental: Annotated[float, RATIO_OF_WIDTH.replace(example="5 %")] = spec_field(
-        "0 %", "how far the centres of mass stand off further, as part of the width [-]; sweep it: `[-5 %, 5 %]`"
+    accidental: Annotated[float, ACCIDENTAL] = spec_field(
+        "0 %",
+        "how far the centres of mass stand off further, while the lines stay, as part of the width [-]; `+-5 %` runs "
+        "-5 %, 0 % and 5 %, as an unknown value of the sweep",
     )
     inertia: Inertias | None = spec_field(
         None, "rotary inertia of the floors about their centres of mass [kg m2]; default: m (width^2 + depth^2) / 12"
@@ -153,7 +156,9 @@ class PlanSpec(Model):
         None, "of what else resists the twist of a storey, such as elastic frames across the row [N m]"
     )
     eccentricity: Annotated[float, RATIO_OF_WIDTH] | None = spec_field(
-        None, "instead of `lines`: y of the centre of stiffness from the centre of mass, as part of the width [-]"
+        None,
+        "instead of `lines`: y of the centre of stiffness from the centre of mass, without what is accidental, as part "
+        "of the width [-]",
     )
     frequency_ratio: Annotated[float, Quantity("ratio of frequencies", "", "1.1", 0.05, 20.0)] | None = spec_field(
         None,
@@ -226,7 +231,7 @@ class PlanSpec(Model):
             hint = "write the frequency of the twist over that along the row, e.g. `frequency_ratio: 1.1`"
             yield (), "'frequency_ratio' is missing: 'eccentricity' needs it", hint
         for name in ("across", "torsional_stiffness"):
-            if self.eccentricity is not None and name in self.model_fields_set:
+            if self.eccentricity is not None and getattr(self, name):
                 hint = "remove it: 'frequency_ratio' sets the torsional stiffness; or write `lines`"
                 yield (name,), f"'{name}' does not apply beside 'eccentricity'", hint, True
 

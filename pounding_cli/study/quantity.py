@@ -143,10 +143,12 @@ class ValueParser:
 
     form : what is read, in words
     examples : values as the file writes them
+    quantity : what its numbers are, where it has some
     """
 
     form: str = ""
     examples: tuple[Any, ...] = ()
+    quantity: Quantity | None = None
 
     def read(self, value: Any) -> Any:
         """Return the value as the program takes it.  Raises PydanticCustomError saying what to write."""

@@ -20,6 +20,7 @@ from pounding_cli.reading import shorten_path
 from pounding_cli.records.motion import Motion
 from pounding_cli.study import keep, warnings
 from pounding_cli.study.axes import Axis, read_axes, with_middles
+from pounding_cli.study.both_sides import with_both_sides
 from pounding_cli.study.buildings import find_separation
 from pounding_cli.study.changes import Change, apply_changes
 from pounding_cli.study.display import describe_study, find_unit
@@ -125,7 +126,7 @@ class Study:
         InputError : it is not sound
         """
         problems = Problems(self.file)
-        tree = with_middles(tree, problems)
+        tree = with_middles(with_both_sides(tree, problems), problems)
         axes = read_axes(tree, problems)
         problems.check()
         return self.with_axes(axes, tree)
@@ -249,7 +250,7 @@ def build_study(path: Path, text: str, tree: Map, model: type[StudySpec], change
         text, tree = apply_changes(text, tree, changes, file, model)
     reader = MotionReader(path.resolve().parent)
     problems = Problems(file)
-    tree = with_middles(tree, problems)
+    tree = with_middles(with_both_sides(tree, problems), problems)
     axes = read_axes(tree, problems)
     from_data = isinstance(tree.mark[0], str)
     spec, resolved = _resolve_tree(tree, axes, reader, file, model, problems)

@@ -98,5 +98,6 @@ def _join_reasons(buildings: Sequence[Building], reasons: Sequence[str]) -> str:
         if building.plan is not None and not reason
     ]
     if still:
-        texts.append(f"{join_limited(still)}: nothing is eccentric, run without its plan")
+        without = "its plan" if len(still) == 1 else "their plans"
+        texts.append(f"{join_limited(still)}: nothing is eccentric, run without {without}")
     return "; ".join(texts)

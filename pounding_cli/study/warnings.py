@@ -364,21 +364,35 @@ def warn_building(spec: BuildingSpec, building: Building, root: Any, name: str, 
     if spec.wall is not None:
         return
     _warn_period(spec, building, root, path, doubts)
+    lines = () if spec.plan is None else spec.plan.lines or ()
     if isinstance(spec.yield_shear, tuple):
-        fits = PLAUSIBLE_RANGES["base yield shear over weight"]
-        compared = Comparison(fits, 1 / building.weight, "yield shear", "of the building's weight")
-        shear = spec.yield_shear[0]
-        share = compared.ratio_in_words(shear)
-        message = f"the lowest storey yields at {format_value(shear, FORCES)}, {share}: {fits.reason}"
-        at: KeyPath = (*path, "yield_shear", 0)
-        if not fits.holds(shear * compared.share):
-            text = _text_at(root, at)
-            is_bare = doubts.needs_units and _is_bare(text, FORCE_OF_STOREY)
-            hint = _hint(text, shear, fits, compared.share, "N" if is_bare else "")
-            doubts.add(root, at, at[:-1], message, hint, is_bare, excess=fits.excess(shear * compared.share))
+        _warn_yield_shear(building, root, (*path, "yield_shear", 0), doubts)
+    elif lines and all(isinstance(line.yield_shear, tuple) for line in lines):
+        _warn_yield_shear(building, root, (*path, "plan", "lines", 0, "yield_shear", 0), doubts, len(lines))
     _warn_base(building, root, path, doubts)
     if spec.plan is not None:
         _warn_plan(spec.plan, building, root, (*path, "plan"), doubts)
+
+
+def _warn_yield_shear(building: Building, root: Any, at: KeyPath, doubts: Doubts, lines: int = 1) -> None:
+    """Note a yield shear of the lowest storey that is implausible beside the weight.
+
+    at : of the yield shear, or of that of the first of its frame lines
+    lines : number of these
+    """
+    fits = PLAUSIBLE_RANGES["base yield shear over weight"]
+    compared = Comparison(fits, 1 / building.weight, "yield shear", "of the building's weight")
+    shear = float(building.yield_shear[0])
+    if fits.holds(shear * compared.share):
+        return
+    share = compared.ratio_in_words(shear)
+    message = f"the lowest storey yields at {format_value(shear, FORCES)}, {share}: {fits.reason}"
+    text = _text_at(root, at)
+    is_bare = doubts.needs_units and _is_bare(text, FORCE_OF_STOREY)
+    hint = "check the yield shears of its lines"
+    if lines == 1:
+        hint = _hint(text, shear, fits, compared.share, "N" if is_bare else "")
+    doubts.add(root, at, at[:-1], message, hint, is_bare, excess=fits.excess(shear * compared.share))
 
 
 FORCE_OF_STOREY = Quantity("force", "N", "900 kN")
@@ -457,7 +471,7 @@ def _warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, dou
     if spec.inertia is not None and wrong.size:
         storey = int(wrong[0])
         at = (*path, "inertia", storey) if isinstance(spec.inertia, tuple) else (*path, "inertia")
-        usual = building.mass[storey] * spec.width**2 / np.array([9.0, 4.0])
+        usual = float(building.mass[storey]) * spec.width**2 / np.array([9.0, 4.0])
         message = f"floor {storey + 1} turns as if its mass stood {radius[storey] * spec.width:.3g} m from its centre"
         message += f", on a plan {spec.width:g} m wide"
         units = units_of_size("kg m2")

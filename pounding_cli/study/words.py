@@ -16,7 +16,7 @@ from pounding_cli.study.file import dump_yaml, get, nearest
 from pounding_cli.study.issues import Issue, KeyPath
 from pounding_cli.study.link_specs import NO_LINK, POUNDING, SeveralLinks, link_keys, link_models, union_tag
 from pounding_cli.study.links import refuse_beside_links, refuse_key
-from pounding_cli.study.quantity import ParsedText, Quantity, ValueParser, quote
+from pounding_cli.study.quantity import Quantity, ValueParser, quote
 from pounding_cli.study.records_spec import CODE_TARGETS
 
 
@@ -93,8 +93,8 @@ def _parsers_at(model: type[BaseModel], path: tuple[str, ...]) -> list[ValuePars
 
 def quantity_at(model: type[BaseModel], path: tuple[str, ...]) -> Quantity | None:
     """The quantity that may stand at a key, or None."""
-    read = (kind.quantity if isinstance(kind, ParsedText) else kind for kind in _parsers_at(model, path))
-    return next((each for each in read if isinstance(each, Quantity)), None)
+    read = (kind if isinstance(kind, Quantity) else kind.quantity for kind in _parsers_at(model, path))
+    return next((each for each in read if each is not None), None)
 
 
 def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float | str:
@@ -103,9 +103,8 @@ def value_at(model: type[BaseModel], path: tuple[str, ...], given: Any) -> float
     for reader in _parsers_at(model, path):
         try:
             found = reader.read(given)
-            quantity = reader.quantity if isinstance(reader, ParsedText) else None
-            if quantity is not None and not isinstance(found, int | float | str):
-                found = quantity.read(given)  # of which the reader makes more than a number
+            if reader.quantity is not None and not isinstance(found, int | float | str):
+                found = reader.quantity.read(given)  # of which the reader makes more than a number
             break
         except PydanticCustomError:
             continue

@@ -45,6 +45,7 @@ PICTURES = (
     Picture("first-study", "README.md", "two.yaml", "run", "stiff-response"),
     Picture("fig6-stiff", "configs/fig6.yaml", "", "run", "stiff-response"),
     Picture("isolators", "docs/how-to/isolation.md", "moat.yaml", "run", "isolators"),
+    Picture("from-above", "docs/gallery/end-of-row.yaml", "", "run", "from-above"),
     Picture("rates", "docs/how-to/rate.md", "rate.yaml", "fragility", "fragility-rates"),
 )
 

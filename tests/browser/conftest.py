@@ -33,7 +33,28 @@ UNCERTAIN = (
     "uncertain: {impact.restitution: {uniform: {from: 0.4, to: 0.7}}, "
     "buildings.soft.period: {normal: {mean: 0.5 s, sd: 0.03 s}}}\n"
 )
+TWISTED = """\
+title: A corner that twists
+records: {use: [elcentro], duration: 3 s}
+buildings:
+  corner:
+    storeys: 3
+    period: 0.4 s
+    plan: {width: 20 m, depth: 10 m, lines: [{y: -8 m, stiffness: 70 %}, {y: 8 m, stiffness: 30 %}]}
+  soft:
+    storeys: 2
+    period: 0.6 s
+    plan: {width: 16 m, depth: 12 m, shift: 3 m, eccentricity: 10 %, frequency_ratio: 1.1}
+group: [corner, soft]
+cases:
+  touching: {link: pounding, gap: 5 mm}
+  joined: {link: connector, gap: 20 cm, stiffness: 1 kN/mm}
+analyses: [inelastic]
+estimate: none
+keep: {histories: {}}
+"""
 STUDIES = {
+    "twisted": ("run", TWISTED),
     "kept": ("run", STUDY + "keep: {histories: {cases: [touching], records: [elcentro]}}\n"),
     "swept": ("run", STUDY + SWEEP),
     "failed": ("run", STUDY + "method: central-difference\ntime_step: 20 ms\n"),
@@ -71,7 +92,7 @@ def reports(tmp_path_factory):
             folder = tmp_path_factory.mktemp(name)
             command, study = STUDIES[name]
             (folder / "study.yaml").write_text(study)
-            figures = ["--format", "svg"] if name == "kept" else ["--no-figures"]
+            figures = ["--format", "svg"] if name in ("kept", "twisted") else ["--no-figures"]
             for arguments in (
                 [command, "study.yaml", "-o", "study.h5", "-q", "--engine", "serial"],
                 ["report", "study.h5", "-o", "page", "-q", *figures],

@@ -119,7 +119,7 @@ def test_a_study_of_which_no_linked_scene_ended_opens(visit):
 # the page as a whole
 
 
-@pytest.mark.parametrize("name", ["kept", "swept", "gap", "fragility", "sensitivity", "optimise"])
+@pytest.mark.parametrize("name", ["kept", "twisted", "swept", "gap", "fragility", "sensitivity", "optimise"])
 def test_no_table_is_scrolled_sideways(visit, name):
     """At 1400 pixels, closed tables too. Fails if a table is wider than the page, or cells are cut."""
     page = visit(name, 1400)
@@ -224,13 +224,87 @@ def test_the_player_plays_and_pauses(visit):
     assert readout(page)["time"] != time
 
 
+STARS = """canvas => {
+    const { width, height } = canvas;
+    const copy = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const pixels = copy.getImageData(0, 0, width, height).data;
+    const found = [];
+    for (let place = 0; place < pixels.length; place += 4)
+        if (pixels[place] > 200 && pixels[place + 1] < 140 && pixels[place + 2] < 100)
+            found.push([(place / 4) % width / width, Math.floor(place / 4 / width) / height]);
+    const mean = (side) => found.reduce((sum, each) => sum + each[side], 0) / found.length;
+    return [mean(0), mean(1), found.length]; }"""
+"""Where the light of contacts stands on a canvas, and how many of its pixels have it."""
+
+
+def test_the_player_shows_floors_from_above(visit, reports):
+    """Turns are those of the history; a contact is lit at its place along the street, of the floor that is chosen."""
+    page, (results, _) = visit("twisted"), reports("twisted")
+    history = results.history(case="touching", analysis="inelastic", record="elcentro")
+    twist = history.dataset["twist"].values
+    hardest = int(np.argmax(history.link_force.max(axis=1)))
+    for key, place in (("", hardest), ("ArrowRight", hardest + 1), ("End", len(history.time) - 1)):
+        if key:
+            page.locator("#player").press(key)
+        for building, top in ((0, 3), (1, 2)):
+            said = readout(page)[f"{history.buildings[building]} roof turns"].replace("−", "-")
+            assert float(said.split()[0]) == pytest.approx(1e3 * twist[place, building, top - 1], abs=6e-4)
+    above = page.locator(".above canvas")
+    lit = {}
+    for end in ("place 1", "place 2"):
+        force = np.where([name.endswith(end) for name in history.links], history.link_force, 0.0)
+        time, number = np.unravel_index(np.argmax(force), force.shape)
+        floor = history.links[number].partition("floor ")[2][0]
+        page.get_by_label("Time", exact=True).fill(str(time))
+        choose(page, "Seen from above", f"floor {floor}", "#player")
+        assert above.get_attribute("aria-label").startswith(f"Floor {floor} of corner, soft from above")
+        lit[end] = above.evaluate(STARS)
+    assert lit["place 1"][1] > lit["place 2"][1] + 0.2  # the canvas goes down, the street goes up
+    assert min(pixels for *_, pixels in lit.values()) > 60
+    choose(page, "Seen from above", "floor 3", "#player")  # where soft has no floor
+    assert above.evaluate(STARS)[2] == 0
+    choose(page, "Time history", "joined, inelastic, elcentro", "#player")
+    assert above.is_visible()
+    plain = visit("kept")
+    assert plain.locator(".above canvas").is_hidden()
+    assert plain.get_by_label("Seen from above").count() == 0
+
+
+def test_the_group_is_seen_from_above_at_a_small_width(visit):
+    """The picture is scrolled in its frame where the page is narrow, and its text says what it shows."""
+    page = visit("twisted", 390)
+    picture = page.locator("#figure-from-above img")
+    assert "corner: from -10 to 10 m along the street" in picture.get_attribute("alt")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert picture.bounding_box()["width"] > 500
+    stage = page.locator(".stage")
+    assert stage.evaluate("one => one.scrollWidth <= one.clientWidth + 1")
+    boxes = [stage.locator(part).bounding_box() for part in (".side", ".above")]
+    assert boxes[1]["y"] >= boxes[0]["y"] + boxes[0]["height"]  # one below the other
+
+
+def test_the_explorer_offers_frame_lines(visit, reports):
+    page, (results, _) = visit("twisted"), reports("twisted")
+    options = page.locator("#look-around").get_by_label("Quantity", exact=True)
+    label = next(text for text in options.locator("option").all_inner_texts() if text.startswith("drift of the line"))
+    options.select_option(label=label)
+    choose(page, "Frame line", "soft, line 2")
+    said = told(page, "ArrowUp")
+    assert said[0] == "touching, soft, line 2, storey 1"
+    exact = results.data["line_drift"].sel(case="touching", building="soft", line=2, storey=1).item()
+    assert float(said[1].split()[-1]) == pytest.approx(1e3 * exact, rel=6e-4)
+
+
 # everybody
 
 
-@pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (400, "dark")])
-def test_no_barrier_is_found(visit, width, theme):
+@pytest.mark.parametrize(
+    ("name", "width", "theme"), [("kept", 1280, "light"), ("kept", 400, "dark"), ("twisted", 400, "light")]
+)
+def test_no_barrier_is_found(visit, name, width, theme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
-    page = visit("kept", width, color_scheme=theme)
+    page = visit(name, width, color_scheme=theme)
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == PAPER[theme]
     page.locator("summary").first.click()
     page.locator("#explorer").press("ArrowUp")

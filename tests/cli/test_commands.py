@@ -275,6 +275,13 @@ def test_a_study_and_its_results_cite_the_same(results, pound):
             "",
         ),
         ("mass: 200 t", "mass: 200 t, yield_shear: never", "", "ubc1991"),
+        (
+            "mass: 200 t",
+            "mass: 200 t, plan: {width: 10 m, depth: 9 m, lines: [{y: -2 m, stiffness: 50 %, yield_shear: never}, "
+            "{y: 3 m, stiffness: 50 %, yield_shear: never}]}",
+            "kan1981",
+            "ubc1991",
+        ),
         ("estimate: none", "estimate: none\nmethod: newmark\ntime_step: 1 ms", "newmark1959", "jorba2005"),
     ],
 )

@@ -225,6 +225,13 @@ def test_a_rate_has_its_direction_and_its_numbers(ida, name):
         ("drift_ratio > 0.02 in soft", "interstorey drift above 2 % of the storey height"),
         ("drift > 6 cm in soft", "interstorey drift above 6 cm"),
         ("drift > 2 in", "interstorey drift above 2 in"),
+        ("mu > 3 in line 1 of soft", "ductility of line 1 above 3"),
+        (
+            "drift > 1 % in line 2 of soft storey 2",
+            "interstorey drift of line 2 in storey 2 above 1 % of the storey height",
+        ),
+        ("edge_drift > 2 % in soft", "interstorey drift of either edge above 2 % of the storey height"),
+        ("twist > 0.01 rad in soft floor 2", "rotation of floor 2 above 0.01 rad"),
         ("acceleration > 1 g in soft floor 2", "acceleration of floor 2 above 1 g"),
         ("acceleration > 1 g", "floor acceleration above 1 g"),
         ("shear_demand > 1", "shear demand of columns above 1"),
@@ -234,6 +241,55 @@ def test_a_rate_has_its_direction_and_its_numbers(ida, name):
 )
 def test_a_limit_in_words(limit, expected):
     assert words.describe_limit(limit) == expected
+
+
+def test_limits_of_lines_and_edges_are_those_of_the_results(tmp_path):
+    """Fails if a limit takes another line, edge, storey or building, or the centre of mass for an edge."""
+    plan = {"width": "16 m", "depth": "12 m", "eccentricity": "10 %", "frequency_ratio": 1.1}
+    soft = STUDY["buildings"]["soft"] | {"plan": plan}
+    limits = {
+        "mu > 3 in line 1 of soft": ("line_mu", 3.0, 0),
+        "mu > 3 in line 2 of soft": ("line_mu", 3.0, 1),
+        "edge_drift > 1 cm in soft storey 1": ("edge_drift", 0.01, None),
+        "drift > 1 cm in soft storey 1": ("drift", 0.01, None),
+        "twist > 0.001 rad in soft": ("twist", 0.001, None),
+    }
+    study = STUDY | {
+        "buildings": STUDY["buildings"] | {"soft": soft},
+        "records": STUDY["records"] | {"use": ["taft", "elcentro"]},
+        "sweep": {"records.scale.pga": ["0.2 g", "0.5 g"]},
+        "fragility": {"limits": list(limits), "method": "cloud"},
+    }
+    results = pound.run(study, tmp_path / "f.h5", workflow="fragility", engine="serial")
+    motions = results.table("fragility_motions")
+    different = set()
+    for limit, (name, value, line) in limits.items():
+        rows = motions[motions["limit"] == limit]
+        for state, suffix in ((POUNDING, ""), (ALONE, "0")):
+            peaks = results.arrays[f"{name}{suffix}"].values[:, 0, 0, :, 1]  # intensities, motions, storeys (, lines)
+            peaks = peaks if line is None else peaks[..., line]
+            peaks = peaks[..., 0] if "storey 1" in limit else peaks.max(axis=2)
+            demands = rows[rows["state"] == state]["demand"].to_numpy()
+            np.testing.assert_allclose(np.sort(demands), np.sort(peaks.ravel()) / value, rtol=1e-12)
+            different.add(round(float(peaks[0, 0] / value), 6))
+    assert len(different) > len(limits)
+    sentences = words.list_sentences(results)
+    assert any("soft, interstorey drift of storey 1 at the centre of mass above 1 cm" in each for each in sentences)
+
+
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        ("mu > 3 in line 3 of soft", "soft has lines 1 to 2"),
+        ("mu > 3 in line 1 of stiff", "stiff has no plan"),
+    ],
+)
+def test_limits_of_lines_that_are_not_there_are_refused(tmp_path, limit, message):
+    plan = {"width": "16 m", "depth": "12 m", "eccentricity": "10 %", "frequency_ratio": 1.1}
+    soft = STUDY["buildings"]["soft"] | {"plan": plan}
+    study = STUDY | {"buildings": STUDY["buildings"] | {"soft": soft}, "fragility": {"limits": [limit]}}
+    with pytest.raises(pound.InputError, match=message):
+        pound.run(study, tmp_path / "f.h5", workflow="fragility", engine="serial")
 
 
 def test_case_analysis_and_point_stand_in_a_sentence_where_they_vary(ida):

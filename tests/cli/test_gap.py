@@ -603,3 +603,132 @@ def test_panels_of_unequal_pairs_show_all_floors(tmp_path):
     assert axes[0].get_ylim()[0] == 0
     assert all(ax.get_ylim()[1] > heights.max() for ax in axes)
     assert [ax.xaxis.get_tick_params()["labelbottom"] for ax in axes] == [False, False, True, True, True]
+
+
+TWIST = """\
+records: {use: [taft], duration: 4 s, scale: {pga: 0.3 g}}
+analyses: [inelastic]
+estimate: none
+buildings:
+  corner:
+    mass: [200 t, 180 t]
+    damping: 5 %
+    plan:
+      width: 20 m
+      inertia: [8000 t m2, 7000 t m2]
+      torsional_stiffness: [4 GN m, 3 GN m]
+      lines:
+        - {y: -7 m, stiffness: [120 kN/mm, 100 kN/mm], yield_shear: [600 kN, 500 kN]}
+        - {y: 6 m, stiffness: [70 kN/mm, 60 kN/mm], yield_shear: [300 kN, 250 kN]}
+  soft:
+    storeys: 2
+    period: 0.6 s
+    plan: {width: 16 m, depth: 12 m, shift: 3 m, eccentricity: 10 %, frequency_ratio: 1.1}
+    yield: {base_shear: 0.1 W, Cd: 5, Ie: 1}
+  even: {like: soft, plan: {width: 16 m, depth: 12 m, shift: 3 m, eccentricity: 0 %, frequency_ratio: 1.1}}
+  off: {like: even, plan: {shift: 6 m}}
+  plain: {storeys: 2, period: 0.6 s, yield: {base_shear: 0.1 W, Cd: 5, Ie: 1}}
+  moat: {wall: fixed}
+"""
+
+
+def solve_twisting(
+    folder: Path, group: str, link: str, workflow: str = "gap", further: str = ""
+) -> pounding_cli.Results:
+    """Return the answer of a study of buildings of TWIST; time histories of those before are not reused."""
+    path = folder / f"{len(list(folder.iterdir()))}.yaml"
+    path.write_text(f"{TWIST}group: [{group}]\ncases: {{near: {link}}}\n{further}\n")
+    return pounding_cli.run(path, path.with_suffix(".h5"), workflow=workflow, engine="serial")
+
+
+@pytest.fixture(scope="module")
+def twisting(tmp_path_factory) -> pounding_cli.Results:
+    return solve_twisting(tmp_path_factory.mktemp("twist"), "corner, soft", "{link: none}")
+
+
+def test_the_gap_of_floors_that_twist_is_that_of_their_edges(twisting, tmp_path):
+    """Against a search of the smallest gap without contact. Fails if the closing is that of the centres of mass, if one
+    end of the shared edge is left out, or if a gap that stays open is judged without the twist."""
+    gaps = twisting.table("gap")
+    exact = gaps[gaps["rule"] == "exact"].sort_values("largest")
+    needed = exact["largest"].iloc[-1]
+    assert exact["end"].iloc[-1] == "low end"
+    assert exact["y"].iloc[-1] == -5.0
+    assert set(exact["y"]) == {-5.0, 10.0}
+    tried = ", ".join(f"{float(needed) * share!r} m" for share in (1 - 1e-6, 1 + 1e-6, 2))
+    sweep = f"sweep: {{cases.near.gap: [{tried}]}}"
+    run = solve_twisting(tmp_path, "corner, soft", "{link: pounding, gap: 1 cm}", "run", sweep)
+    impacts = run.link().groupby("cases.near.gap")["impacts"].sum()
+    assert impacts.iloc[0] > 0
+    assert (impacts.iloc[1:] == 0).all()
+    here = run.link("max_closing", "y")
+    open_gap = here[here["cases.near.gap"] == here["cases.near.gap"].max()].sort_values("max_closing")
+    np.testing.assert_allclose(open_gap["max_closing"].to_numpy(), exact["largest"].to_numpy(), rtol=1e-9)
+    bound = gaps[gaps["rule"] == "ABS"].set_index(["floor", "y"])["mean"].sort_index()
+    assert (exact.set_index(["floor", "y"])["mean"].sort_index() <= bound).all()
+    first = report(twisting).answer.sentences[0]
+    assert "1 motion, at the low end of the shared edge of floor 2)" in first
+
+
+def test_distances_of_floors_that_twist_are_those_of_their_edges(twisting, tmp_path):
+    """Against the closing to a wall that they do not reach. Fails if a side or an end is taken for the other, or if the
+    gap beside a wall is not the distance to its line."""
+    line = twisting.table("property_line")
+    line = line[(line["rule"] == "exact") & (line["floor"] == 2)].set_index(["building", "side", "end"])["mean"]
+    run = solve_twisting(tmp_path, "moat, corner, moat", "{link: pounding, gap: 1 m}", "run")
+    link = run.link()
+    link = link[link["floor"] == 2].sort_values("y")
+    to_left = link[link["left"] == "moat-1"]["max_closing"].tolist()
+    to_right = link[link["left"] == "corner"]["max_closing"].tolist()
+    for side, moved in (("left", to_left), ("right", to_right)):
+        distances = [line["corner", side, end] for end in ("low end", "high end")]
+        np.testing.assert_allclose(distances, moved, rtol=1e-9)
+
+
+def test_plans_without_eccentricity_change_no_gap(tmp_path):
+    """Fails if places along the street appear where no floor twists, or a neighbour that stands off turns a building
+    that it does not touch."""
+    plain = solve_twisting(tmp_path, "plain, plain", "{link: pounding, gap: 1 cm}")
+    even = solve_twisting(tmp_path, "even, off", "{link: pounding, gap: 1 cm}")
+    for name in ("gap", "gap_cases", "property_line"):
+        table = even.table(name).replace({"even": "plain-1", "off": "plain-2"})
+        pd.testing.assert_frame_equal(table, plain.table(name), rtol=1e-12)
+        assert "end" not in table
+
+
+def test_codes_count_the_twist_of_the_plan(tmp_path):
+    """Against the static solution of all degrees of freedom at once. Fails if the twist has the wrong sign, or the gap
+    of a code is that of the centres of mass."""
+    line = solve_twisting(tmp_path, "plain, soft", "{link: pounding, gap: 1 cm}").table("property_line")
+    asce = line[(line["rule"] == "ASCE 7-16") & (line["side"] == "left")]
+    building = pounding_cli.load_study(tmp_path / "0.yaml").building((), 1)
+    floors = building.plan
+    stiffness = np.zeros((4, 4))
+    for storey in range(2):
+        drift = np.eye(4)[storey] - (np.eye(4)[storey - 1] if storey else 0.0)
+        turn = np.roll(drift, 2)
+        for each in floors.lines:
+            v = drift - each.place * turn
+            stiffness += each.stiffness[storey] * np.outer(v, v)
+        stiffness += floors.torsional_stiffness[storey] * np.outer(turn, turn)
+    elastic = (
+        asce[asce["building"] == "plain"].sort_values("floor")["mean"].to_numpy() / 5
+    )  # of floors that do not twist
+    shears = building.stiffness * np.diff(elastic, prepend=0.0)
+    u = np.linalg.solve(stiffness, [*-np.diff(shears, append=0.0), 0.0, 0.0])
+    for end, y in (("low end", floors.low), ("high end", floors.high)):
+        at_end = asce[(asce["building"] == "soft") & (asce["end"] == end)].sort_values("floor")["mean"]
+        np.testing.assert_allclose(at_end, 5 * np.abs(u[:2] - y * u[2:]), rtol=1e-9)
+
+
+def test_a_row_without_a_shared_edge_is_refused(pound):
+    beside = TWIST.replace("shift: 3 m", "shift: 30 m")
+    Path("far.yaml").write_text(f"{beside}group: [corner, soft]\ncases: {{near: {{link: none}}}}\n")
+    code, _, err = pound("gap", "far.yaml")
+    assert code == 2
+    assert "far.yaml:24:8: no two neighbours share an edge along the street" in err
+    Path("near.yaml").write_text(f"{beside}group: [plain, corner, soft]\ncases: {{near: {{link: none}}}}\n")
+    code, out, _ = pound("gap", "near.yaml")
+    assert code == 0
+    assert "corner and soft share no edge along the street, so that they need no gap." in " ".join(out.split())
+    assert "plain and corner share an edge along the street, from its low end at -10 m to its" in " ".join(out.split())

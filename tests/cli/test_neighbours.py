@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import norm
 
 import pounding_cli
 from pounding_cli.questions import load_question
+from pounding_cli.questions.gap.figures import list_figures
 from pounding_cli.questions.gap.neighbours import Closings
 
 STUDY = """\
@@ -82,6 +84,49 @@ def test_other_tables_are_of_the_median_building(gap):
     assert "gap_neighbours" not in certain.answers
     for name in ("gap", "gap_cases", "property_line"):
         pd.testing.assert_frame_equal(gap.table(name), certain.table(name))
+
+
+def test_the_page_draws_how_likely_a_gap_is_enough(gap):
+    """The curve of drawn neighbours has a step for every run, at its largest closing; the other for the median one."""
+    figure = list_figures(gap)[0].draw()
+    (ax,) = [each for each in figure.axes if each.get_title(loc="left")]
+    median, drawn = ax.get_lines()[:2]
+    link = gap.link()
+    sample = "buildings.theirs.archetype.sample"
+    largest = link.groupby([sample, "record"])["max_closing"].max()
+    is_median = largest.index.get_level_values(0) == 0
+    for line, part in ((median, largest[is_median]), (drawn, largest[~is_median])):
+        widths = np.sort(part.to_numpy()) * 1e3
+        assert np.asarray(line.get_xdata()) == pytest.approx([0.0, *widths], rel=1e-9)
+        assert np.asarray(line.get_ydata())[-1] == 1.0
+    assert {line.get_xdata()[0] for line in ax.get_lines()[2:]} == {20.0, 35.0}
+
+
+def test_rates_are_over_neighbours_and_motions(tmp_path):
+    """The rate at the gap that is told, with the scatter of all drawn neighbours and motions at each intensity."""
+    rated = STUDY + "gap: {hazard: {k0: 1e-3, k: 2}, rate: 1/100}\nsweep: {records.scale.pga: [0.15 g, 0.3 g, 0.6 g]}\n"
+    (tmp_path / "rate.yaml").write_text(rated)
+    results = pounding_cli.run(tmp_path / "rate.yaml", tmp_path / "rate.h5", workflow="gap", engine="serial")
+    (row,) = results.table("gap_rate").to_dict("records")
+    link = results.link()
+    drawn = link[link["buildings.theirs.archetype.sample"] > 0]
+    runs = ["records.scale.pga", "buildings.theirs.archetype.sample", "record"]
+    logs = np.log(drawn.groupby(runs)["max_closing"].max())
+    means, spreads = (getattr(logs.groupby(level=0), name)() for name in ("mean", "std"))
+    intensity = np.geomspace(1e-5, 1e3, 400_001)  # in g
+    score = (means.to_numpy() - np.log(row["gap"])) / spreads.to_numpy()
+    levels = np.log(means.index.to_numpy() / 9.80665)
+    x = np.log(intensity)
+    slopes = np.diff(score) / np.diff(levels)
+    low = score[0] + (x - levels[0]) / spreads.to_numpy()[0]
+    high = score[-1] + (x - levels[-1]) * slopes[-1]
+    line = np.where(x < levels[0], low, np.where(x > levels[-1], high, np.interp(x, levels, score)))
+    exceeded = 1e-3 * intensity**-2.0
+    rate = -np.sum(norm.cdf(line[:-1]) * np.diff(exceeded))
+    assert rate == pytest.approx(0.01, rel=2e-3)
+    rates = results.table("gap_neighbour_cases").groupby("case")["rate"]
+    assert (rates.max() == rates.min()).all()  # the same at every intensity
+    assert rates.first()["near"] > rates.first()["wide"] > 0
 
 
 def test_the_answer_comes_first_and_says_of_which_building(pound):

@@ -12,9 +12,11 @@ import yaml
 import pounding_cli
 from pounding_cli import open_results
 from pounding_cli.numbers import format_number
+from pounding_cli.questions.optimise.words import list_notes
 from pounding_cli.questions.reports import build_report
 from pounding_cli.results.results import ResultTables
 from pounding_cli.study import load_study_file
+from pounding_cli.study.file import parse
 from pounding_cli.tables import Table
 
 STUDY = """\
@@ -447,6 +449,37 @@ def test_no_optimum_writes_no_study(pound):
     assert not Path("best.yaml").exists()
 
 
+PLACES = """\
+title: Where a damper stands
+records: {use: [taft], duration: 4 s, scale: {pga: 0.3 g}}
+buildings:
+  corner: {storeys: 1, period: 0.3 s, plan: {width: 20 m, depth: 12 m, eccentricity: 8 %, frequency_ratio: 1.2}}
+  soft: {like: corner, period: 0.6 s, plan: {width: 16 m, shift: 3 m, eccentricity: 0 %}}
+group: [corner, soft]
+cases: {damped: {link: damper, gap: 20 cm, damping_coefficient: 1 MN s/m, places: 1 m}}
+analyses: [elastic]
+estimate: none
+"""
+
+
+def test_the_best_place_of_a_link_is_that_of_a_scan(pound):
+    """Fails if the searched place is not that of the link, or is measured from elsewhere."""
+    over = "over: {cases.damped.places: {from: -5 m, to: 10 m}}, generations: 5, population: 6, slice_points: 5"
+    search = f"optimise: {{least: edge_drift, {over}}}"
+    Path("search.yaml").write_text(f"{PLACES}{search}\n")
+    code, out, _ = pound("optimise", "search.yaml", "--write", "best.yaml")
+    assert code == 0
+    optimum = open_results("results/search-optimise.h5").table("optimise").iloc[0]
+    assert f"The best place of damped is {optimum['value']:.4g} m: edge drift " in out
+    Path("scan.yaml").write_text(f"{PLACES}sweep: {{cases.damped.places: {{from: -5 m, to: 10 m, step: 1 m}}}}\n")
+    assert pound("run", "scan.yaml", "-q")[0] == 0
+    scan = open_results("results/scan.h5").storey("edge_drift").groupby("cases.damped.places")["edge_drift"].max()
+    assert scan.min() * (1 - 1e-2) < optimum["optimum"] < scan.min() * (1 + 1e-4) < 0.9 * scan.max()
+    assert abs(optimum["value"] - scan.idxmin()) <= 1.0
+    written = parse(Path("best.yaml").read_text(), "best.yaml")["cases"]["damped"]["places"]
+    assert float(written.removesuffix(" m")) == pytest.approx(optimum["value"], rel=1e-12)
+
+
 # Sentences, figures and notes, from tables with chosen numbers
 
 
@@ -672,7 +705,16 @@ def test_notes_stand_where_they_belong(shared_folder, words, raising, other):
 def test_a_key_at_either_end_of_its_range_is_named(results, value, is_at_end):
     edit = {"value": [value, np.nan], "range_from": [0.001, np.nan], "range_to": [0.009, np.nan], "good_from": value}
     notes = build_report(change(results, optimise=lambda frame: frame.assign(**edit))).answer.notes
-    assert any("cases.near.gap is best at the end of its range" in note for note in notes) == is_at_end
+    assert any("cases.near.gap is best at the end of its range: a better value may lie" in note for note in notes) == (
+        is_at_end
+    )
+    if is_at_end:
+        of_place = edit | {"key": ["cases.near.places", "impact.restitution"]}
+        beyond = (
+            "cases.near.places is best at the end of its range: a better place may lie beyond, if both floors reach"
+        )
+        notes = list_notes(change(results, optimise=lambda frame: frame.assign(**of_place)))
+        assert any(beyond in note for note in notes)
 
 
 def test_more_keys_than_are_drawn_are_counted(results):

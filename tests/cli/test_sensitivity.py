@@ -14,6 +14,7 @@ import pounding_cli as pound
 from pounding_cli.questions.expressions import describe_output, find_output_unit
 from pounding_cli.questions.reports import build_report
 from pounding_cli.results.results import ResultTables
+from pounding_cli.study.display import key_words
 from pounding_cli.tables import Table
 
 UNCERTAIN = {
@@ -331,6 +332,42 @@ def test_claims_of_the_paper_refer_to_their_thresholds(folder):
     assert any("Claims of the paper and their thresholds" in note for note in report.answer.notes)
     assert "statements" in report.answer.sentences[0]
     assert not any("Claims of the paper" in note for note in build_report(ask(folder)).answer.notes)
+
+
+def test_keys_of_a_plan_are_named_in_words(folder):
+    """Fails if the eccentricity of a plan changes nothing, or is named by its dotted key alone."""
+    plan = {"width": "12 m", "depth": "12 m", "eccentricity": "5 %", "frequency_ratio": 1.1, "accidental": "0 %"}
+    changes = {
+        "buildings": {
+            "corner": {"storeys": 1, "period": "0.3 s", "plan": plan},
+            "B": {"storeys": 1, "period": "0.5 s"},
+        },
+        "group": ["corner", "B"],
+        "uncertain": {
+            "buildings.corner.plan.eccentricity": {"uniform": {"from": "0 %", "to": "20 %"}},
+            "buildings.corner.plan.accidental": {"choice": ["-0.1 %", "0.1 %"]},
+        },
+        "sensitivity": {"outputs": ["edge_drift in corner"], "method": "morris", "samples": 4, "draws": 100},
+        "records": {"use": ["taft"], "duration": "3 s"},
+    }
+    sentence = first_sentence(ask(folder, **changes))
+    assert "most influential: eccentricity of corner, which changes it by " in sentence
+
+
+@pytest.mark.parametrize(
+    ("key", "expected"),
+    [
+        ("impact.restitution", "restitution"), ("tail", "tail"), ("cases.near.gap", "gap of near"),
+        ("buildings.A.stiffness.0", "stiffness of storey 1 of A"),
+        ("buildings.A.plan.centre_of_mass", "centre of mass of A"),
+        ("buildings.A.plan.lines.1.y", "place of line 2 of A"),
+        ("buildings.A.plan.lines.0.stiffness.2", "stiffness of storey 3 of line 1 of A"),
+        ("cases.near.places", "place of near"), ("cases.near.links.1.places.0", "place 1 of link 2 of near"),
+        ("cases.near.links.1.stiffness", "stiffness of near"),
+    ],
+)  # fmt: skip
+def test_keys_in_words(key, expected):
+    assert key_words(key) == expected
 
 
 # Expressions in words and units

@@ -40,6 +40,7 @@ POINTS = {"fig5": "connector", "fig8": "wall"}
 SCENES = ("storey", "floor", "link", "scene", "flagged", "records", "buildings")
 """Tables of every study of scenes; those of the answers are added, and of `SUMMARISED` the summary."""
 SUMMARISED = {"fig6", "bracket", "collapse"}
+KEPT_OVER_TIME = {"histories", "twist"}
 LEFT_OUT = {"fragility_curves", "optimise_points", "sensitivity_samples"}
 """Long tables from which the others follow."""
 
@@ -91,7 +92,9 @@ def solved(name: str, folder: Path) -> dict[str, pd.DataFrame]:
         found = {table: frame for table, frame in found.items() if table in results.answers}
     elif name in SUMMARISED:
         found["summary"] = results.table("summary")
-    if name == "histories":
+    if name == "twist":
+        found["line"] = results.table("line")
+    if name in KEPT_OVER_TIME:
         found["kept"] = results.histories().drop(columns=["number", "scene"])
         found["history"] = over_time(results.history())
     if results.warnings:
@@ -102,7 +105,10 @@ def solved(name: str, folder: Path) -> dict[str, pd.DataFrame]:
 def over_time(history: pound.History) -> pd.DataFrame:
     """Every quantity of a history, a column for each of its places."""
     frames = []
-    for quantity in ("displacement", "total_acceleration", "drift", "shear", "link_force", "closing", "sway", "energy"):
+    quantities = ["displacement", "total_acceleration", "drift", "shear", "link_force", "closing", "sway", "energy"]
+    if "twist" in history.dataset:
+        quantities += ["twist", "line_drift", "line_shear"]
+    for quantity in quantities:
         frame = history.frame(quantity)
         named = [" ".join(map(str, each)) if isinstance(each, tuple) else str(each) for each in frame.columns]
         frames.append(frame.set_axis([f"{quantity} {each}" for each in named], axis=1))

@@ -44,6 +44,37 @@ sweep:
   impact.restitution: [0.4, 0.5]
   buildings.soft.period: {from: 0.5 s, to: 0.7 s, count: 3}
 """
+PLANS = """\
+title: Floors that twist
+records: {use: [elcentro], duration: 2 s}
+buildings:
+  corner:
+    mass: [200 t, 180 t]
+    height: 3 m
+    plan:
+      width: 20 m
+      inertia: [8.0e6 kg m2, 7.0e6 kg m2]
+      torsional_stiffness: [4.0e9 N m, 3.0e9 N m]
+      lines:
+        - {y: -7 m, stiffness: [120 kN/mm, 100 kN/mm], yield_shear: [600 kN, 500 kN]}
+        - {y: 6 m, stiffness: [70 kN/mm, 60 kN/mm], yield_shear: never}
+      across: [{x: 4 m, stiffness: [70 kN/mm, 60 kN/mm]}, {x: -4 m, stiffness: [70 kN/mm, 60 kN/mm]}]
+  soft: {storeys: 2, period: 0.6 s,
+         plan: {width: 16 m, depth: 12 m, shift: 3 m, centre_of_mass: 1 m, eccentricity: 10 %, frequency_ratio: 1.1}}
+  next: {like: soft, plan: {accidental: 5 %, twist: always,
+                            lines: [{y: -6 m, stiffness: 60 %}, {y: 6 m, stiffness: rest}]}}
+group: [corner, soft, next]
+impact: {stiffness: 20 x stiffest storey, restitution: 0.5}
+cases:
+  gap: {link: pounding, gap: 5 cm}
+  con:
+    gap: 5 cm
+    links: [{link: connector, places: [0 m, 4 m], shares: [30 %, rest]}, {link: pounding, places: [[1 m, -2 m]]}]
+analyses: [elastic, inelastic]
+sweep:
+  buildings.soft.plan.eccentricity: [0 %, 10 %]
+  buildings.corner.plan.lines.0.y: {from: -7 m, to: -5 m, count: 2}
+"""
 HEADER = "# dt: 0.02 s\n# unit: g\n"
 ODD = (
     "", " ", "\t", "\n", "{", "}", "[", "]", ": ", "- ", "? ", "&a ", "*a", "#", "'", '"', "|", ">", "%", "!!int ",
@@ -122,7 +153,8 @@ def originals(folder: Path) -> dict[str, list[tuple[str, bytes, Callable[[Path],
     }
     files = [(name, text.encode(), pound.motion) for name, text in motions.items()]
     files.append(("utf16.txt", pairs.encode("utf-16"), pound.motion))
-    return {"studies": [("study.yaml", STUDY.encode(), study)], "motions": files}
+    studies = [("study.yaml", STUDY.encode(), study), ("plans.yaml", PLANS.encode(), study)]
+    return {"studies": studies, "motions": files}
 
 
 def hunt(sort: str, tries: int, seed: int, keep: Path | None = None) -> Counter[str]:

@@ -252,6 +252,23 @@ def _random_building(rng: np.random.Generator, name: str, yields: bool) -> Build
     return building(name, mass, plan, hardening=rng.uniform(0.0, 0.1), **factors)
 
 
+SHIFT = 5.0
+"""How far the soft building stands along the street from the stiff one [m]."""
+
+
+def pair_of_three(contacts: bool) -> Scene:
+    """Return two buildings of three storeys with two yielding lines each, apart or with elastic contacts at places."""
+    left, right = stiff(1.0, 3), soft(1.0, 3)
+    lines = right.plan.lines[::2]
+    plan = replace(right.plan, lines=lines)
+    right = replace(right, plan=plan, stiffness=plan.stiffness, yield_shear=plan.yield_shear)
+    law = Pounding(0.004, 1e9, 0.0)
+    places = ((2, -3.0), (3, -3.0), (3, 10.0))
+    links = tuple(Link(0, j, j, law, left_y=y, right_y=y - SHIFT) for j, y in places)
+    motion = Motion("shake", DT, shake(2.0, 5.0))
+    return Scene((left, right), links if contacts else (), motion, Analysis.INELASTIC, residual_drift=False)
+
+
 KINDS = "elastic", "yielding", "alone"
 SEEDS = range(12)
 

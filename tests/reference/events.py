@@ -194,10 +194,21 @@ class _Run:
                 i = int(np.argmax((g[:-1] <= 0) & (g[1:] > 0)))
                 crossing = t[i]
                 if g[i] < 0:
-                    crossing = brentq(lambda x, n=number: self.guard(n, begin, x, dense), t[i], t[i + 1], xtol=1e-16)
+                    crossing = self.crossing(number, begin, t[i], t[i + 1], dense)
             if first is None or crossing < first[0]:
                 first = (crossing, change)
         return first
+
+    def crossing(self, number: int, begin: float, left: float, right: float, dense) -> float:
+        """When a guard that the states at both ends show rising through zero does so; the dense output may round
+        otherwise, and then it is at that end."""
+
+        def value(t: float) -> float:
+            return self.guard(number, begin, t, dense)
+
+        if value(left) >= 0:
+            return left
+        return brentq(value, left, right, xtol=1e-16) if value(right) > 0 else right
 
     def guards(self, t: np.ndarray, y: np.ndarray) -> list[tuple[tuple, np.ndarray]]:
         q, rate = y[: self.n], y[self.n : 2 * self.n]

@@ -30,6 +30,7 @@ class TriLinear(LinkLaw):
 
     name = "tri-linear"
     subtracts_gap = True
+    scaled_parameters = ("stiffness", "second_stiffness", "third_stiffness")
     behaviour = Behaviour(next_branch)
 
     stiffness: float = parameter("first stiffness k1", "N/m", open_low=True)

@@ -10,7 +10,7 @@ from pounding_cli.questions.fragility.targets import takes_blow
 from pounding_cli.questions.frames import ALONE
 from pounding_cli.results.dataset import find_contacts
 from pounding_cli.study import Plan
-from pounding_cli.study.expression import COLLAPSE, CONTACT, SHEAR_DEMAND, Target
+from pounding_cli.study.expression import COLLAPSE, CONTACT, EDGE_DRIFT, SHEAR_DEMAND, TWIST, Target
 from pounding_cli.study.swept import Point
 
 if TYPE_CHECKING:
@@ -22,6 +22,9 @@ passed it or not."""
 
 _PEAKS = {"mu": "building.ductility", "drift": "building.drift", "acceleration": "building.acceleration"}
 """Quantity of a limit -> the values of time histories that it is compared with."""
+
+_LINE_PEAKS = {"mu": "line.line_ductility", "drift": "line.line_drift"}
+"""The same of a frame line."""
 
 
 class CurvePlace(NamedTuple):
@@ -51,7 +54,7 @@ def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -
     UNDECIDED where one did before, NaN where the time history failed or was not asked for.
 
     Passed are limits that were passed before a time history ended, the collapse itself, and limits on the drift or the
-    ductility of the storey that collapsed: its drift has no bound.
+    ductility of the storey that collapsed, of its edges and of its lines along the row: its drift has no bound.
     """
     limit = place.target.limit
     histories = place.histories[state]
@@ -65,11 +68,18 @@ def find_demands(plan: Plan, solved: Responses, place: CurvePlace, state: str) -
     is_target = is_building
     if limit.level and limit.quantity != COLLAPSE:
         is_target = is_building & (fallen_storey == limit.level)
-    if limit.quantity not in ("mu", "drift", COLLAPSE):
+    along = _count_lines_along(plan, place)
+    if limit.quantity not in ("mu", "drift", EDGE_DRIFT, COLLAPSE) or limit.line > along:
         is_target = np.zeros_like(is_building)
     is_passed = (demand > 1) | is_target
     demand = np.where(is_ended, np.where(is_passed, np.inf, UNDECIDED), demand)
     return np.where(solved.has_result[histories], demand, np.nan)
+
+
+def _count_lines_along(plan: Plan, place: CurvePlace) -> int:
+    """Return the number of frame lines along the row of the target's building, which stand before those across it."""
+    of_floors = plan.study.building(place.point, place.target.building).plan
+    return 0 if of_floors is None else len(of_floors.lines)
 
 
 def _compare_peaks(
@@ -81,9 +91,8 @@ def _compare_peaks(
     """
     limit = place.target.limit
     building = plan.study.building(place.point, place.target.building)
-    if limit.quantity in _PEAKS:
-        values = solved.values[_PEAKS[limit.quantity]]
-        peaks = values[histories, building_place, : building.storeys]
+    if limit.quantity in (*_PEAKS, EDGE_DRIFT, TWIST):
+        peaks = _find_peaks(plan, solved, place, histories, building_place)[..., : building.storeys]
         value = place.factor * limit.value
         parts = peaks / (value * building.height if limit.of_height else value)
         return parts[..., limit.level - 1] if limit.level else np.fmax.reduce(parts, axis=-1)
@@ -91,6 +100,29 @@ def _compare_peaks(
         return np.zeros(histories.shape)
     parts = _compare_links(plan, solved, place, histories)
     return np.fmax.reduce(parts, axis=-1) if parts.shape[-1] else np.zeros(histories.shape)
+
+
+def _find_peaks(
+    plan: Plan, solved: Responses, place: CurvePlace, histories: np.ndarray, building_place: int
+) -> np.ndarray:
+    """Return the largest values of every storey or floor that a limit is compared with, shape (motions, levels,
+    storeys). Where floors do not twist, lines along the row and edges have the drift of their storey.
+
+    building_place : of the target's building in these time histories
+    """
+    limit = place.target.limit
+    at = (histories, building_place)
+    if limit.line:
+        of_lines = solved.values[_LINE_PEAKS[limit.quantity]][at][..., limit.line - 1]
+        untwisted = solved.values[_PEAKS[limit.quantity]][at] * (limit.line <= _count_lines_along(plan, place))
+        return np.where(np.isnan(of_lines), untwisted, of_lines)
+    if limit.quantity == EDGE_DRIFT:
+        edges = np.fmax(solved.values["building.edge_drift_low"][at], solved.values["building.edge_drift_high"][at])
+        return np.where(np.isnan(edges), solved.values["building.drift"][at], edges)
+    if limit.quantity == TWIST:
+        twist = solved.values["building.twist"][at]
+        return np.where(np.isnan(twist), 0.0 * solved.values["building.drift"][at], twist)
+    return np.asarray(solved.values[_PEAKS[limit.quantity]][at])
 
 
 def _compare_links(plan: Plan, solved: Responses, place: CurvePlace, histories: np.ndarray) -> np.ndarray:

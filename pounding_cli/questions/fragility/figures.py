@@ -19,6 +19,7 @@ from pounding_cli.questions.fragility.words import (
     compare_medians,
     describe_measure,
     describe_place,
+    find_twisting,
     format_confidence,
     join_place,
     median_column,
@@ -72,8 +73,10 @@ def _describe_curves(results: ResultTables, rows: pd.DataFrame) -> str:
     median = median_column(results.answer(CURVES).column("median"))
     confidence = format_confidence(results)
     pairs = pair_states(rows)
+    twisting = find_twisting(results)
     return " ".join(
-        f"{describe_place(curve.place, pairs)}: {compare_medians(curve, median, confidence)}." for curve in pairs
+        f"{describe_place(curve.place, pairs, twisting=twisting)}: {compare_medians(curve, median, confidence)}."
+        for curve in pairs
     )
 
 

@@ -18,9 +18,10 @@ class FragilitySpec(Model):
     limits: one_or_many(_LIMIT, 0, 20, True) = spec_field(  # type: ignore[valid-type]
         (),
         "limits in words, one or a list: `mu > 4`, `drift > 2 %` (of the storey height) or `drift > 6 cm`, "
-        "`acceleration > 1 g`, `shear_demand > 1` (of columns that links load), `contact`, `collapse`; of buildings "
-        "that are only seen also `slight damage`, `moderate damage`, `extensive damage` and `complete damage`; of each "
-        "building, or with `in BUILDING`, `in BUILDING storey N` of one",
+        "`acceleration > 1 g`, `shear_demand > 1` (of columns that links load), `contact`, `collapse`; of each "
+        "building, or with `in BUILDING`, `in BUILDING storey N` of one; where floors twist `edge_drift > 2 %`, "
+        "`twist > 0.01 rad`, `mu > 4 in line 1 of BUILDING`, too; of buildings that are only seen `slight damage`, "
+        "`moderate damage`, `extensive damage` and `complete damage`, too",
     )
     method: Literal["ida", "stripes", "cloud"] = spec_field(
         "ida",

@@ -8,10 +8,21 @@ from dataclasses import replace
 import numpy as np
 
 from pounding_cli.model.links import LinkPlace, link_places
+from pounding_cli.questions.expressions import find_twist_problem
 from pounding_cli.questions.question import StudyQuestion
 from pounding_cli.study import Study
 from pounding_cli.study.archetypes import list_seen
-from pounding_cli.study.expression import COLLAPSE, CONTACT, DAMAGE_LIMITS, SHEAR_DEMAND, Limit, Target
+from pounding_cli.study.expression import (
+    COLLAPSE,
+    CONTACT,
+    DAMAGE_LIMITS,
+    EDGE_DRIFT,
+    SHEAR_DEMAND,
+    TWIST,
+    Limit,
+    TableQuantity,
+    Target,
+)
 from pounding_cli.study.file import nearest
 from pounding_cli.study.group import unique_names
 from pounding_cli.study.swept import Point
@@ -63,9 +74,11 @@ def _find_targets_of_limit(question: StudyQuestion, limit: Limit, number: int) -
         message = f"'{limit}': {limit.building} is a wall, which has no {limit.quantity}"
         question.add_problem(path, message, f"name one of the buildings: {', '.join(buildings)}")
         return []
+    if limit.line or limit.quantity in (EDGE_DRIFT, TWIST):
+        places = _find_twisting_places(question, limit, number, places)
     storeys = {place: study.building(study.first_point, place).storeys for place in places}
     targets = [Target(limit, place) for place in places if storeys[place] >= limit.level]
-    if not targets:
+    if places and not targets:
         highest = max(storeys.values())
         question.add_problem(path, f"'{limit}': the highest is {highest}", f"write a number from 1 to {highest}")
         return []
@@ -107,6 +120,27 @@ def _find_damage_targets(
             ("limits", number), f"'{limit}': damage states are those of buildings with `archetype`", hint
         )
     return targets
+
+
+def _find_twisting_places(question: StudyQuestion, limit: Limit, number: int, places: Sequence[int]) -> list[int]:
+    """Return the places in the group of buildings whose floors may twist, as a limit wants it; add what is wrong with
+    it to the question's problems.
+
+    number : of the limit in the section
+    places : of all buildings that it concerns
+    """
+    study = question.study
+    names = unique_names(study.spec.group)
+    lines = [study.building(study.first_point, place).lines for place in range(len(names))]
+    name = f"line_{limit.quantity}" if limit.line else limit.quantity
+    named = places[0] if limit.building else None
+    problem = find_twist_problem(TableQuantity(name, building=named, line=limit.line), lines, names)
+    if problem is not None:
+        message, hint = problem
+        question.add_problem(("limits", number), f"'{limit}': {message}", hint)
+        return []
+    needs_plan = limit.line or limit.quantity == TWIST
+    return [place for place in places if lines[place] or not needs_plan]
 
 
 def _keep_able(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,7 +15,15 @@ from pounding_cli.questions.fragility.tables import CURVES, NEIGHBOURS, PERCENT,
 from pounding_cli.questions.frames import ALONE, POUNDING, STATE
 from pounding_cli.questions.hazard import YEARS
 from pounding_cli.report.evidence import find_nominal
-from pounding_cli.study.expression import COLLAPSE, CONTACT, DAMAGE_LIMITS, SHEAR_DEMAND, parse_limit
+from pounding_cli.study.expression import (
+    COLLAPSE,
+    CONTACT,
+    DAMAGE_LIMITS,
+    EDGE_DRIFT,
+    SHEAR_DEMAND,
+    TWIST,
+    parse_limit,
+)
 from pounding_cli.study.records_spec import INTENSITY_KEYS
 from pounding_cli.tables import Column, Row, Table
 
@@ -41,6 +49,8 @@ _QUANTITIES = {
     "mu": "ductility",
     "drift": "interstorey drift",
     "acceleration": "floor acceleration",
+    EDGE_DRIFT: "interstorey drift of either edge",
+    TWIST: "rotation of a floor",
     SHEAR_DEMAND: "shear demand of columns",
 }
 _REASONS = {
@@ -95,7 +105,7 @@ def list_sentences(results: ResultTables) -> list[str]:
     point = evidence.format_point(answer.frame.columns)
     sentences = []
     for number, curve in enumerate(curves[:MAX_SENTENCES]):
-        subject = describe_place(curve.place, curves, point)
+        subject = describe_place(curve.place, curves, point, find_twisting(results))
         sentence = f"{subject}: {compare_medians(curve, median, confidence)}."
         if rates and (words := compare_rates(rates[number], confidence, _count_motions(curve))):
             sentence += f" {words}."
@@ -126,9 +136,21 @@ def describe_measure(results: ResultTables) -> str:
     return _MEASURES.get(name, name) + (f" at {period.removesuffix(')')}" if period else "")
 
 
-def describe_place(place: Row, others: list[Comparison], point: str = "") -> str:
-    """Return where a curve stands: building, limit and, where they vary, case, analysis and point of the sweep."""
-    words = [str(place["building"]).replace("|", " and "), describe_limit(str(place["limit"]))]
+def find_twisting(results: ResultTables) -> Collection[str]:
+    """Return the names of the buildings whose floors twist in some time history."""
+    if "twist" not in results.arrays:
+        return ()
+    floors = results.floor("twist")
+    return set(floors.loc[floors["twist"] > 0.0, "building"])
+
+
+def describe_place(place: Row, others: list[Comparison], point: str = "", twisting: Collection[str] = ()) -> str:
+    """Return where a curve stands: building, limit and, where they vary, case, analysis and point of the sweep.
+
+    twisting : buildings whose floors twist, where the drift of a storey is that of its centre of mass
+    """
+    limit = describe_limit(str(place["limit"]), twists=place["building"] in twisting)
+    words = [str(place["building"]).replace("|", " and "), limit]
     if len({other.place["case"] for other in others}) > 1:
         words.append(f"case {place['case']}")
     if len({other.place["analysis"] for other in others}) > 1:
@@ -138,8 +160,11 @@ def describe_place(place: Row, others: list[Comparison], point: str = "") -> str
     return ", ".join(words)
 
 
-def describe_limit(text: str) -> str:
-    """Return a limit in words: "ductility of storey 2 above 4"."""
+def describe_limit(text: str, twists: bool = False) -> str:
+    """Return a limit in words: "ductility of storey 2 above 4".
+
+    twists : whether the floors of the building twist, so that the drift of a storey is that of its centre of mass
+    """
     limit = parse_limit(text)
     if limit.quantity in (CONTACT, COLLAPSE, *DAMAGE_LIMITS):
         return limit.quantity
@@ -150,8 +175,16 @@ def describe_limit(text: str) -> str:
     quantity = _QUANTITIES[limit.quantity]
     if limit.level and limit.quantity == "acceleration":
         quantity = f"acceleration of floor {limit.level}"
+    elif limit.level and limit.quantity == TWIST:
+        quantity = f"rotation of floor {limit.level}"
+    elif limit.line:
+        quantity += f" of line {limit.line}"
+        if limit.level:
+            quantity += f" in storey {limit.level}"
     elif limit.level:
         quantity += f" of storey {limit.level}"
+    if twists and limit.quantity == "drift" and not limit.line:
+        quantity += " at the centre of mass"
     return f"{quantity} above {value}"
 
 
@@ -303,7 +336,8 @@ def median_column(declared: Column) -> Column:
 
 def join_place(building: str, limit: str) -> str:
     """Return the building and the limit that is asked of it; a limit may name the building itself."""
-    return limit if f" in {building} " in f"{limit} " else f"{building}, {limit}"
+    is_named = f" in {building} " in f"{limit} " or f" of {building} " in f"{limit} "
+    return limit if is_named else f"{building}, {limit}"
 
 
 def _limit_column(table: Table) -> Column:

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from pounding_cli.laws.apart import Apart
+from pounding_cli.model.building import Building
 from pounding_cli.model.links import Link
 from pounding_cli.model.meetings import find_meetings
+from pounding_cli.model.twist import merge_links
 from pounding_cli.study import Study
 from pounding_cli.study.axes import Axis
 from pounding_cli.study.file import Map
 from pounding_cli.study.group import Group
+from pounding_cli.study.street_places import ROUNDING, LinkArms, StreetSide, find_shared_edge
 
 LINK_SECTIONS = ("cases", "impact", "laws")
 """Sections that say what stands between the buildings."""
@@ -65,11 +72,84 @@ def _keep_building_keys(axis: Axis) -> Axis:
     return Axis(names, keep(axis.written_values), keep(axis.marks), units)
 
 
-def link_all_facing(group: Group) -> tuple[Link, ...]:
-    """Return a link without force between all floors, and all slabs and columns, that face each other."""
+class StreetPlace(NamedTuple):
+    """Where a link of the study stands between floors that twist.
+
+    number : of the left building of the pair, from 0
+    left, right : places of its ends along the street [m]; NaN of a building without a plan
+    """
+
+    number: int
+    left: float
+    right: float
+
+
+def find_street_places(study: Study) -> tuple[StreetPlace, ...]:
+    """Return where the links of all cases stand between floors that twist, each place once."""
+    has_plans = any(
+        building.plan is not None for type_ in study.resolved.types.values() for _, building in type_.iter_values()
+    )
+    if not has_plans:
+        return ()
+    places: dict[StreetPlace, None] = {}
+    for index in np.ndindex(*(len(axis) for axis in study.axes)):
+        buildings = study.group(index).buildings
+        for case in study.spec.cases:
+            for link in study.links(index, case):
+                if link.left_y or link.right_y:
+                    left, right = buildings[link.left : link.left + 2]
+                    ends = _find_street_end(left, link.left_y), _find_street_end(right, link.right_y)
+                    places[StreetPlace(link.left, *ends)] = None
+    return tuple(places)
+
+
+def _find_street_end(building: Building, y: float) -> float:
+    """Return the place along the street of an end of a link [m]; NaN where the building has no plan."""
+    return math.nan if building.plan is None else building.plan.place + y
+
+
+def link_all_facing(group: Group, street_places: Collection[StreetPlace] = ()) -> tuple[Link, ...]:
+    """Return links without force between all floors, and all slabs and columns, that face each other.
+
+    Between floors that twist they stand at both ends of the edge that the neighbours share, where floors come closest,
+    and where links of the study stand.
+    """
     links: list[Link] = []
     for left, pair in enumerate(pairwise(group.buildings)):
         floors, strikes = find_meetings(*pair)  # slabs beside columns too, whether or not their share is known
-        links += [Link.apart(left, *both) for both in floors]
-        links += [Link.apart(left, each.left_floor, each.right_floor, each.left_at, each.right_at) for each in strikes]
-    return tuple(links)
+        facing = [Link.apart(left, *both) for both in floors]
+        facing += [Link.apart(left, each.left_floor, each.right_floor, each.left_at, each.right_at) for each in strikes]
+        if all(building.plan is None for building in pair):
+            links += facing
+            continue
+        arms = _find_arms(pair, [place for place in street_places if place.number == left])
+        links += [replace(link, left_y=y[0], right_y=y[1], whole_law=link.law) for link in facing for y in arms]
+    return merge_links(group.buildings, links)
+
+
+def _find_arms(pair: tuple[Building, Building], street_places: Sequence[StreetPlace]) -> list[LinkArms]:
+    """Return where the closing of two neighbours is looked at, along the street; nowhere if they share no edge.
+
+    street_places : of links between them
+    """
+    sides = (StreetSide.of(pair[0]), StreetSide.of(pair[1]))
+    low, high = find_shared_edge(*sides)
+    if low >= high:
+        return []
+    inside = [place[1:] for place in street_places if _is_inside(place, sides)]
+    ends = sorted({(low, low), (high, high), *inside}, key=lambda both: np.nanmean(both))
+    arms: list[LinkArms] = []
+    for both in ends:
+        centres = [0.0 if side is None else place - side.centre for place, side in zip(both, sides, strict=True)]
+        arm = LinkArms(centres[0], centres[1], 1.0)
+        if not any(np.allclose(arm, other, rtol=0.0, atol=ROUNDING * (high - low)) for other in arms):
+            arms.append(arm)
+    return arms
+
+
+def _is_inside(place: StreetPlace, sides: Sequence[StreetSide | None]) -> bool:
+    """Return whether both ends of a link stand on the floors of both sides."""
+    return all(
+        side is None or side.low - ROUNDING <= end <= side.high + ROUNDING
+        for end, side in zip(place[1:], sides, strict=True)
+    )

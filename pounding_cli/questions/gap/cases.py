@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from pounding_cli.model.links import Link, LinkPlace
 from pounding_cli.questions.gap.apart import BuildingKeys, find_building_keys
+from pounding_cli.questions.gap.edges import SAME_PLACE
 from pounding_cli.questions.gap.statistics import build_point_table
 from pounding_cli.questions.gap.tables import CASES_COLUMNS, CASES_TABLE, MOTION_RULES, NO, UNKNOWN, YES
 from pounding_cli.study import Plan, Study
@@ -58,7 +59,7 @@ def build_cases_table(study: Study, plan: Plan, separations: pd.DataFrame) -> Ta
         verdicts.append(verdict if depends_on_motions[positions[0]] else verdict._replace(enough_for=0, motions=0))
     judged = pd.DataFrame(verdicts, rows.index[chosen], columns=list(Verdict._fields)).drop(columns="floors")
     rows = rows.iloc[chosen].join(judged).sort_values(keys, ignore_index=True)
-    return build_point_table(plan, CASES_TABLE, rows, [column.name for column in CASES_COLUMNS])
+    return build_point_table(plan, CASES_TABLE, rows, [each.name for each in CASES_COLUMNS if each.name in rows])
 
 
 class Verdict(NamedTuple):
@@ -120,9 +121,9 @@ def _iter_case_gaps(study: Study, plan: Plan) -> Iterator[CaseGaps]:
     alone, and those without links.
     """
     axes = [find_building_keys(axis) for axis in study.axes]
-    number_of_place: dict[LinkPlace, int] = {}
+    numbers_by_place: dict[LinkPlace, list[int]] = {}
     for number, link_place in enumerate(plan.links.places):
-        number_of_place.setdefault(link_place._replace(name=""), number)
+        numbers_by_place.setdefault(link_place._replace(name=""), []).append(number)
     for index in np.ndindex(*(len(axis) for axis in study.axes)):
         point = _find_plan_point(plan, axes, index)
         for case_number, case in enumerate(study.spec.cases):
@@ -131,21 +132,33 @@ def _iter_case_gaps(study: Study, plan: Plan) -> Iterator[CaseGaps]:
                 continue
             gaps: dict[int, float] = {}
             for link in links:
-                place = number_of_place.get(link.place, -1)
-                if not _is_at_heights(plan, point, place, link):
-                    place = -1
+                place = _find_place(plan, point, numbers_by_place.get(link.place, ()), link)
                 gaps[place] = min(link.gap, gaps.get(place, link.gap))
             yield CaseGaps(point, case_number, tuple(gaps.items()))
 
 
-def _is_at_heights(plan: Plan, point: int, place: int, link: Link) -> bool:
-    """Return whether a link ends where the floors, or slab and columns, of a place of the plan face each other.
+def _find_place(plan: Plan, point: int, numbers: Sequence[int], link: Link) -> int:
+    """Return the place of the plan at which a link ends where floors, or slab and columns, face each other; -1 if none.
 
-    A link may end on the same columns at another height: what the place requires is not meant there.
+    A link may end on the same columns at another height: what the place requires is not meant there. Floors that do not
+    twist while nothing acts between them close alike everywhere, and have one place.
+
+    numbers : of the places of its floors
     """
-    index: tuple[Any, ...] = (*np.unravel_index(point, plan.shape[:-3]), 0, place)
-    heights = plan.links.left_at[index], plan.links.right_at[index]
-    return bool(np.allclose((link.left_at, link.right_at), heights))
+    links = plan.links
+    where: tuple[Any, ...] = (*np.unravel_index(point, plan.shape[:-3]), 0)
+    facing = []
+    for number in numbers:
+        heights = links.left_at[(*where, number)], links.right_at[(*where, number)]
+        if np.allclose((link.left_at, link.right_at), heights):
+            facing.append(number)
+    if len(facing) == 1:
+        return facing[0]
+    for number in facing:
+        ys = links.left_y[(*where, number)], links.right_y[(*where, number)]
+        if np.allclose((link.left_y, link.right_y), ys, rtol=0.0, atol=SAME_PLACE):
+            return number
+    return -1
 
 
 def _find_plan_point(plan: Plan, axes: list[BuildingKeys], index: Point) -> int:

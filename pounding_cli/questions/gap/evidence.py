@@ -11,7 +11,15 @@ import pandas as pd
 
 from pounding_cli.model.links import BASE
 from pounding_cli.numbers import Unit
-from pounding_cli.questions.gap.tables import CASES_TABLE, CODES_TABLE, EXACT, GAP_TABLE, MOTION_RULES
+from pounding_cli.questions.gap.tables import (
+    CASES_TABLE,
+    CODES_TABLE,
+    EXACT,
+    GAP_TABLE,
+    HIGH_END,
+    LOW_END,
+    MOTION_RULES,
+)
 from pounding_cli.report.evidence import Evidence, find_nominal
 from pounding_cli.solver.response import DONE
 from pounding_cli.study.file import parse
@@ -20,8 +28,8 @@ from pounding_cli.tables import Row
 if TYPE_CHECKING:
     from pounding_cli.results.results import ResultTables
 
-PLACE_KEYS = ["floor", "right_floor", "columns"]
-"""Columns that say which floors of two neighbours face each other."""
+PLACE_KEYS = ["floor", "right_floor", "columns", "end"]
+"""Columns that say which floors of two neighbours face each other, and where along the street if these twist."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +40,7 @@ class Need:
     mean : over the motions, at the same floors [m]
     floors : these floors, in words
     is_widest : whether the mean is nowhere wider than at these floors
+    twists : whether these floors twist, so that the place along the street matters
     motions, failed : number of motions behind it, and of those whose run failed
     gap : of the case at these floors [m]; NaN without a case
     enough : verdict of CASES_TABLE; "" without a case
@@ -41,6 +50,7 @@ class Need:
     mean: float
     floors: str
     is_widest: bool
+    twists: bool
     motions: int
     failed: int
     gap: float = float("nan")
@@ -128,7 +138,7 @@ class GapEvidence:
         row : of these
         """
         return Need(
-            required, row["mean"], describe_floors(row), bool(row["mean"] >= rows["mean"].max()),
+            required, row["mean"], describe_place(row), bool(row["mean"] >= rows["mean"].max()), bool(row.get("end")),
             int(row["motions"]), self.count_motions() - int(row["motions"]), gap, enough,
         )  # fmt: skip
 
@@ -144,7 +154,8 @@ class GapEvidence:
             is_uniform = len(list_written_gaps(self.results, str(case), pair)) <= 1
             for judged in rows.to_dict("records"):
                 of_analysis = exact[exact["analysis"] == judged["analysis"]]
-                is_here = (of_analysis[PLACE_KEYS] == [judged[key] for key in PLACE_KEYS]).all(axis=1)
+                keys = [key for key in PLACE_KEYS if key in of_analysis]
+                is_here = (of_analysis[keys] == [judged[key] for key in keys]).all(axis=1)
                 row = of_analysis[is_here].iloc[0].to_dict()
                 needs[judged["analysis"]] = self._build_need(
                     of_analysis, row, judged["required"], judged["gap"], judged["enough"]
@@ -220,8 +231,24 @@ def select_widest(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     return widest[keys].drop_duplicates().merge(frame.merge(widest, on=places), on=keys)
 
 
+def describe_place(row: Row) -> str:
+    """Return where two neighbours face each other, for a sentence: "floor 5", "the low end of the shared edge of floor
+    5"."""
+    floors = describe_floors({**row, "end": ""})
+    end = row.get("end")
+    if not end:
+        return floors
+    return f"the {end} of the shared edge of {floors}" if end in (LOW_END, HIGH_END) else f"{end} along {floors}"
+
+
 def describe_floors(row: Row) -> str:
-    """Return which floors of two neighbours face each other: "floor 5", "floor 4 beside storey 6 of A"."""
+    """Return which floors of two neighbours face each other, for a table: "floor 5", "floor 4 beside storey 6 of A",
+    "floor 5, low end" of floors that twist."""
+    floors = _describe_floors(row)
+    return f"{floors}, {row['end']}" if row.get("end") else floors
+
+
+def _describe_floors(row: Row) -> str:
     left_floor = row["floor"]
     right_floor = row["right_floor"]
     side = row["columns"]

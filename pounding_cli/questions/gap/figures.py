@@ -9,8 +9,10 @@ import numpy as np
 
 from pounding_cli.model.separation import ASCE7, E030, EN1998, GB50011, NBC202, NTC2008, NTC2018, TBDY2018
 from pounding_cli.questions.gap.evidence import PLACE_KEYS, GapEvidence
+from pounding_cli.questions.gap.neighbour_figures import draw_probabilities
+from pounding_cli.questions.gap.neighbour_words import describe_neighbours
 from pounding_cli.questions.gap.sentences import list_sentences
-from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT
+from pounding_cli.questions.gap.tables import CONFIDENCE, EXACT, NEIGHBOURS_TABLE
 from pounding_cli.report.document import Picture
 from pounding_cli.report.evidence import describe_motions
 from pounding_cli.report.style import finish, grid, shared_legend, styled
@@ -46,13 +48,19 @@ _CONTACT_COLOR = "#56B4E9"
 
 
 def list_figures(results: ResultTables) -> list[Picture]:
-    """Return the required gaps over the height; nothing where no run has a result at the point that is shown."""
+    """Return the required gaps over the height, behind how likely gaps are enough beside a neighbour that is only seen;
+    nothing where no run has a result at the point that is shown."""
     evidence = GapEvidence(results)
     is_exact = evidence.gaps["rule"] == EXACT
     if not evidence.gaps.loc[is_exact, "mean"].notna().any():
         return []
     text = " ".join(list_sentences(results))
-    return [Picture("required-gap", "Required gap over the height", text, partial(draw_profiles, evidence))]
+    pictures = [Picture("required-gap", "Required gap over the height", text, partial(draw_profiles, evidence))]
+    if NEIGHBOURS_TABLE in results.answers:
+        text = " ".join(describe_neighbours(evidence, pair) for pair in evidence.pairs)
+        draw = partial(draw_probabilities, evidence)
+        pictures.insert(0, Picture("gap-probability", "Probability that a gap is enough", text, draw))
+    return pictures
 
 
 @styled
@@ -60,7 +68,7 @@ def draw_profiles(evidence: GapEvidence) -> Figure:
     """Draw gaps across, height upwards: a panel for each pair of neighbours and analysis."""
     unit = evidence.unit
     contact = next(name for name in map(str, evidence.gaps) if name.startswith("contact_"))
-    panels = evidence.gaps.groupby(["left", "right", "analysis"], sort=False)
+    panels = _select_governing_ends(evidence.gaps).groupby(["left", "right", "analysis"], sort=False)
     figure, axes = grid(len(panels), 3.6, 3.4, "height of the floors [m]", sharey=True, sharex=True)
     for ax, ((left, right, analysis), rows) in zip(axes, panels, strict=True):
         _draw_motions(ax, _find_closings(evidence, rows), unit)
@@ -77,10 +85,22 @@ def draw_profiles(evidence: GapEvidence) -> Figure:
     return figure
 
 
+def _select_governing_ends(gaps: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of the ends, of floors that twist, at which these need most on average; all of others."""
+    if "end" not in gaps:
+        return gaps
+    keys = ["left", "right", "analysis", *(key for key in PLACE_KEYS if key != "end")]
+    exact = gaps[(gaps["rule"] == EXACT) & gaps["mean"].notna()]
+    governing = exact.loc[exact.groupby(keys, sort=False)["mean"].idxmax(), [*keys, "end"]]
+    return gaps.merge(governing, on=[*keys, "end"])
+
+
 def _describe_figure(evidence: GapEvidence) -> str:
     """Return what the lines of the figure are."""
     where = f"At {evidence.shown.label}. " if evidence.shown.label else ""
     lines = f"Grey: every motion, exact. Lines: mean over the motions. Band: {100 * CONFIDENCE:.0f} % confidence."
+    if "end" in evidence.gaps and evidence.gaps["end"].any():
+        lines += " At every height the end of the shared edge that needs most."
     return f"{where}{lines} {describe_motions(evidence.shown.records)}"
 
 
@@ -93,9 +113,12 @@ def _find_closings(evidence: GapEvidence, rows: pd.DataFrame) -> pd.DataFrame:
     if "left_at" not in link:
         link = link.assign(left_at=1.0, right_at=1.0)
     sides = np.select([link["left_at"] < 1, link["right_at"] < 1], ["left", "right"], "")
-    keys = ["left", "right", "analysis", *PLACE_KEYS]
+    keys = ["left", "right", "analysis", *(key for key in PLACE_KEYS if key != "end")]
     facing = rows[[*keys, "height"]].drop_duplicates()
-    return link.assign(columns=sides).merge(facing, on=keys).sort_values("height")
+    closings = link.assign(columns=sides).merge(facing, on=keys)
+    places = closings.groupby(["record", "height"], sort=False)
+    largest: pd.DataFrame = places.agg({"max_closing": "max"}).reset_index()  # of both ends
+    return largest.sort_values("height")
 
 
 def _draw_motions(ax: Axes, closings: pd.DataFrame, unit: Unit) -> None:

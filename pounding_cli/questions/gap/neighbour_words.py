@@ -29,8 +29,10 @@ def describe_neighbours(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     """Return how likely the gaps of the cases are enough, and the gaps for some probabilities; "" where both buildings
     are certain."""
     drawn = _list_drawn_places(evidence, pair)
+    if not drawn:
+        return ""
     rows = _select_rows(evidence, pair)
-    if not drawn or rows.empty:
+    if rows.empty:
         return ""
     first = rows.iloc[0]
     motions = pluralize(int(first["motions"]), "motion")
@@ -114,7 +116,8 @@ def show_neighbours(results: ResultTables) -> list[Table]:
         tables.append(table.view(*keys, _PAIR, "analysis", *gaps, *spreads, caption=caption))
         judged = results.answer(NEIGHBOUR_CASES_TABLE)
         caption = "Probability that the gaps of the cases are enough, over both"
-        tables.append(judged.view(*keys, "case", _PAIR, "analysis", "gap", "enough", caption=caption))
+        rates = ["rate"] if judged.frame["rate"].notna().any() else []
+        tables.append(judged.view(*keys, "case", _PAIR, "analysis", "gap", "enough", *rates, caption=caption))
     return tables
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from pounding_cli.questions.bootstrap import build_estimate, draw_motions
 from pounding_cli.questions.gap.cases import build_gap_frame
+from pounding_cli.questions.gap.separations import list_points
 from pounding_cli.questions.gap.statistics import build_point_table
 from pounding_cli.questions.gap.tables import (
     CONFIDENCE,
@@ -21,10 +23,12 @@ from pounding_cli.questions.gap.tables import (
     name_enough,
 )
 from pounding_cli.study import Plan, Study
-from pounding_cli.tables import Table
+from pounding_cli.tables import Column, Table
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from pounding_cli.questions.gap.rate import RateBasis
 
 DRAWS = 300
 """Draws of the bootstrap over the neighbours and over the motions."""
@@ -70,7 +74,14 @@ class Closings:
         neighbours, motions = self.values.shape
         return {"neighbours": neighbours, "motions": motions, "failed": int(np.isnan(self.values).sum())}
 
-    def find_gap(self, share: float) -> dict[str, Any]:
+    def find_gaps(self) -> dict[str, Any]:
+        """Return the gaps that are enough with NEIGHBOUR_SHARES, with their intervals [m]."""
+        gaps: dict[str, Any] = {}
+        for share in NEIGHBOUR_SHARES:
+            gaps |= self._find_gap(share)
+        return gaps
+
+    def _find_gap(self, share: float) -> dict[str, Any]:
         """Return the gap that is enough with a probability, with its interval [m]."""
         known = ~np.isnan(self.values)
         values = self.values[known]
@@ -104,49 +115,61 @@ class Closings:
         return {"spread_motions": within**0.5, "spread_neighbours": between**0.5, "spread": (within + between) ** 0.5}
 
 
-def build_neighbour_tables(study: Study, plan: Plan, separations: pd.DataFrame) -> list[Table]:
+def build_neighbour_tables(
+    study: Study, plan: Plan, separations: pd.DataFrame, basis: RateBasis | None
+) -> list[Table]:  # fmt: skip
     """Return NEIGHBOURS_TABLE and NEIGHBOUR_CASES_TABLE: over the neighbours and the motions, by pair and analysis.
 
     plan : whose last axis is that of neighbours, the median ones first
     separations : of every place, rule, analysis and motion
+    basis : of annual rates; None without a hazard curve
     """
-    import pandas as pd
-
-    axis = plan.axes[-1]
-    drawn = _select_drawn(separations, len(axis))
+    drawn = _select_drawn(separations, len(plan.axes[-1]))
+    points = list_points(plan)
+    gaps = build_gap_frame(study, plan)
     rows = []
     case_rows = []
-    gaps = build_gap_frame(study, plan)
-    place: Any
-    for place, of_pair in drawn.groupby(["first", "analysis", "number"], observed=True):
-        point, analysis, number = place
+    pair: Any
+    for pair, of_pair in drawn.groupby(["first", "analysis", "number"], observed=True):
+        point, analysis, number = pair
         by_run = of_pair.pivot_table("value", "neighbour", "motion", _largest_known, dropna=False)
         closings = Closings.of(by_run.to_numpy(float))
         if np.isnan(closings.values).all():
             continue
         left, right = plan.buildings[number : number + 2]
         where = {"point": point, "analysis": analysis, "left": left, "right": right} | closings.describe()
-        row = where | closings.split_spread()
-        for share in NEIGHBOUR_SHARES:
-            row |= closings.find_gap(share)
-        rows.append(row)
-        beside = of_pair.merge(gaps, left_on=["first", "place"], right_on=["point", "place"], suffixes=("", "_gap"))
-        for (given, case), of_case in beside.groupby(["given", "case"], sort=False):
-            fits = of_case["value"] + of_case["error"].fillna(0.0) <= of_case["gap"]
-            by_run = of_case.assign(fits=fits).pivot_table("fits", "neighbour", "motion", "all")
-            is_enough = by_run.to_numpy(bool)
-            case_row = where | {"given": given, "case": case, "gap": float(of_case["gap"].min())}
-            case_rows.append(case_row | closings.find_probability(is_enough))
-    tables = []
-    for name, columns, found in (
-        (NEIGHBOURS_TABLE, NEIGHBOUR_COLUMNS, rows),
-        (NEIGHBOUR_CASES_TABLE, NEIGHBOUR_CASES_COLUMNS, case_rows),
-    ):
-        names = [column.name for column in columns]
-        frame = pd.DataFrame(found, columns=["point", "given", *names])
-        frame = frame.sort_values(["point", "given"], kind="stable", ignore_index=True)
-        tables.append(drop_axis(build_point_table(plan, name, frame, names), axis.names))
-    return tables
+        rows.append(where | closings.split_spread() | closings.find_gaps())
+        for judged in _judge_cases(closings, of_pair, gaps):
+            rate = {}
+            if basis is not None:
+                rate = basis.estimate_rate(basis.drop_intensity(points[point]), analysis, number, judged["gap"])
+            case_rows.append(where | judged | rate)
+    found = ((NEIGHBOURS_TABLE, NEIGHBOUR_COLUMNS, rows), (NEIGHBOUR_CASES_TABLE, NEIGHBOUR_CASES_COLUMNS, case_rows))
+    return [_build_table(plan, *each) for each in found]
+
+
+def _judge_cases(closings: Closings, of_pair: pd.DataFrame, gaps: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Yield how likely each set of gaps of a case is enough between two neighbours.
+
+    of_pair : what the motions require of the pair beside all drawn neighbours
+    gaps : of all cases (`build_gap_frame`)
+    """
+    beside = of_pair.merge(gaps, left_on=["first", "place"], right_on=["point", "place"], suffixes=("", "_gap"))
+    for (given, case), of_case in beside.groupby(["given", "case"], sort=False):
+        fits = of_case["value"] + of_case["error"].fillna(0.0) <= of_case["gap"]
+        by_run = of_case.assign(fits=fits).pivot_table("fits", "neighbour", "motion", "all")
+        judged = closings.find_probability(by_run.to_numpy(bool))
+        yield {"given": given, "case": case, "gap": float(of_case["gap"].min())} | judged
+
+
+def _build_table(plan: Plan, name: str, columns: Sequence[Column], rows: Sequence[dict[str, Any]]) -> Table:
+    """Return a table of rows, without the axis of neighbours."""
+    import pandas as pd
+
+    names = [column.name for column in columns]
+    frame = pd.DataFrame(rows, columns=["point", "given", *names])
+    frame = frame.sort_values(["point", "given"], kind="stable", ignore_index=True)
+    return drop_axis(build_point_table(plan, name, frame, names), plan.axes[-1].names)
 
 
 def _largest_known(values: pd.Series) -> float:

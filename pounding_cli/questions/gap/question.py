@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pounding_cli.laws.apart import Apart
-from pounding_cli.questions.gap.apart import build_apart_study, link_all_facing
+from pounding_cli.model.links import Link
+from pounding_cli.questions.gap.apart import build_apart_study, find_street_places, link_all_facing
 from pounding_cli.questions.gap.cases import build_cases_table
 from pounding_cli.questions.gap.codes import build_codes_table
+from pounding_cli.questions.gap.edges import EdgeMovements, EdgePlan, build_edge_plans
 from pounding_cli.questions.gap.neighbours import build_neighbour_tables, drop_axis, select_median
 from pounding_cli.questions.gap.separations import build_distances, build_separations
 from pounding_cli.questions.gap.spec import GapSpec
@@ -20,7 +22,7 @@ from pounding_cli.questions.gap.tables import GAP_TABLE, LINE_TABLE
 from pounding_cli.questions.neighbours import build_neighbour_axis
 from pounding_cli.questions.question import Answer, StudyQuestion
 from pounding_cli.study import Plan, Study, make_plan
-from pounding_cli.study.swept import sweep_map
+from pounding_cli.study.swept import Swept, sweep_map
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,7 +37,8 @@ if TYPE_CHECKING:
 class Gap(StudyQuestion):
     """The required separations of all neighbours over the motions.
 
-    Raises InputError: a rate of contact without an intensity, or without its hazard curve.
+    Raises InputError: a rate of contact without an intensity, or without its hazard curve; no neighbours that face each
+    other.
 
     apart : the study with nothing between its buildings; swept keys of links are left out, those of buildings and
         motions stay
@@ -58,6 +61,10 @@ class Gap(StudyQuestion):
         self.intensity_axis: int | None = None
         self.intensities = np.zeros(0)
         self.hazard: Hazard | None = None
+        if not any(links for _, links in self.links.iter_values()):
+            message = "no two neighbours share an edge along the street, so no gap between them can close"
+            self.problems.at(study.tree, ("group",), message, "let their plans overlap along the street (`shift:`)")
+            self.problems.check()
         if self.spec.hazard is not None:
             self._read_hazard()
 
@@ -101,22 +108,36 @@ class Gap(StudyQuestion):
         return Measure(name, getattr(scale, "period", 0.0)), [getattr(scale, name)]
 
     @cached_property
+    def links(self) -> Swept[tuple[Link, ...]]:
+        """The links without force between all floors that face each other."""
+        link = partial(link_all_facing, street_places=find_street_places(self.study))
+        return sweep_map(link, self.apart.resolved.group)
+
+    @cached_property
     def plan(self) -> Plan:
         """The time histories of every motion and analysis, with nothing between the buildings."""
-        resolved = self.apart.resolved
-        links = {Apart.name: sweep_map(link_all_facing, resolved.group)}
-        return make_plan(self.apart, dataclasses.replace(resolved, links=links))
+        return make_plan(self.apart, dataclasses.replace(self.apart.resolved, links={Apart.name: self.links}))
+
+    @cached_property
+    def edge_plans(self) -> list[EdgePlan]:
+        """The time histories that tell how far floors that twist move beside their centres of mass."""
+        return build_edge_plans(self.apart, self.links)
+
+    @property
+    def expected_count(self) -> int:
+        return len(self.plan) + sum(each.numbers.size for each in self.edge_plans)
 
     def answer(self, solver: Solver) -> Answer:
         """Return what is required, what that means for the cases, and the distances to property lines."""
         plan = self.plan
         arrays = solver.solve_arrays(plan)
-        separations = build_separations(plan, self.spec, arrays)
-        distances = build_distances(plan, self.spec, arrays)
+        edges = EdgeMovements(self.apart, self.edge_plans, solver)
+        separations = build_separations(plan, self.spec, arrays, edges)
+        distances = build_distances(plan, self.spec, arrays, edges)
         basis = self._build_rate_basis(separations)
         of_neighbours: list[Table] = []
         if self.neighbours is not None:
-            of_neighbours = build_neighbour_tables(self.study, plan, separations)
+            of_neighbours = build_neighbour_tables(self.study, plan, separations, basis)
             separations = select_median(separations, len(self.neighbours))
             distances = select_median(distances, len(self.neighbours))
         tables = [

@@ -11,7 +11,7 @@ from pounding_cli.questions.gap.evidence import (
     CaseEntry,
     GapEvidence,
     Need,
-    describe_floors,
+    describe_place,
     list_written_gaps,
     select_exact,
     select_widest,
@@ -245,8 +245,10 @@ def _describe_basis(need: Need, previous: Need | None, unit: Unit) -> str:
 
     previous : the need before
     """
-    floors = "" if need.is_widest else f", at {need.floors}"
+    floors = "" if need.is_widest and not need.twists else f", at {need.floors}"
     is_same = previous is not None and (previous.motions, previous.is_widest and need.is_widest) == (need.motions, True)
+    if previous is not None and (need.twists or previous.twists):
+        is_same = is_same and need.floors == previous.floors
     mean = f"mean{'' if need.is_widest else ' there'} {unit_text(need.mean, unit)}"
     within = "within the numerical error of the gap; " if need.enough == NO and need.required <= need.gap else ""
     if is_same:
@@ -344,7 +346,7 @@ def _describe_contact(evidence: GapEvidence, pair: tuple[str, str]) -> str:
     rows = rows[(rows["rule"] == EXACT) & rows[column.name].notna()]
     if rows.empty:
         return ""
-    floors = " or ".join(dict.fromkeys(describe_floors(row) for row in rows.to_dict("records")))
+    floors = " or ".join(dict.fromkeys(describe_place(row) for row in rows.to_dict("records")))
     widths: list[str] = []
     article = "the " if evidence.has_wall(pair) else ""
     for row in rows.drop_duplicates("analysis").to_dict("records"):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import functools
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -21,12 +22,16 @@ from pounding_cli.model.separation import (
     first_mode_damping,
     root_of_squares,
 )
+from pounding_cli.model.twist import is_eccentric
 from pounding_cli.model.wall import Wall
+from pounding_cli.questions.gap.edges import EdgeMovements
 from pounding_cli.questions.gap.spec import GapSpec
-from pounding_cli.questions.gap.tables import EXACT, FACING_KEYS, MOTION_RULES
+from pounding_cli.questions.gap.tables import EXACT, FACING_KEYS, HIGH_END, LOW_END, MOTION_RULES
 from pounding_cli.results.arrays import ResultArrays
 from pounding_cli.results.responses import max_storeys
 from pounding_cli.study import Plan
+from pounding_cli.study.buildings import find_code_displacements
+from pounding_cli.study.street_places import ROUNDING, StreetSide, find_shared_edge
 from pounding_cli.study.swept import Point, Swept
 
 if TYPE_CHECKING:
@@ -34,6 +39,10 @@ if TYPE_CHECKING:
 
 CodeDisplacements = Mapping[str, Swept[dict[str, np.ndarray]]]
 """Displacements that codes expect [m], by building type and rule."""
+
+CodeEdges = Callable[[Point, int, float], dict[str, np.ndarray] | None]
+"""code_edges(index, building, y) -> displacements that codes expect at y of the floors of a building, by rule [m], of
+shape (storeys,); None where they do not twist."""
 
 Place = dict[str, Any]
 """Columns that say where something is required; `point` of the sweep by number."""
@@ -55,6 +64,8 @@ class PointState:
         wall
     closings : largest of all links, shape (analyses, motions, links) [m]
     error : relative numerical error of the time histories, shape (analyses, motions) [-]
+    edges : how far floors that twist move beside their centres of mass
+    code_edges : how far codes expect them to move there
     """
 
     index: Point
@@ -64,6 +75,34 @@ class PointState:
     displacements: np.ndarray
     closings: np.ndarray
     error: np.ndarray
+    edges: EdgeMovements
+    code_edges: CodeEdges
+
+    def find_code_displacement(self, rule: str, building: int, floor: int, at: float, y: float) -> float:
+        """Return the displacement that the rule of a code expects of a place of a floor, or of the columns below it
+        [m]; arguments as of `find_peak`."""
+        displacements = self.code_displacements[rule]
+        at_edge = self.code_edges(self.index, building, y)
+        if at_edge is not None and rule in at_edge:
+            displacements = displacements.copy()
+            displacements[building, 1 : 1 + at_edge[rule].size] = np.abs(at_edge[rule])
+        return float(_interpolate(displacements, building, floor, at))
+
+    def find_peak(self, building: int, floor: int, at: float, y: float) -> np.ndarray:
+        """Return the largest displacement of a place of a floor, or of the columns below it, shape (analyses, motions)
+        [m].
+
+        building : its place in the group, from 0
+        at : height in the storey, from 0 at its foot to 1 at its floor
+        y : from the centre of mass [m]
+        """
+        displacements = self.displacements
+        movements = self.edges.find(self.index, building, y)
+        if movements is not None:
+            displacements = displacements.copy()
+            for level, to_left in movements.to_left.items():
+                displacements[..., building, level] = np.maximum(to_left, movements.to_right[level])
+        return _interpolate(displacements, building, floor, at)
 
 
 def list_points(plan: Plan) -> list[Point]:
@@ -74,30 +113,33 @@ def list_points(plan: Plan) -> list[Point]:
 # Between floors
 
 
-def build_separations(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> pd.DataFrame:
+def build_separations(plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: EdgeMovements) -> pd.DataFrame:
     """Return the required separations of floors, and of slabs and columns, that face each other.
 
     Columns are those of `_build_frame` with `place`, the number among `plan.links`, and `number`, that of the left
-    building.
+    building. Where floors twist, they are of every place along the street.
     """
-    return _build_frame(plan, _iter_separations(plan, spec, arrays))
+    return _build_frame(plan, _iter_separations(plan, spec, arrays, edges))
 
 
-def _iter_separations(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> Iterator[tuple[Place, Requirements]]:
-    """Yield every two floors that face each other with the rules that say something there."""
-    for state in _iter_points(plan, arrays):
+def _iter_separations(
+    plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: EdgeMovements
+) -> Iterator[tuple[Place, Requirements]]:
+    """Yield every two places of floors that face each other with the rules that say something there."""
+    for state in _iter_points(plan, arrays, edges):
         for place, link_place in enumerate(plan.links.places):
             if plan.links.kind[(*state.index, 0, place)]:
                 yield _require_separation(plan, spec, state, place, link_place)
 
 
-def _iter_points(plan: Plan, arrays: ResultArrays) -> Iterator[PointState]:
+def _iter_points(plan: Plan, arrays: ResultArrays, edges: EdgeMovements) -> Iterator[PointState]:
     """Yield the state of the group at every point of the sweep."""
     closings = _read_by_point(plan, arrays, "max_closing")
     errors = _read_by_point(plan, arrays, "error_estimate")
     sways = _read_by_point(plan, arrays, "sway")
     displacements = np.concatenate([sways[..., None], _read_by_point(plan, arrays, "displacement")], axis=-1)
     code_displacements = _find_code_displacements(plan)
+    code_edges = _find_code_edges(plan)
     for number, index in enumerate(list_points(plan)):
         buildings = [plan.study.building(index, place) for place in range(len(plan.buildings))]
         is_wall = [isinstance(building, Wall) for building in buildings]
@@ -105,7 +147,7 @@ def _iter_points(plan: Plan, arrays: ResultArrays) -> Iterator[PointState]:
         peaks = displacements[number].copy()
         for values in (peaks, *by_code.values()):
             values[..., is_wall, :] = 0.0
-        yield PointState(index, number, buildings, by_code, peaks, closings[number], errors[number])
+        yield PointState(index, number, buildings, by_code, peaks, closings[number], errors[number], edges, code_edges)
 
 
 def _require_separation(
@@ -120,7 +162,10 @@ def _require_separation(
     left_at = plan.links.left_at[(*state.index, 0, place)]
     right_at = plan.links.right_at[(*state.index, 0, place)]
     ends = ((left, floor, left_at), (left + 1, right_floor, right_at))
-    left_peak, right_peak = (_interpolate(state.displacements, *end) for end in ends)
+    left_y = plan.links.left_y[(*state.index, 0, place)]
+    right_y = plan.links.right_y[(*state.index, 0, place)]
+    left_peak = state.find_peak(*ends[0], left_y)
+    right_peak = state.find_peak(*ends[1], right_y)
     rules: Requirements = {}
     largest_closing = np.nanmax(state.closings, axis=-1, initial=0.0)
     rules[EXACT] = (state.closings[..., place], state.error * largest_closing)
@@ -134,10 +179,11 @@ def _require_separation(
     same_floors = _have_same_floors(left_building, right_building)
     for rule, settings in spec.select_rules():
         if floor > 0 or rule.at_base:  # the others do not tell how far a base moves
-            left_moved, right_moved = (_interpolate(state.code_displacements[rule.name], *end) for end in ends)
+            left_moved = state.find_code_displacement(rule.name, *ends[0], left_y)
+            right_moved = state.find_code_displacement(rule.name, *ends[1], right_y)
             code_place = CodePlace(
-                float(left_moved),
-                float(right_moved),
+                left_moved,
+                right_moved,
                 height,
                 left_building.elevation[-1],
                 right_building.elevation[-1],
@@ -148,7 +194,39 @@ def _require_separation(
     where: Place = {"point": state.number, "place": place, "number": left}
     where |= dict(zip(FACING_KEYS, facing, strict=True))
     where["height"] = height
+    if has_ends(plan):
+        where |= find_street_columns(plan, state.index, place)
     return where, rules
+
+
+def has_ends(plan: Plan) -> bool:
+    """Return whether floors twist somewhere, so that what they require depends on the place along the street."""
+    types = plan.study.resolved.types
+    return any(is_eccentric(each) for name in plan.study.spec.group for _, each in types[name].iter_values())
+
+
+def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
+    """Return where two floors face each other along the street, as columns of tables; nowhere if neither twists.
+
+    place : number of the link among `plan.links`
+    """
+    links = plan.links
+    left = links.places[place].left
+    pair = [plan.study.building(index, number) for number in (left, left + 1)]
+    if not any(map(is_eccentric, pair)):
+        return {"end": "", "y": np.nan}
+    sides = [StreetSide.of(building) for building in pair]
+    at = (*index, 0, place)
+    ys = [
+        side.centre + float(y[at])
+        for side, y in zip(sides, (links.left_y, links.right_y), strict=True)
+        if side is not None
+    ]
+    low, high = find_shared_edge(*sides)
+    for name, end in ((LOW_END, low), (HIGH_END, high)):
+        if all(abs(y - end) <= ROUNDING * (high - low) for y in ys):
+            return {"end": name, "y": end}
+    return {"end": " | ".join(dict.fromkeys(f"{y:.4g} m" for y in ys)), "y": ys[0]}
 
 
 def _interpolate(displacements: np.ndarray, building: int, floor: int, at: float) -> np.ndarray:
@@ -183,19 +261,24 @@ def _have_same_floors(left: Building, right: Building) -> bool:
 # To property lines
 
 
-def build_distances(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> pd.DataFrame:
-    """Return how far every floor moves to both of its sides, and what codes ask of the distance to a line."""
-    return _build_frame(plan, _iter_distances(plan, spec, arrays))
+def build_distances(plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: EdgeMovements) -> pd.DataFrame:
+    """Return how far every floor moves to both of its sides, and what codes ask of the distance to a line.
+
+    Of floors that twist it is that of both ends of a side.
+    """
+    return _build_frame(plan, _iter_distances(plan, spec, arrays, edges))
 
 
-def _iter_distances(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> Iterator[tuple[Place, Requirements]]:
+def _iter_distances(
+    plan: Plan, spec: GapSpec, arrays: ResultArrays, edges: EdgeMovements
+) -> Iterator[tuple[Place, Requirements]]:
     """Yield every floor and side with the rules that say something there."""
     relative_errors = _read_by_point(plan, arrays, "error_estimate")
     peaks = np.nanmax(_read_by_point(plan, arrays, "displacement"), axis=-1, initial=0.0)
-    errors = relative_errors[..., None] * peaks
     to_left = -_read_by_point(plan, arrays, "displacement_min")
     to_right = _read_by_point(plan, arrays, "displacement_max")
     code_displacements = _find_code_displacements(plan)
+    code_edges = _find_code_edges(plan)
     for point, index in enumerate(list_points(plan)):
         by_code = _read_code_displacements(plan, index, code_displacements)
         for number, name in enumerate(plan.buildings):
@@ -204,15 +287,45 @@ def _iter_distances(plan: Plan, spec: GapSpec, arrays: ResultArrays) -> Iterator
                 continue
             for floor in range(1, building.storeys + 1):
                 height = building.level(floor)
-                of_codes: Requirements = {
-                    rule.name: (rule.line(by_code[rule.name][number, floor], height), 0.0)
-                    for rule, _ in spec.select_rules()
-                    if rule.line is not None
-                }
-                for side, moved in (("left", to_left), ("right", to_right)):
-                    exact = (moved[point, :, :, number, floor - 1], errors[point, :, :, number])
-                    where = {"point": point, "building": name, "side": side, "floor": floor, "height": height}
-                    yield where, {EXACT: exact, **of_codes}
+                sides = {"left": to_left, "right": to_right}
+                at_centre = {side: moved[point, :, :, number, floor - 1] for side, moved in sides.items()}
+                for ends, moved_by_side in _list_ends(plan, edges, index, number, floor, at_centre):
+                    displacements = {rule: values[number, floor] for rule, values in by_code.items()}
+                    if ends.get("end"):
+                        assert building.plan is not None
+                        at_edge = code_edges(index, number, ends["y"] - building.plan.place) or {}
+                        displacements |= {rule: abs(values[floor - 1]) for rule, values in at_edge.items()}
+                    of_codes: Requirements = {
+                        rule.name: (rule.line(displacements[rule.name], height), 0.0)
+                        for rule, _ in spec.select_rules()
+                        if rule.line is not None
+                    }
+                    for side, moved in moved_by_side.items():
+                        error = relative_errors[point] * np.fmax(peaks[point, :, :, number], moved)
+                        where = {"point": point, "building": name, "side": side, "floor": floor, "height": height}
+                        yield where | ends, {EXACT: (moved, error), **of_codes}
+
+
+def _list_ends(
+    plan: Plan, edges: EdgeMovements, index: Point, number: int, floor: int, at_centre: Mapping[str, np.ndarray]
+) -> list[tuple[Place, Mapping[str, np.ndarray]]]:
+    """Return the ends of a side of a floor, as columns of tables, with the movement to both sides there [m]; the
+    movement of its centre where it does not twist.
+
+    number : of the building
+    """
+    plan_of_floors = plan.study.building(index, number).plan
+    nowhere: Place = {"end": "", "y": np.nan} if has_ends(plan) else {}
+    if plan_of_floors is None:
+        return [(nowhere, at_centre)]
+    ends: list[tuple[Place, Mapping[str, np.ndarray]]] = []
+    for end, y in ((LOW_END, plan_of_floors.low), (HIGH_END, plan_of_floors.high)):
+        movements = edges.find(index, number, y)
+        if movements is None:
+            return [(nowhere, at_centre)]
+        moved = {"left": movements.to_left[floor], "right": movements.to_right[floor]}
+        ends.append(({"end": end, "y": plan_of_floors.place + y}, moved))
+    return ends
 
 
 # Both
@@ -228,6 +341,20 @@ def _find_code_displacements(plan: Plan) -> CodeDisplacements:
     """Return the displacements of all building types that codes expect."""
     resolved = plan.study.resolved
     return {name: resolved.displacements(name) for name in plan.study.spec.group}
+
+
+def _find_code_edges(plan: Plan) -> CodeEdges:
+    """Return a function of point, building and y that finds what codes expect there of floors that twist."""
+    specs = plan.study.resolved.building_specs
+
+    @functools.cache
+    def find(index: Point, place: int, y: float) -> dict[str, np.ndarray] | None:
+        building = plan.study.building(index, place)
+        if isinstance(building, Wall) or not is_eccentric(building):
+            return None
+        return find_code_displacements(specs[plan.study.spec.group[place]].at(index), building, y)
+
+    return find
 
 
 def _read_code_displacements(plan: Plan, index: Point, displacements: CodeDisplacements) -> dict[str, np.ndarray]:

@@ -63,9 +63,10 @@ def build_point_table(
     swept = build_swept_frame(plan.axes, [points[number] for number in rows["point"]])
     texts = {name: object for name in ("analysis", "rule") if name in names}
     frame = pd.concat([swept, rows[list(names)].astype(texts)], axis=1)
-    declared = [*COLUMNS_BY_TABLE[name], *further, *list_swept_columns(plan.axes)]
+    declared = [*COLUMNS_BY_TABLE[name], *further]
     unit = plan.study.unit("gap")
-    return build_table(name, frame, declared, {column.name: unit for column in declared if is_length(column)})
+    units = {column.name: unit for column in declared if is_length(column)}
+    return build_table(name, frame, [*declared, *list_swept_columns(plan.axes)], units)
 
 
 def compute_statistics(

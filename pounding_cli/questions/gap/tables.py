@@ -40,6 +40,10 @@ MOTION_RULES = (EXACT, "ABS", "SRSS", "DDC")
 FACING_KEYS = ("left", "right", "floor", "right_floor", "columns")
 """Columns that say which floors face each other."""
 
+LOW_END = "low end"
+HIGH_END = "high end"
+"""Ends along the street of the edge that two floors share, or of the side of a floor."""
+
 YES = "yes"
 NO = "no"
 UNKNOWN = "unknown"
@@ -74,6 +78,8 @@ FACING_COLUMNS = (
         "building whose columns or walls, in the storey below its floor, a slab of the other faces: left or right; "
         "empty where two slabs face each other",
     ),
+    Column("end", "of floors that twist, the end of the edge that they share, or another place; empty of others"),
+    Column("y", "of floors that twist, place along the street; NaN of others", LENGTH),
 )
 
 STATISTIC_COLUMNS = (
@@ -107,6 +113,8 @@ LINE_COLUMNS = (
     Column("building", COORDINATE_VARIABLES["building"][1]),
     Column("side", "side of the building that faces the line: left or right"),
     Column("floor", COORDINATE_VARIABLES["floor"][1], NUMBER, digits=0),
+    Column("end", "of a floor that twists, the end of its side along the street; empty of others"),
+    Column("y", "of a floor that twists, place along the street; NaN of others", LENGTH),
     Column("height", "height of the floor above the ground", LENGTH),
     _RULE,
     *STATISTIC_COLUMNS,
@@ -233,6 +241,12 @@ NEIGHBOUR_CASES_COLUMNS = (
         ),
         _DRAWN_INTERVAL,
     ),
+    *list_estimate_columns(
+        Column(
+            "rate", "annual rate of contact at this gap, with a hazard curve", Unit("%/year", 0.01, "1/year"), digits=2
+        ),
+        "bootstrap interval",
+    ),
     *_DRAWN_COLUMNS,
 )
 """Columns of NEIGHBOUR_CASES_TABLE."""
@@ -285,4 +299,4 @@ def list_share_columns(table: str, percentiles: Sequence[float], contact: Sequen
 
 def is_length(column: Column) -> bool:
     """Return whether people read a column in the unit that the study writes gaps in."""
-    return column.unit.si == LENGTH.si and column.name != "height"
+    return column.unit.si == LENGTH.si and column.name not in ("height", "y")

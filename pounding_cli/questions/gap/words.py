@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +31,9 @@ from pounding_cli.questions.gap.tables import (
     CONFIDENCE,
     EXACT,
     GAP_TABLE,
+    HIGH_END,
     LINE_TABLE,
+    LOW_END,
     RATE_TABLE,
 )
 from pounding_cli.solver.response import COLLAPSED
@@ -94,7 +97,7 @@ def _show_distances(results: ResultTables) -> Table:
     keys = _list_swept_keys(results, table)
     rows = select_widest(table.frame, [*keys, "building", "side"])
     caption = "Distance to a property line, at the floors whose mean over the motions is the largest"
-    places = [table.column(name) for name in ("building", "side", "floor", "analysis")]
+    places = [table.column(name) for name in ("building", "side", "floor", "end", "analysis") if table.has(name)]
     places, caption = _move_constants(rows, places, caption)
     return table.view(*keys, *places, *_list_widths(table), frame=rows, caption=caption)
 
@@ -209,6 +212,7 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
         is_divided = failed_rows[failed_rows["status"] == COLLAPSED]["dropped"].str.contains(COUPLING)
         kept = ", but for pairs that nothing links to the collapse" if is_divided.any() else ""
         yield f"{sum(failed.values())} of {pluralize(len(scene), 'run')} failed ({outcomes}) and are left out{kept}."
+    yield from _iter_street_notes(results, exact)
     yield _describe_error(exact, results.answer(GAP_TABLE).column("error"))
     fewest = int(exact["motions"].min())
     if fewest >= MIN_MOTIONS:
@@ -228,6 +232,39 @@ def _iter_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
             f"Not compared: {join_limited(left_out)}. There is no link, or one that acts before the gap has closed; "
             "`pound run` simulates them."
         )
+
+
+def _iter_street_notes(results: ResultTables, exact: pd.DataFrame) -> Iterator[str]:
+    """Yield where floors that twist share an edge, and how codes count their twist."""
+    facing = set(zip(*(results.arrays[name].values.tolist() for name in ("link_left", "link_right")), strict=True))
+    for left, right in pairwise(results.names("building")):
+        if (left, right) not in facing and "plan_low" in results.arrays:
+            yield f"{left} and {right} share no edge along the street, so that they need no gap."
+    if "end" not in exact or not exact["end"].any():
+        return
+    at_ends = exact[exact["end"].isin([LOW_END, HIGH_END])]
+    for pair, rows in at_ends.groupby(["left", "right"], sort=False):
+        low, high = (_format_places(rows.loc[rows["end"] == end, "y"]) for end in (LOW_END, HIGH_END))
+        yield (
+            f"{' and '.join(map(str, pair))} share an edge along the street, from its low end at {low} m to its high "
+            f"end at {high} m."
+        )
+    yield "Where floors twist, gaps and distances are those of their edges, not of their centres of mass."
+    evaluated = set(results.answer(GAP_TABLE).frame["rule"])
+    rules = [each for each in evaluated if each.startswith("UBC")]
+    rules += [rule.name for rule in CODE_RULES if rule.displacement is not None and rule.name in evaluated]
+    if rules:
+        verb = "counts" if len(rules) == 1 else "count"
+        yield (
+            f"Here {join_limited(rules)} {verb} how floors twist under design forces through their centres of mass, "
+            "without the accidental eccentricities of codes (`accidental` moves the centre of mass)."
+        )
+
+
+def _format_places(ys: pd.Series) -> str:
+    """Return places along the street [m] that a sweep may move: "-5", "-5 to -3"."""
+    ends = dict.fromkeys(f"{y:.4g}" for y in (ys.min(), ys.max()))
+    return " to ".join(ends)
 
 
 def _iter_code_notes(results: ResultTables) -> Iterator[str]:

@@ -417,7 +417,9 @@ def _find_demands(question: Optimise, plan: Plan, values: Values) -> dict[str, t
     for number, building in enumerate(plan.buildings):
         if question.is_wall(number):
             continue
-        for name in ("V_ratio", "mu", "drift", "acceleration"):
+        has_edges = question.study.building(question.study.first_point, number).plan is not None
+        drift = "edge_drift" if has_edges else "drift"
+        for name in ("V_ratio", "mu", drift, "acceleration"):
             demands[f"largest {name} in {building}"] = name, values[name][..., number, :]
         struck = [place.is_on_columns and place.struck_storey[0] == number for place in places]
         if any(struck):

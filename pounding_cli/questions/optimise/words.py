@@ -74,8 +74,7 @@ def list_notes(results: ResultTables) -> list[str]:
         if _shows_contact(results):
             notes.append(CONTACT_NOTE)
         notes += [
-            f"{key} is best at the end of its range: a better value may lie beyond."
-            for key in _list_keys_at_end(results)
+            f"{key} is best at the end of its range: {_describe_beyond(key)}." for key in _list_keys_at_end(results)
         ]
     if first["outcome"] == UNSETTLED:
         notes.append(
@@ -222,6 +221,13 @@ def _list_keys_at_end(results: ResultTables) -> list[str]:
         if any(abs(row[end] - row["value"]) <= tolerance for end in ("range_from", "range_to")):
             keys.append(str(row["key"]))
     return keys
+
+
+def _describe_beyond(key: str) -> str:
+    """Return what may lie beyond the range of a key whose best value lies at the end of it."""
+    if "places" in key.split("."):
+        return "a better place may lie beyond, if both floors reach that far"
+    return "a better value may lie beyond"
 
 
 def _view_optimum(results: ResultTables) -> Table:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pounding_cli.model.scene import Analysis
 from pounding_cli.numbers import NOTHING, count_histories, pluralize
-from pounding_cli.questions.run.twist import CONTACT_MARK, replace_by_lines
+from pounding_cli.questions.run.twist import CONTACT_MARK, format_length, replace_by_lines
 from pounding_cli.report.evidence import MARK, RESPONSES, Evidence, list_acting_keys
 from pounding_cli.results.columns import column_of
 from pounding_cli.results.flags import failed_scenes, flag_groups_of, flagged_scenes
@@ -272,9 +272,11 @@ def _find_gaps(results: ResultTables) -> pd.DataFrame:
 
     crosses_gap : whether there is a gap between the ends of the link
     histories, struck : number of time histories, and of those in which some floors of the case strike
+    y : place of the link along the street, NaN where all links of the case stand at one place
     """
     has_inclined = "facing" in results.arrays
-    link = results.link("kind", "gap", "max_closing", "impacts", *["facing"] * has_inclined)
+    has_places = "y" in results.arrays
+    link = results.link("kind", "gap", "max_closing", "impacts", *["facing"] * has_inclined, *["y"] * has_places)
     if link.empty:
         return pd.DataFrame()
     link["crosses_gap"] = link["kind"].map(results.is_contact).astype(bool)
@@ -295,8 +297,9 @@ def _find_gaps(results: ResultTables) -> pd.DataFrame:
             "crosses_gap": worst["crosses_gap"],
             "struck": int(is_struck.sum()),
             "histories": len(is_struck),
+            "y": worst["y"] if has_places and here["y"].max() > here["y"].min() else np.nan,
         }
-    names = ["closing", "gap", "kind", "crosses_gap", "struck", "histories"]
+    names = ["closing", "gap", "kind", "crosses_gap", "struck", "histories", "y"]
     frame = pd.DataFrame.from_dict(rows, orient="index", columns=names)
     frame.index = pd.MultiIndex.from_tuples(frame.index, names=["case", "analysis"])
     return frame
@@ -321,19 +324,20 @@ def _gap_column(results: ResultTables) -> Column:
         if not np.isfinite(row["closing"]):
             return ""
         beyond = row["closing"] - row["gap"]
+        along = f", y {format_length(row['y'])}" if np.isfinite(row["y"]) else ""
         if not results.is_contact(row["kind"]):
             words = [row["kind"]]
             if not row["crosses_gap"]:
                 words.append("ends at different heights")
             if beyond > 0:
                 words.append(f"{number.format(beyond)} {unit.name} beyond the gap")
-            return ", ".join(words)
+            return ", ".join(words) + along
         count = int(row["histories"])
         histories = count_histories(count) if results.axes else pluralize(count, "motion")
         contact = f"contact in {row['struck']:.0f} of {histories}"
         if beyond > 0:
-            return f"{contact}, gap {unit.text(row['gap'])}"
-        return contact if row["struck"] else "no contact"
+            return f"{contact}, gap {unit.text(row['gap'])}{along}"
+        return contact if row["struck"] else f"no contact{along}"
 
     label = "gap"  # without a unit, which the cells have
     return Column("closing", "largest closing of two floors", label=label, write=write, below=write_contact)

@@ -50,6 +50,19 @@ def line_values(shown: Evidence, name: str, building: str, **places: str) -> np.
     return np.where(is_along, shown.values(name, building=building, **places), np.nan)
 
 
+def keep_lines_along(results: ResultTables, name: str) -> np.ndarray:
+    """Return a variable of frame lines over all its dimensions, NaN of lines across the row."""
+    array = results.arrays[name]
+    line_y = results.arrays["line_y"]
+    shape = [size if dim in line_y.dims else 1 for dim, size in zip(array.dims, array.shape, strict=True)]
+    return np.where(np.isfinite(line_y.values.reshape(shape)), array.values, np.nan)
+
+
+def format_length(value: float) -> str:
+    """Return a length in metres as it is written."""
+    return f"{round(value, 2) + 0.0:g} m".replace("-", "−")
+
+
 def replace_by_lines(results: ResultTables, storey: pd.DataFrame) -> pd.DataFrame:
     """Return rows of storeys, those of floors that twist replaced by rows of their frame lines along the row.
 
@@ -102,15 +115,19 @@ def _build_line_table(shown: Evidence, twisting: list[str]) -> Table:
     frame = pd.DataFrame(rows)
     if len(frame):
         columns = [column for column in columns if column.name not in frame or frame[column.name].notna().any()]
-    return Table("", frame, columns, f"Frame lines of floors that twist: largest of all storeys{_over_motions(shown)}")
+    caption = f"Frame lines of floors that twist: largest of all storeys{_over_motions(shown, frame)}"
+    return Table("", frame, columns, caption)
 
 
 def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Iterator[dict[str, Any]]:
     """Yield a row for every frame line of a building: the largest means over the motions of all storeys, the same
     storey alone, and the storeys of the largest ratios."""
     place = {"case": case, "analysis": analysis, "building": building}
+    is_known = _find_known_motions(shown, place)
+    if not is_known.any():
+        return
     means = {
-        name: shown.values(f"line_{name}", **place).mean(axis=0)
+        name: shown.values(f"line_{name}", **place)[is_known].mean(axis=0)
         for name in ("V", "V0", "mu", "mu0", "drift", "drift0", "drift_ratio")
     }
     means |= {name: shown.values(f"line_{name}_mean", **place) for name in ("V_ratio", "mu_ratio")}
@@ -123,7 +140,7 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
     across = shown.values("line_x", building=building)
     for number in np.flatnonzero(np.isfinite(along) | np.isfinite(across)).tolist():
         row: dict[str, Any] = {"case": shown.mark_case(case), "analysis": analysis, "building": building}
-        row |= {"line": number + 1, "y": along[number], "x": across[number]}
+        row |= {"line": number + 1, "y": along[number], "x": across[number], "motions": int(is_known.sum())}
         for name in ("V", "V_ratio", "mu", "mu_ratio", "drift_ratio"):
             by_storey = means[name][:, number]
             known = np.isfinite(by_storey).any()
@@ -131,18 +148,18 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
             row |= {name: by_storey[storey] if known else np.nan, f"{name}_storey": storey + 1}
             if f"{name}0" in means:
                 row[f"{name}_alone"] = means[f"{name}0"][storey, number]
-        if np.isfinite(row["V"]):
-            yield row
+        yield row
+
+
+def _find_known_motions(shown: Evidence, place: dict[str, str]) -> np.ndarray:
+    """Return under which motions a building in a case and analysis has numbers, with its neighbours and alone."""
+    drifts = [shown.values(name, **place) for name in ("drift", "drift0")]
+    return np.logical_and.reduce([np.isfinite(drift).any(axis=1) for drift in drifts])
 
 
 def _format_line_place(row: Row) -> str:
     """Return the place of a frame line: along the street, or of one across the row from the centre of mass."""
-    return f"y {_format_length(row['y'])}" if np.isfinite(row["y"]) else f"across, x {_format_length(row['x'])}"
-
-
-def _format_length(value: float) -> str:
-    """Return a length in metres as it is written."""
-    return f"{round(value, 2) + 0.0:g} m".replace("-", "−")
+    return f"y {format_length(row['y'])}" if np.isfinite(row["y"]) else f"across, x {format_length(row['x'])}"
 
 
 def _with_alone(name: str, label: str) -> Column:
@@ -176,15 +193,18 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
     rows = []
     for case, analysis, building in product(shown.cases, shown.analyses, twisting):
         place = {"case": case, "analysis": analysis, "building": building}
+        is_known = _find_known_motions(shown, place)
+        if not is_known.any():
+            continue
         height = shown.values("height", building=building)
-        row: dict[str, Any] = {**place, "case": shown.mark_case(case)}
+        row: dict[str, Any] = {**place, "case": shown.mark_case(case), "motions": int(is_known.sum())}
         for name in ("edge_drift_low", "drift", "edge_drift_high", "twist"):
             scale = 1.0 if name == "twist" else height
             for state in ("", "0"):
-                mean = (shown.values(f"{name}{state}", **place) / scale).mean(axis=0)
-                row[f"{name}{state}"] = np.nanmax(mean) if np.isfinite(mean).any() else np.nan
-        if np.isfinite(row["twist"]):
-            rows.append(row)
+                row[f"{name}{state}"] = np.nanmax(
+                    shown.values(f"{name}{state}", **place)[is_known].mean(axis=0) / scale
+                )
+        rows.append(row)
     drift = column_of("edge_drift_ratio").unit
     twist = column_of("twist").unit
 
@@ -203,11 +223,12 @@ def _build_edge_table(shown: Evidence, twisting: list[str]) -> Table:
         build_column("edge_drift_high", "high edge", drift),
         build_column("twist", "twist", twist),
     ]
+    frame = pd.DataFrame(rows)
     caption = (
         "Drift of floors that twist at the edges of the plan and at the centre of mass: largest of all storeys"
-        f"{_over_motions(shown)}"
+        f"{_over_motions(shown, frame)}"
     )
-    return Table("", pd.DataFrame(rows), columns, caption)
+    return Table("", frame, columns, caption)
 
 
 # Contact by place
@@ -230,9 +251,9 @@ def _build_place_table(shown: Evidence) -> Table:
                 dict(zip(keys, place, strict=True))
                 | {
                     "pair": f"{force['left']}|{force['right']}",
-                    "contacts": here.groupby("record", sort=False)["impacts"].sum().mean(),
+                    "contacts": here.groupby("record", sort=False)["impacts"].sum(min_count=1).mean(),
                     "peak_force": force["peak_force"],
-                    "force_floors": _format_floors(force),
+                    "force_floors": _format_floors(force) if force["peak_force"] > 0 else "",
                     "max_closing": closing["max_closing"],
                     "closing_floors": _format_floors(closing),
                     "is_blow": shown.results.is_contact(force["kind"]) and force["peak_force"] > 0,
@@ -279,8 +300,13 @@ def _format_floors(link: Any) -> str:
     return f"floors {link['floor']}|{link['right_floor']}"
 
 
-def _over_motions(shown: Evidence) -> str:
-    """Return what the means are over, and the point of a sweep, as they stand in captions."""
+def _over_motions(shown: Evidence, frame: pd.DataFrame) -> str:
+    """Return what the means are over, and the point of a sweep, as they stand in captions.
+
+    frame : with a column `motions`, their number
+    """
     motions = len(shown.names("record"))
-    mean = f", mean of {motions} motions" if motions > 1 else ""
+    is_complete = len(frame) == 0 or frame["motions"].min() == motions
+    mean = f"mean of {motions} motions" if is_complete else f"mean of those of {motions} motions that have numbers"
+    mean = f", {mean}" if motions > 1 else ""
     return f"{mean}{f', at {shown.label}' if shown.label else ''}"

@@ -23,6 +23,8 @@ from pounding_cli.questions.run.twist import (
     CONTACT_MARK,
     does_twist,
     does_twist_anywhere,
+    format_length,
+    keep_lines_along,
     line_values,
     list_twist_tables,
 )
@@ -381,6 +383,9 @@ def _describe_open_gaps(shown: Evidence) -> str:
     closing = float(shown.values("max_closing")[case, analysis, motion, link])
     gap = float(shown.values("gap")[case, link])
     where = [f"case {shown.cases[case]}", shown.names("link")[link]]
+    places = shown.values("y")[case] if "y" in results.arrays else np.zeros(0)
+    if len(set(places[np.isfinite(places)].tolist())) > 1:
+        where.append(f"y {format_length(float(places[link]))} along the street")
     where += [shown.names("record")[motion]] if len(shown.names("record")) > 1 else []
     return (
         "The floors never touch: every building responds as it does alone. The closest approach closes "
@@ -429,16 +434,18 @@ def _describe_sweep(results: ResultTables, shown: Evidence) -> list[str]:
         if response.analysis not in shown.analyses:
             continue
         by_line = does_twist_anywhere(results, shown.main_building)
-        array = results.arrays[f"{'line_' * by_line}{response.ratio}_mean"]
+        name = f"{'line_' * by_line}{response.ratio}_mean"
+        array = results.arrays[name]
+        values = keep_lines_along(results, name) if by_line else array.values
         analysis = array.dims.index("analysis")
         building = array.dims.index("building")
-        means = array.values.take([shown.analyses.index(response.analysis)], analysis)
+        means = values.take([shown.analyses.index(response.analysis)], analysis)
         means = means.take([shown.group.index(shown.main_building)], building)
         if not np.isfinite(means).any():
             continue
         place = dict(zip(array.dims, np.unravel_index(int(np.nanargmax(means)), means.shape), strict=True))
         ratio = float(np.nanmax(means))
-        noun = response.noun.replace("storey shears", "shears of lines") if by_line else response.noun
+        noun = f"{response.noun.replace('storey shears', 'shears')} of the lines" if by_line else response.noun
         if ratio <= 1 + MIN_CHANGE:
             sentences.append(f"Nowhere in the sweep do the {noun} of {shown.main_building} rise.")
             continue

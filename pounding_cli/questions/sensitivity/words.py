@@ -12,6 +12,7 @@ from pounding_cli.questions.sensitivity.indices import FOUND
 from pounding_cli.questions.sensitivity.tables import INDICES, OUTPUTS, PERCENTILES, PROBABILITIES, SAMPLES
 from pounding_cli.report.background import STIFFNESS
 from pounding_cli.report.evidence import Evidence, find_nominal
+from pounding_cli.study.display import key_words
 from pounding_cli.study.vary import ANY, BOOTSTRAP, MOTION
 from pounding_cli.tables import Column, Row, Table
 
@@ -177,16 +178,26 @@ def _describe_most_influential(results: ResultTables, first: Row, second: Row, u
     unit : of the output
     """
     influence = _influence_column(results)
-    words = f"most influential: {first['key']}"
+    words = f"most influential: {name_key(results, first['key'])}"
     if first[f"{influence}_low"] <= second[f"{influence}_high"]:
         samples = pluralize(int(first["samples"]), "sample")
-        words += f" (not significantly more than {second['key']} with {samples})"
+        words += f" (not significantly more than {name_key(results, second['key'])} with {samples})"
     if influence == "mu_star":
         effect = _find_column(results, influence, unit).format_with_unit(first)
         return f"{words}, which changes it by {effect} on average over its range"
     share, low, high = (100 * first[name] for name in ("total", "total_low", "total_high"))
     words += f", which explains {share:.0f} % ({low:.0f} to {high:.0f} %) of the variance, interactions included"
     return "; ".join(filter(None, [words, describe_ends(results, first, unit)]))
+
+
+def name_key(results: ResultTables, key: str) -> str:
+    """Return a key as sentences name it: one of a plan or of places along the street in words, "eccentricity of
+    corner", unless another key has these too; others as the study writes them."""
+    keys = list(map(str, results.answer(INDICES).frame["key"].unique()))
+    steps = key.split(".")
+    is_deep = "plan" in steps or "places" in steps
+    is_unique = [key_words(other) for other in keys].count(key_words(key)) == 1
+    return key_words(key) if is_deep and is_unique else key
 
 
 def describe_ends(results: ResultTables, row: Row, unit: Unit) -> str:
@@ -295,7 +306,7 @@ def describe_statement(results: ResultTables, row: Row) -> str:
     probability = results.answer(PROBABILITIES).column("probability").cell(row)
     words = f"{place} holds with a probability of {probability}"
     if row["most_influential"]:
-        return f"{words}; most influential: {row['most_influential']}."
+        return f"{words}; most influential: {name_key(results, row['most_influential'])}."
     return f"{words}."
 
 

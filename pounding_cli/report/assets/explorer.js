@@ -1,5 +1,7 @@
 // Any quantity of the study over the height or over a swept key, a line a case: hover or arrow keys tell the numbers.
 
+/** The labels of the choices of places. */
+const WHERE = { building: 'Building', pair: 'Neighbours', 'frame line': 'Frame line' };
 const TOP = 12, RIGHT = 16, BOTTOM = 46, HIGH = 400;
 
 function explorer(box, { axes, quantities, cases, looks, analyses, motions, void: voids, heights, building, point }) {
@@ -22,7 +24,7 @@ function explorer(box, { axes, quantities, cases, looks, analyses, motions, void
     offer(axes.length, 'Over', [...(heights ? [[-1, 'the height']] : []), ...numbered(axes.map(({ label }) => label))], state.over, set('over'));
     offer(analyses.length > 1, 'Analysis', numbered(analyses), state.analysis, set('analysis'));
     offer(motions.length > 1, 'Motion', numbered(motions), state.motion, set('motion'));
-    offer(one.places.length > 1, one.where === 'pair' ? 'Neighbours' : 'Building', [...all, ...one.places.map((name) => [name, name])], state.place, set('place', String));
+    offer(one.places.length > 1, WHERE[one.where], [...all, ...one.places.map((name) => [name, name])], state.place, set('place', String));
     offer(swept && heights, one.level === 'storey' ? 'Storey' : 'Floor', [...all, ...one.levels.map((level) => [level, level || 'base'])], state.level, set('level'));
     axes.forEach((axis, number) => offer(number !== state.over && axis.values.length > 1, axis.label, numbered(axis.names), state.at[number], (value) => {
       state.at[number] = Number(value);

@@ -13,11 +13,17 @@ class Scene {
     const most = (series) => series.reduce((one, value) => Math.max(one, Math.abs(value) || 0), 0);
     this.ground = take();
     this.motions = raw.buildings.map(({ heights, foundation }) => ({ floors: heights.map(take), sway: foundation ? take() : null, rocking: foundation ? take() : null }));
+    this.turns = raw.buildings.map(({ heights, plan }) => (plan?.turns ? heights.map(take) : null));
     this.forces = raw.links.map(take);
     this.yields = raw.analysis !== 'elastic';
     this.end = (this.count - 1) * this.dt;
     this.mostGround = most(this.ground);
     this.mostMoved = Math.max(1e-9, ...this.motions.flatMap(({ floors }) => floors.map(most)));
+    this.mostTurned = Math.max(0, ...this.turns.flatMap((floors) => floors?.map(most) ?? []));
+    this.mostReached = Math.max(this.mostMoved, ...raw.buildings.flatMap(({ plan }, building) =>
+      (this.turns[building] ?? []).flatMap((series, floor) => [plan.low, plan.high].map((y) =>
+        series.reduce((one, turn, at) => Math.max(one, Math.abs(this.motions[building].floors[floor][at] - (y - plan.centre) * turn)), 0)))));
+    this.twists = raw.buildings.some(({ plan }) => plan);
     this.mostForce = Math.max(0, ...this.forces.map(most));
     this.contacts = this.findContacts();
     this.impacts = this.contacts.filter(({ force }) => force >= HARD * this.mostForce);
@@ -36,11 +42,35 @@ class Scene {
     return this.between(floor ? floors[floor - 1] : sway, time);
   }
 
-  /** Drift of the storey below a floor over its yield drift, without what the foundation adds. */
+  /** Rotation of a floor, from 1, at a time [rad], the right side up along the street; 0 of what does not twist. */
+  turned(building, floor, time) {
+    return this.between(this.turns[building]?.[floor - 1], time);
+  }
+
+  /** By how much a place of a floor moves further along the row than its centre of mass [m]; `street`: of the place [m]. */
+  swung(building, floor, street, time) {
+    return this.turns[building] ? -(street - this.buildings[building].plan.centre) * this.turned(building, floor, time) : 0;
+  }
+
+  /** Drift of the storey below a floor over its yield drift, without what the foundation adds; of frame lines the largest. */
   demand(building, floor, time) {
-    const { heights, yield: limits } = this.buildings[building];
-    const tilt = this.between(this.motions[building].rocking, time) * heights[floor - 1], limit = limits[floor - 1];
-    return limit ? Math.abs(this.moved(building, floor, time) - this.moved(building, floor - 1, time) - tilt) / limit : 0;
+    const { heights, yield: limits, plan } = this.buildings[building], over = (drift, limit) => (limit ? Math.abs(drift) / limit : 0);
+    const drift = this.drift(building, floor, time);
+    if (!this.turns[building]) return over(drift, limits[floor - 1]);
+    return Math.max(...plan.lines.map((one) => this.lineDemand(building, floor, one, time)), ...plan.across.map((one) => this.lineDemand(building, floor, one, time, true)));
+  }
+
+  /** Drift of the storey below a floor at its centre of mass, without what the foundation adds [m]. */
+  drift(building, floor, time) {
+    const tilt = this.between(this.motions[building].rocking, time) * this.buildings[building].heights[floor - 1];
+    return this.moved(building, floor, time) - this.moved(building, floor - 1, time) - tilt;
+  }
+
+  /** Drift of a frame line in the storey below a floor over its yield drift. */
+  lineDemand(building, floor, { place, yield: limits }, time, isAcross = false) {
+    const twist = this.turned(building, floor, time) - (floor > 1 ? this.turned(building, floor - 1, time) : 0), limit = limits[floor - 1];
+    const drift = isAcross ? place * twist : this.drift(building, floor, time) - (place - this.buildings[building].plan.centre) * twist;
+    return limit ? Math.abs(drift) / limit : 0;
   }
 
   /** Largest size of a link's force between two times [N]: nothing is missed between two drawn frames. */
@@ -57,7 +87,7 @@ class Scene {
       for (let place = 0; place < this.count && this.links[number].drawn !== 'bar'; place++) {
         const force = Math.abs(series[place]), at = place * this.dt;
         if (!(force > 0)) spell = null;
-        else if (!spell) spells.push((spell = { from: at, at, force }));
+        else if (!spell) spells.push((spell = { from: at, at, force, link: number }));
         else if (force > spell.force) Object.assign(spell, { force, at });
       }
     });
@@ -75,10 +105,10 @@ function layout(scene, width, scale) {
   const ground = height - 74, up = (ground - 44) / tallest;
   const gaps = scene.buildings.slice(1).map((_, number) => Math.max(...scene.links.filter((link) => link.left === number).map((link) => link.gap), -1));
   const widest = Math.min(0.62 * tallest * up, ((width - 28) / count) * 0.8), open = gaps.reduce((sum, gap) => sum + Math.max(gap, 0), 0);
-  const fits = (one) => scene.mostMoved * one * up <= 0.45 * widest && open * one * up <= 0.25 * width;
+  const fits = (one) => scene.mostReached * one * up <= 0.45 * widest && open * one * up <= 0.25 * width;
   const chosen = scale ?? SCALES.filter(fits).at(-1) ?? 1, sideways = chosen * up;
   const between = gaps.map((gap) => (gap < 0 ? widest * 0.4 : gap * sideways)), apart = between.reduce((sum, one) => sum + one, 0);
-  const wide = Math.max(8, Math.min(widest, (width - 28 - 2 * Math.min(scene.mostMoved * sideways, width * 0.2) - apart) / count));
+  const wide = Math.max(8, Math.min(widest, (width - 28 - 2 * Math.min(scene.mostReached * sideways, width * 0.2) - apart) / count));
   const starts = [(width - wide * count - apart) / 2];
   between.forEach((gap) => starts.push(starts.at(-1) + wide + gap));
   return { width, height, ground, up, sideways, scale: chosen, heights, gaps, wide, starts };
@@ -128,7 +158,7 @@ function drawStage(canvas, scene, at, time, glow, ink) {
   line(pen, ink.earth, 3, [[0, at.ground + 1], [at.width, at.ground + 1]]);
   line(pen, ink.accent, 4, [[middle, at.height - 18], [end, at.height - 18]]);
   write(pen, ink.soft, 'ground acceleration', 2, at.height - 14, 'left');
-  const faces = scene.links.map((link) => facesOf(scene, at, link, x));
+  const faces = scene.links.map((link) => facesOf(scene, at, link, x, time));
   const drawLinks = (isBar) => scene.links.forEach((link, number) => {
     if ((link.drawn === 'bar') === isBar) drawLink(pen, scene, at, link, faces[number], thick[link.left], scene.between(scene.forces[number], time), ink);
   });
@@ -136,13 +166,17 @@ function drawStage(canvas, scene, at, time, glow, ink) {
   scene.buildings.forEach((_, number) => drawBuilding(pen, scene, at, number, time, x, thick[number], ink));
   drawLinks(true); // their ends stand in front of the slabs that they are bolted to
   faces.forEach(({ left, right, y }, number) => {
-    if (scene.links[number].drawn === 'bar' || !(glow[number] > 0.01)) return;
-    const size = 5 + 20 * Math.sqrt(glow[number]); // a star as large and bright as the force
-    pen.globalAlpha = Math.min(1, 0.3 + glow[number]);
-    const rays = Array.from({ length: 16 }, (_, ray) => [ray % 2 ? size * 0.42 : size, (ray * Math.PI) / 8]);
-    area(pen, ink.flash, rays.map(([far, angle]) => [(left + right) / 2 + far * Math.cos(angle), y + far * Math.sin(angle)]));
-    pen.globalAlpha = 1;
+    if (scene.links[number].drawn !== 'bar') drawStar(pen, ink, (left + right) / 2, y, glow[number]);
   });
+}
+
+/** A star as large and bright as a contact force, whose share of the largest one is `glow`; none where that is too small. */
+function drawStar(pen, ink, x, y, glow) {
+  if (!(glow > 0.01)) return;
+  const size = 5 + 20 * Math.sqrt(glow), rays = Array.from({ length: 16 }, (_, ray) => [ray % 2 ? size * 0.42 : size, (ray * Math.PI) / 8]);
+  pen.globalAlpha = Math.min(1, 0.3 + glow);
+  area(pen, ink.flash, rays.map(([far, angle]) => [x + far * Math.cos(angle), y + far * Math.sin(angle)]));
+  pen.globalAlpha = 1;
 }
 
 function drawBuilding(pen, scene, at, number, time, x, thick, ink) {
@@ -164,6 +198,12 @@ function drawBuilding(pen, scene, at, number, time, x, thick, ink) {
   }
   pen.fillStyle = ink.slab;
   for (let floor = 1; floor < heights.length; floor++) {
+    if (scene.turns[number]) { // from the side one sees a turned floor from its one corner to the other
+      const { low, high } = scene.buildings[number].plan, ends = [low, high].map((street) => scene.swung(number, floor, street, time) * at.sideways);
+      pen.globalAlpha = 0.35;
+      pen.fillRect(x(number, floor) + Math.min(...ends), y(floor) - thick / 2, at.wide + Math.abs(ends[0] - ends[1]), thick);
+      pen.globalAlpha = 1;
+    }
     pen.fillRect(x(number, floor), y(floor) - thick / 2, at.wide, thick);
     for (const link of scene.links) { // where a floor's gap is narrower than the widest one of its pair, its slab reaches further
       const over = reach(at, link);
@@ -182,15 +222,16 @@ function drawBuilding(pen, scene, at, number, time, x, thick, ink) {
 const reach = (at, link) => ((at.gaps[link.left] - link.gap) / (link.left_at === link.right_at ? 2 : 1)) * at.sideways;
 
 /** The two faces of a link, their heights in the drawing, and the middle of these; it ends at floors, or on columns, clamped in both floors, or at a wall, which moves as one. */
-function facesOf(scene, at, link, x) {
+function facesOf(scene, at, link, x, time) {
   const between = (building, floor, part) => x(building, floor - 1) + (x(building, floor) - x(building, floor - 1)) * part * part * (3 - 2 * part);
   const isWall = (building) => scene.buildings[building].wall, end = (building, floor, part) => (isWall(building) ? x(building, 1) : between(building, floor, part));
   const level = (building, floor, part) => (floor ? part * at.heights[building][floor] + (1 - part) * at.heights[building][floor - 1] : 0);
   const ends = [level(link.left, link.floor, link.left_at), level(link.right, link.right_floor, link.right_at)];
+  const swing = (building, floor, side) => (link.places && floor ? scene.swung(building, floor, link.places[side], time) * at.sideways : 0);
   const low = isWall(link.left) ? ends[1] : ends[0], high = isWall(link.right) ? ends[0] : ends[1];
   return {
-    left: end(link.left, link.floor, link.left_at) + at.wide + (link.left_at === 1 ? reach(at, link) : 0),
-    right: end(link.right, link.right_floor, link.right_at) - (link.right_at === 1 ? reach(at, link) : 0),
+    left: end(link.left, link.floor, link.left_at) + swing(link.left, link.floor, 0) + at.wide + (link.left_at === 1 ? reach(at, link) : 0),
+    right: end(link.right, link.right_floor, link.right_at) + swing(link.right, link.right_floor, 1) - (link.right_at === 1 ? reach(at, link) : 0),
     leftY: at.ground - low * at.up, rightY: at.ground - high * at.up, y: at.ground - ((low + high) / 2) * at.up,
   };
 }
@@ -225,6 +266,7 @@ function drawStrips(canvas, scene, time, width, ink) {
   const strips = [
     { name: 'ground acceleration', unit: scene.acceleration.unit, most: scene.mostGround * scene.acceleration.factor, lines: [{ series: scene.ground, color: ink.accent }] },
     { name: `roofs (${roofs.map(({ name }) => name).join(', ')})`, unit: 'mm', most: 1e3 * scene.mostMoved, lines: roofs },
+    { name: `turns of roofs (${scene.buildings.filter((_, number) => scene.turns[number]).map(({ name }) => name).join(', ')})`, unit: 'mrad', most: 1e3 * scene.mostTurned, lines: scene.turns.flatMap((floors, number) => (floors ? [{ series: floors.at(-1), color: ink.cases[number % 10] }] : [])) },
     { name: 'link forces', unit: 'kN', most: scene.mostForce / 1e3, lines: scene.forces.map((series) => ({ series, color: ink.flash })) },
   ].filter(({ lines }) => lines.length);
   const low = STRIP * strips.length, pen = sharp(canvas, width, low + 18), x = (at) => (at / scene.end) * width;

@@ -1,0 +1,168 @@
+"""How far floors that twist move along the row, at their edges and where they face a neighbour.
+
+Results hold the movement of the centres of mass. That of another place is the largest closing between a building that
+stands alone and a wall that moves as the ground does, so it is exact."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from pounding_cli.laws.apart import Apart
+from pounding_cli.model.links import Link
+from pounding_cli.model.meetings import find_meetings
+from pounding_cli.model.twist import is_eccentric
+from pounding_cli.model.wall import Wall
+from pounding_cli.results.arrays import ResultArrays
+from pounding_cli.study import Plan, Study, make_plan
+from pounding_cli.study.file import Items, Map
+from pounding_cli.study.group import Group
+from pounding_cli.study.swept import Point, Swept, sweep_map
+
+if TYPE_CHECKING:
+    from pounding_cli.batch.solve import Solver
+
+SAME_PLACE = 1e-9
+"""Distance of two places of a floor that are one [m]."""
+
+Movement = dict[int, np.ndarray]
+"""By floor, 0 the base, the largest movement to one side [m], shape (analyses, motions)."""
+
+
+class Movements(NamedTuple):
+    """How far the floors of a building move at one place across the row.
+
+    to_left, to_right : to both sides
+    """
+
+    to_left: Movement
+    to_right: Movement
+
+
+@dataclass(frozen=True, eq=False)
+class EdgePlan:
+    """The time histories of a building type whose floors twist, between two walls that it never touches.
+
+    places : of its places in the group, from 0
+    """
+
+    places: tuple[int, ...]
+    plan: Plan
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Numbers of the time histories between the walls among those of the plan."""
+        return np.unique(self.plan.numbers[..., 0])
+
+    def read_movements(self, arrays: ResultArrays, index: Point, y: float) -> Movements:
+        """Return how far its floors move at a point of the sweep, at y from their centres of mass [m].
+
+        arrays : of its time histories
+        """
+        closings = arrays["max_closing"].values[(*index, 0)]
+        links = self.plan.links
+        movements = Movements({}, {})
+        for number, place in enumerate(links.places):
+            at = (*index, 0, number)
+            if not links.kind[at]:
+                continue
+            link_y = links.right_y[at] if place.left == 0 else links.left_y[at]
+            if abs(link_y - y) <= SAME_PLACE:
+                side = movements.to_left if place.left == 0 else movements.to_right
+                floor = place.right_floor if place.left == 0 else place.left_floor
+                side[floor] = closings[..., number]
+        return movements
+
+
+def build_edge_plans(study: Study, links: Swept[tuple[Link, ...]]) -> list[EdgePlan]:
+    """Return the plans of all building types whose floors twist by themselves, at some point of the sweep.
+
+    study : with nothing between its buildings
+    links : between its neighbours, without force
+    """
+    plans = []
+    for name in dict.fromkeys(study.spec.group):
+        places = tuple(place for place, other in enumerate(study.spec.group) if other == name)
+        if any(is_eccentric(building) for _, building in study.resolved.types[name].iter_values()):
+            between_walls = _put_between_walls(study, name)
+            link = partial(_link_to_walls, places=places)
+            of_walls = {Apart.name: sweep_map(link, between_walls.resolved.group, links)}
+            resolved = dataclasses.replace(between_walls.resolved, links=of_walls)
+            plans.append(EdgePlan(places, make_plan(between_walls, resolved)))
+    return plans
+
+
+def _put_between_walls(study: Study, name: str) -> Study:
+    """Return the study of one of its building types alone, between two walls that move as the ground does."""
+    root = study.tree
+    mark = root.mark
+    buildings = root["buildings"]
+    wall = "wall"
+    while wall in buildings:
+        wall += "_"
+    spec = Map({"wall": "fixed"}, mark, {"wall": (mark, mark)})
+    tree = Map(root, mark, root.marks)
+    tree["buildings"] = Map({**buildings, wall: spec}, buildings.mark, {**buildings.marks, wall: (mark, mark)})
+    tree["group"] = Items([wall, name, wall], mark, [mark] * 3)
+    return study.with_axes(study.axes, tree)
+
+
+def _link_to_walls(group: Group, links: Sequence[Link], places: Sequence[int]) -> tuple[Link, ...]:
+    """Return links without force between the floors of a building and the walls on both of its sides: at its edges, and
+    where it faces its neighbours in the row.
+
+    links, places : of the row, and of this building in it
+    """
+    building = group.buildings[1]
+    ys = {link.left_y for link in links if link.left in places}
+    ys |= {link.right_y for link in links if link.left + 1 in places}
+    if building.plan is not None:
+        ys |= {building.plan.low, building.plan.high}
+    to_walls: list[Link] = []
+    for left in (0, 1):
+        floors, _ = find_meetings(*group.buildings[left : left + 2])
+        for both in floors:
+            for y in sorted(ys):
+                link = Link.apart(left, *both)
+                arms = (y, 0.0) if left else (0.0, y)
+                to_walls.append(replace(link, whole_law=link.law, left_y=arms[0], right_y=arms[1]))
+    return tuple(to_walls)
+
+
+class EdgeMovements:
+    """How far floors that twist move at one of their places, as far as that is not where they move at their centres.
+
+    plans, arrays : of the building types whose floors twist
+    study : with nothing between its buildings
+    """
+
+    def __init__(self, study: Study, plans: Sequence[EdgePlan], solver: Solver) -> None:
+        self.study = study
+        self._solved = [(plan, solver.solve_arrays(plan.plan, plan.numbers)) for plan in plans]
+        self._known: dict[tuple[Point, int, float], Movements | None] = {}
+
+    def find(self, index: Point, building: int, y: float) -> Movements | None:
+        """Return how far the floors of a building move at y from their centres of mass [m]; None where they do not
+        twist.
+
+        index : of the point of the sweep
+        building : its place in the group, from 0
+        """
+        key = (index, building, y)
+        if key not in self._known:
+            self._known[key] = self._read(index, building, y)
+        return self._known[key]
+
+    def _read(self, index: Point, place: int, y: float) -> Movements | None:
+        building = self.study.building(index, place)
+        if isinstance(building, Wall) or not is_eccentric(building):
+            return None
+        for plan, arrays in self._solved:
+            if place in plan.places:
+                return plan.read_movements(arrays, index, y)
+        return None

@@ -1,0 +1,372 @@
+"""Results of buildings whose floors twist: frame lines, edges, contact by place, in tables, sentences, expressions,
+histories and files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from pydantic_core import PydanticCustomError
+
+import pounding_cli as pound
+from pounding_cli.questions.expressions import evaluate_error, evaluate_expression, find_twist_problem
+from pounding_cli.questions.run.ranking import rank_cases
+from pounding_cli.questions.run.words import list_notes, list_sentences, list_tables
+from pounding_cli.report.evidence import find_nominal
+from pounding_cli.results.arrays import ResultArrays
+from pounding_cli.results.compare import compare
+from pounding_cli.results.export import export
+from pounding_cli.results.pelicun import demands
+from pounding_cli.results.plausible import implausible_results
+from pounding_cli.results.results import ResultTables
+from pounding_cli.study.expression import ExpressionError, parse_expression, parse_limit, parse_statement
+
+STUDY = """\
+title: End of a row
+records: {use: [elcentro, taft], duration: 3 s}
+buildings:
+  corner:
+    mass: [200 t, 150 t]
+    height: 3 m
+    plan:
+      width: 20 m
+      depth: 10 m
+      torsional_stiffness: [2 GN m, 1.2 GN m]
+      lines:
+        - {y: -10 m, stiffness: [110 kN/mm, 70 kN/mm], yield_shear: [420 kN, 260 kN]}
+        - {y: 4 m, stiffness: [60 kN/mm, 45 kN/mm], yield_shear: [210 kN, 140 kN]}
+      across:
+        - {x: -6 m, stiffness: [3 kN/mm, 2 kN/mm], yield_shear: [9 kN, 6 kN]}
+        - {x: 6 m, stiffness: [3 kN/mm, 2 kN/mm], yield_shear: [9 kN, 6 kN]}
+  soft: {storeys: 2, period: 0.5 s}
+group: [corner, soft]
+cases: {touching: {link: pounding, gap: 5 mm}, apart: {link: pounding, gap: 90 cm}}
+sweep: {impact.restitution: [0.5, 0.8]}
+keep: {histories: {cases: [touching], analyses: [elastic], records: [taft], where: {impact.restitution: 0.8}}}
+accuracy: 1e-8
+residual_drift: true
+"""
+BALANCED = """\
+records: {use: [taft], duration: 3 s}
+buildings:
+  even: {storeys: 2, period: 0.4 s, plan: {width: 20 m, depth: 10 m, eccentricity: 0 %, frequency_ratio: 1.1}}
+  soft: {storeys: 2, period: 0.5 s}
+group: [even, soft]
+cases: {touching: {link: pounding, gap: 5 mm}}
+analyses: [inelastic]
+residual_drift: true
+"""
+BUILDINGS = ("corner", "soft")
+ROW = ["impact.restitution", "case", "analysis", "record", "building", "storey"]
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory) -> ResultTables:
+    path = tmp_path_factory.mktemp("twist") / "twist.yaml"
+    path.write_text(STUDY)
+    return pound.run(path, path.with_suffix(".h5"), engine="serial")
+
+
+@pytest.fixture(scope="module")
+def corner(results) -> pd.DataFrame:
+    """The rows of storeys of the building that twists."""
+    storey = results.storey()
+    return storey[storey["building"] == "corner"].reset_index(drop=True)
+
+
+def test_storeys_are_those_of_their_lines(results, corner):
+    """Fails if lines are mixed up with storeys, or a storey has the demand of another line."""
+    line = results.line()
+    assert len(line) == 4 * len(corner)
+    assert line.query("line > 2")["x"].tolist() == [-6.0, 6.0] * len(corner)
+    line = line[line["y"].notna()]
+    by_storey = line.groupby(ROW, sort=False)
+    for name in ("mu", "mu0"):
+        assert corner[name].to_numpy() == pytest.approx(by_storey[name].max().to_numpy(), rel=1e-12)
+    assert (corner["V"].to_numpy() <= by_storey["V"].sum().to_numpy() * (1 + 1e-9)).all()
+    elastic = line[line["analysis"] == "elastic"]
+    assert elastic["V"].to_numpy() == pytest.approx((elastic["stiffness"] * elastic["drift"]).to_numpy(), rel=1e-6)
+    assert line["drift_ratio"].to_numpy() == pytest.approx(line["drift"].to_numpy() / 3.0)
+    assert line["V_ratio"].to_numpy() == pytest.approx((line["V"] / line["V0"]).to_numpy())
+
+
+def test_edges_of_the_plan(results, corner):
+    """The first line stands at the low edge, the high one follows from drift and twist over time."""
+    first = results.line("drift", "drift0", "y").query("line == 1")
+    assert (first["y"] == -10.0).all()
+    assert corner["edge_drift_low"].to_numpy() == pytest.approx(first["drift"].to_numpy(), rel=1e-6)
+    assert corner["edge_drift_low0"].to_numpy() == pytest.approx(first["drift0"].to_numpy(), rel=1e-6)
+    larger = np.maximum(corner["edge_drift_low"], corner["edge_drift_high"])
+    assert corner["edge_drift"].to_numpy() == pytest.approx(larger.to_numpy())
+    assert corner["edge_drift_ratio"].to_numpy() == pytest.approx(larger.to_numpy() / 3.0)
+    history = results.history()
+    turn = np.diff(history.twist[:, 0], axis=1, prepend=0.0)
+    at_high_edge = np.abs(history.drift[:, 0] - 10.0 * turn).max(axis=0)
+    row = corner.query(
+        "case == 'touching' and analysis == 'elastic' and record == 'taft' and `impact.restitution` == 0.8"
+    )
+    assert at_high_edge == pytest.approx(row["edge_drift_high"].to_numpy(), rel=5e-3)
+    other = results.storey().query("building == 'soft'")
+    assert np.array_equal(other["edge_drift"], other["drift"])
+    assert results.floor().query("building == 'soft'")["twist"].isna().all()
+
+
+def test_lines_over_time(results):
+    """The elastic shear of a line is its stiffness times its drift, at any time, and lines add up to the storey."""
+    history = results.history()
+    line = results.line("stiffness").drop_duplicates(["storey", "line"])
+    stiffness = line["stiffness"].to_numpy().reshape(2, 4)
+    assert history.line_shear[:, 0] == pytest.approx(stiffness * history.line_drift[:, 0], rel=1e-5, abs=1.0)
+    assert history.line_shear[:, 0, :, :2].sum(axis=-1) == pytest.approx(history.shear[:, 0], rel=1e-5, abs=1.0)
+    assert list(history.frame("line_drift").columns) == [("corner", n, i) for n in (1, 2) for i in (1, 2, 3, 4)]
+    assert history.frame("twist").columns.tolist() == [("corner", 1), ("corner", 2)]
+    largest = history.largest().loc["line_shear"]
+    assert largest.index.str.match(r"corner, storey 1, line \d").all()
+
+
+def test_means_of_ratios_of_lines(results):
+    line = results.line()
+    means = results.values("line_V_ratio_mean")
+    assert means.shape == (2, 2, 2, 2, 2, 4)
+    rows = line.query("case == 'touching' and analysis == 'inelastic' and storey == 2 and line == 2")
+    by_hand = rows.groupby("impact.restitution")["V_ratio"].mean().to_numpy()
+    assert means[:, 0, 1, 0, 1, 1] == pytest.approx(by_hand)
+    assert np.isfinite(results.values("line_mu_ratio_mean_error")[:, 0, 1, 0]).all()
+
+
+def test_contact_by_place(results):
+    """Both ends of the edge that the floors share; soft has no plan and ends where corner does."""
+    link = results.link().query("case == 'touching' and `impact.restitution` == 0.8 and record == 'taft'")
+    assert link.query("analysis == 'elastic'")["y"].tolist() == [-10.0, 10.0] * 2
+    table = next(each for each in list_tables(results) if each.caption.startswith("Contact by place"))
+    row = table.frame.query("case == 'touching' and analysis == 'elastic' and y == 10").iloc[0]
+    nominal = results.link().query(
+        "case == 'touching' and `impact.restitution` == 0.5 and analysis == 'elastic' and y == 10"
+    )
+    assert row["peak_force"] == nominal["peak_force"].max() > 0
+    assert row["contacts"] == nominal.groupby("record")["impacts"].sum().mean() > 0
+
+
+def test_a_run_names_the_line(results):
+    """The number of a sentence is the mean ratio of the line that it names."""
+    sentences = list_sentences(results)
+    means = results.values("line_V_ratio_mean")[0, 0, 0, 0, :, :2]  # those across the row have no sentence
+    storey, line = np.unravel_index(np.argmax(means), means.shape)
+    rise = f"by up to {float(f'{100 * (means.max() - 1):.2g}'):g} % (storey {storey + 1}, mean of 2 motions"
+    assert any(f"raises the elastic shears of line {line + 1} of corner {rise}" in each for each in sentences)
+    assert any("leaves those of all its lines as they are alone (no contact)" in each for each in sentences)
+    assert any("shears of the lines of corner rise most at impact.restitution" in each for each in sentences)
+    assert any("where floors twist" in each for each in list_notes(results))
+    worst = rank_cases(find_nominal(results))[0].worst[-1]
+    assert worst.value == pytest.approx(means.max())
+    assert worst.place == f"corner, line {line + 1}, storey {storey + 1}"
+
+
+def test_the_tables_of_a_run(results, corner):
+    """Frame lines and edges are the means of the tables; the peaks say which line and which edge."""
+    peaks, _, lines, edges, places = list_tables(results)
+    line = results.line().query(
+        "`impact.restitution` == 0.5 and case == 'touching' and analysis == 'inelastic' and line == 2"
+    )
+    mean = line.groupby("storey")[["V", "V_ratio", "mu", "drift_ratio"]].mean().max()
+    row = lines.frame.query("case == 'touching' and analysis == 'inelastic' and line == 2").iloc[0]
+    for name in mean.index:
+        assert row[name] == pytest.approx(mean[name]), name
+    here = corner.query("`impact.restitution` == 0.5 and case == 'touching' and analysis == 'inelastic'")
+    high = here.groupby("storey")["edge_drift_high"].mean().max() / 3.0
+    assert edges.frame.query("case == 'touching' and analysis == 'inelastic'")[
+        "edge_drift_high"
+    ].item() == pytest.approx(high)
+    cells = {column.name: column.cell for column in peaks.columns}
+    inelastic = peaks.frame.query("case == 'touching' and analysis == 'inelastic'").iloc[0]
+    largest = results.storey().query("case == 'touching' and analysis == 'inelastic'")["edge_drift_ratio"].max()
+    assert inelastic["drift"] == pytest.approx(largest)
+    link = results.link().query("case == 'touching' and analysis == 'inelastic'")
+    closest = link.loc[link["max_closing"].idxmax(), "y"]
+    assert f", gap 5 mm, y {closest:g} m".replace("-", "−") in cells["closing"](inelastic.to_dict())
+    assert "line" in cells["ratio"](inelastic.to_dict())
+    for table in (lines, edges, places):
+        text = table.to_text(80)
+        assert max(map(len, text.splitlines())) <= 80
+
+
+@pytest.fixture(scope="module")
+def balanced(tmp_path_factory) -> ResultTables:
+    path = tmp_path_factory.mktemp("balanced") / "balanced.yaml"
+    path.write_text(BALANCED)
+    return pound.run(path, path.with_suffix(".h5"), engine="serial")
+
+
+def test_floors_that_do_not_twist(balanced):
+    """Lines have the drift of their storey and their part of its shear; nothing else is said of them."""
+    storey = balanced.storey().query("building == 'even'")
+    for number in (1, 2):
+        line = balanced.line().query(f"line == {number}")
+        share = line["stiffness"].to_numpy() / balanced.buildings.query("building == 'even'")["stiffness"].to_numpy()
+        assert line["V"].to_numpy() == pytest.approx(storey["V"].to_numpy() * share)
+        for name in ("mu", "mu0", "drift", "drift0", "residual_drift"):
+            assert np.array_equal(line[name], storey[name]), name
+    assert np.array_equal(storey["edge_drift_high"], storey["drift"])
+    assert (balanced.floor().query("building == 'even'")["twist"] == 0).all()
+    assert len(list_tables(balanced)) == 2
+    assert not any("line" in each for each in [*list_sentences(balanced), *list_notes(balanced)])
+
+
+# Expressions and limits
+
+
+@pytest.mark.parametrize(
+    ("text", "query", "column"),
+    [
+        ("mu in line 2 of corner", "line == 2", "mu"),
+        ("V in line 1 of corner storey 2", "line == 1 and storey == 2", "V"),
+        ("V_ratio in line 1 of corner storey 2", "line == 1 and storey == 2", "V_ratio"),
+        ("drift_ratio in line 2 of corner", "line == 2", "drift_ratio"),
+        ("edge_drift in corner storey 1", "building == 'corner' and storey == 1", "edge_drift"),
+        ("edge_drift_ratio", "storey > 0", "edge_drift_ratio"),
+        ("twist", "floor > 0", "twist"),
+        ("twist0 in corner floor 2", "building == 'corner' and floor == 2", "twist0"),
+    ],
+)
+def test_an_expression_is_the_number_of_the_tables(results, text, query, column):
+    expression = parse_expression(text, BUILDINGS)
+    values = {name: array.values for name, array in results.arrays.data.items() if "analysis" in array.dims}
+    found = evaluate_expression(expression, values, "largest")
+    table = "line" if " line " in text else "floor" if "twist" in text else "storey"
+    frame = results.table(table).query(f"case == 'touching' and analysis == 'inelastic' and {query}")
+    assert found[:, 0, 1] == pytest.approx(frame.groupby("impact.restitution")[column].max().to_numpy())
+    assert (evaluate_error(expression, values, "largest")[:, 0, 1] < 1e-4 * found[:, 0, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("parse", "text", "message", "hint"),
+    [
+        (parse_expression, "mu in line 1", "line 1 of which building?", "`mu in line 1 of corner`"),
+        (parse_expression, "mu in line 1 of sof", "no building 'sof'", "did you mean 'soft'?"),
+        (parse_expression, "mu in corner line 1", "stands before its building", "`mu in line 1 of corner`"),
+        (parse_expression, "line_mu in corner", "belongs to a frame line", "`mu in line 1 of corner`"),
+        (parse_expression, "twist in line 1 of corner", "frame lines have no twist", "V, V0, V_ratio, mu"),
+        (parse_expression, "mu in line 0 of corner", "there is no line 0", "`line 1`"),
+        (parse_statement, "twist in corner > 0.01", "the value has no unit", "> 0.01 rad`"),
+        (parse_statement, "edge_drift > 2 %", "is no value: expected m", "`edge_drift_ratio > 2 %`"),
+        (parse_statement, "drift in line 1 of corner > 2 %", "expected m", "`drift_ratio in line 1 of corner > 2 %`"),
+    ],
+)
+def test_an_expression_that_is_refused(parse, text, message, hint):
+    with pytest.raises(ExpressionError) as refused:
+        parse(text, BUILDINGS)
+    assert message in refused.value.args[0]
+    assert hint in refused.value.args[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "hint"),
+    [
+        ("mu in line 3 of corner", "corner has lines 1 to 2", "line 1 of corner"),
+        ("mu in line 1 of soft", "soft has no plan", "name a building with one: corner"),
+        ("twist in soft", "soft has no plan", "corner"),
+        ("edge_drift", None, ""),
+        ("twist in corner", None, ""),
+    ],
+)
+def test_a_line_that_is_not_there(text, message, hint):
+    (part,) = parse_expression(text, BUILDINGS).quantities
+    problem = find_twist_problem(part, [2, 0], BUILDINGS)
+    if message is None:
+        assert problem is None
+        assert "no building of the study has a plan" in find_twist_problem(part, [0, 0], BUILDINGS)[0]
+    else:
+        assert message in problem[0]
+        assert hint in problem[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("mu > 3 in line 2 of corner", ("mu", 3.0, False, "corner", 0, 2)),
+        ("drift > 2 % in line 1 of corner storey 2", ("drift", 0.02, True, "corner", 2, 1)),
+        ("edge_drift > 2 % in soft", ("edge_drift", 0.02, True, "soft", 0, 0)),
+        ("edge_drift_ratio > 2 %", ("edge_drift", 0.02, True, "", 0, 0)),
+        ("edge_drift > 6 cm in soft storey 2", ("edge_drift", 0.06, False, "soft", 2, 0)),
+        ("twist > 0.01 rad in corner floor 2", ("twist", 0.01, False, "corner", 2, 0)),
+        ("mu > 3 in line", ("mu", 3.0, False, "line", 0, 0)),
+    ],
+)
+def test_limits_of_floors_that_twist(text, expected):
+    limit = parse_limit(text)
+    assert (limit.quantity, limit.value, limit.of_height, limit.building, limit.level, limit.line) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("mu > 3 in line 1", "line 1 of which building?"),
+        ("mu > 3 in line 1 corner", "line 1 of which building?"),
+        ("acceleration > 1 g in line 1 of corner", "frame lines have no acceleration"),
+        ("twist > 0.01 rad in corner storey 2", "twist belongs to a floor"),
+        ("twist > 1 cm", "expected rad"),
+    ],
+)
+def test_limits_that_are_refused(text, message):
+    with pytest.raises(PydanticCustomError) as refused:
+        parse_limit(text)
+    assert message in refused.value.context["message"]
+
+
+# Files
+
+
+def test_other_programs_get_lines(results, tmp_path):
+    export(results, tmp_path / "csv", tables=["line"])
+    line = pd.read_csv(tmp_path / "csv" / "line.csv")
+    assert list(line) == list(results.line().columns)
+    assert line["V"].to_numpy() == pytest.approx(results.line()["V"].to_numpy())
+    meaning = pd.read_csv(tmp_path / "csv" / "columns.csv").set_index("column")
+    assert meaning.loc["V", "unit"] == "N"
+    assert "frame line" in meaning.loc["V", "meaning"]
+    rows = results.storey().query("case == 'touching' and analysis == 'inelastic' and building == 'corner'")
+    table, left_out = demands(results, rows)
+    assert left_out == 0
+    first = rows[rows["storey"] == 1]
+    assert table["PID-1-1"].iloc[1:].astype(float).to_numpy() == pytest.approx(first["edge_drift_ratio"].to_numpy())
+    residual = results.line("residual_drift").query(
+        "line < 3 and case == 'touching' and analysis == 'inelastic' and storey == 1"
+    )
+    largest = residual.assign(size=residual["residual_drift"].abs()).groupby(ROW[:4], sort=False)["size"].max()
+    assert table["RID-1-1"].iloc[1:].astype(float).to_numpy() == pytest.approx(largest.to_numpy() / 3.0)
+
+
+def change(results: ResultTables, name: str, place: tuple, factor: float) -> ResultTables:
+    """Return the results with another value at a place of a variable."""
+    array = results.arrays[name]
+    values = array.values.copy()
+    values[place] *= factor
+    data = {**results.arrays.data, name: replace(array, data=values)}
+    return ResultTables(results.path, ResultArrays(data, results.arrays.coordinates, results.arrays.attrs))
+
+
+def test_a_drift_of_an_edge_that_is_hardly_plausible(results):
+    """Fails if the drift at the centre of mass is taken for the largest one."""
+    assert not [each for each in implausible_results(results) if "interstorey drift" in each]
+    sentences = implausible_results(change(results, "edge_drift_ratio", (0, 0, 1, 0, 0, 1), 50.0))
+    (sentence,) = [each for each in sentences if "interstorey drift" in each]
+    assert sentence.startswith("Hardly plausible: an interstorey drift at an edge of the plan of")
+    assert "corner, storey 2" in sentence
+
+
+def test_motions_without_numbers_are_left_out_of_tables_of_lines(results):
+    table = list_tables(change(results, "drift", (0, 0, 1, 0, 0), np.nan))[2]
+    assert "mean of those of 2 motions that have numbers" in table.caption
+    row = table.frame.query("case == 'touching' and analysis == 'inelastic' and line == 2").iloc[0]
+    line = results.line().query("`impact.restitution` == 0.5 and case == 'touching' and analysis == 'inelastic'")
+    assert row["V"] == line.query("line == 2 and record == 'taft'")["V"].max()
+
+
+def test_a_changed_line_is_found(results):
+    other = change(results, "line_mu", (1, 0, 1, 1, 0, 1, 1), 1.001)
+    assert compare(results, results).has_same_numbers
+    (found,) = compare(results, other).changes.to_dict("records")
+    assert (found["table"], found["column"]) == ("line", "line_mu")
+    assert found["place"].endswith("touching, inelastic, taft, corner, 2, 2")
