@@ -59,6 +59,16 @@ def of_mill(screened):
     return pounding_cli.run(folder / "mill.yaml", folder / "mill.h5", workflow="gap", engine="serial")
 
 
+def test_order_of_levels_is_of_no_account(screened, tmp_path):
+    """Fails where closings are taken to rise with the levels as they are written."""
+    _, results, _ = screened
+    street = read_street(write_street(tmp_path), replace(SETTINGS, levels=("0.5 g", "0.15 g")))
+    turned = run_study(Screen(street), tmp_path / "turned.h5", engine="serial").results
+    assert turned is not None
+    expected = results.table("screen")
+    assert turned.answer("screen").frame["rate"].to_numpy() == pytest.approx(expected["rate"].to_numpy(), rel=1e-9)
+
+
 def test_pairs_are_ranked_by_their_rate(screened):
     _, results, _ = screened
     table = results.table("screen")
