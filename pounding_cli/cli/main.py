@@ -28,6 +28,7 @@ COMMANDS = {
     "show": ("results", "Print a table of a results file."),
     "report": ("results", "Write figures, tables, claims and a page of results files."),
     **_QUESTIONS,
+    "screen": ("screen", TITLES["screen"]),
     "export": ("results", "Write tables as CSV, Parquet, Excel or netCDF."),
     "compare": ("results", "Show what changed between two results files."),
     "cite": ("study", "List the references of what a study used."),
@@ -57,7 +58,7 @@ class LazyGroup(click.Group):
             return None
         module = importlib.import_module(f"pounding_cli.cli.{COMMANDS[cmd_name][0]}")
         attribute = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name
-        command = module.build_question_command(cmd_name) if cmd_name in TITLES else getattr(module, attribute)
+        command = getattr(module, attribute, None) or module.build_question_command(cmd_name)
         command.short_help = COMMANDS[cmd_name][1]
         return command
 

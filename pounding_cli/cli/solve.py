@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from pounding_cli.api.running import RunOutcome
     from pounding_cli.batch.progress import JsonLines
     from pounding_cli.questions.optimise.optimum import Optimise
+    from pounding_cli.questions.question import StudyQuestion
     from pounding_cli.study.changes import Change
 
 solving_options = together(
@@ -111,14 +112,10 @@ def solve_study(
 
     Returns whether every scene was solved and everything was written.
     """
-    # Linear algebra in one thread: scenes are solved side by side, and their matrices are small.
-    for library in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
-        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
-    if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-    from pounding_cli.api.running import ask_question, run_study, summarize
+    prepare_solving()
+    from pounding_cli.api.running import ask_question
     from pounding_cli.api.studies import default_output, load_study
-    from pounding_cli.batch.progress import JsonLines, choose_progress
+    from pounding_cli.batch.progress import JsonLines
 
     log = JsonLines() if log_json else None
     loaded = load_study(study, changes)
@@ -131,6 +128,41 @@ def solve_study(
     if write is not None:
         _check_best(cast("Optimise", asked), write, how["replace"])
     path = output or default_output(study, name, changes)
+    outcome = _run_question(asked, path, quiet, log, **how)
+    is_written = write is None or _write_best(cast("Optimise", asked), outcome, write)
+    if not is_written:
+        click.echo(f"{write} is not written: there is no optimum", err=True)
+    elif write is not None and not (quiet or log):
+        click.echo(f"Best study: {write}; simulate it with: pound run {write}")
+    return is_written and not outcome.failures
+
+
+def prepare_solving() -> None:
+    """Let linear algebra use one thread, and let SIGTERM stop a run as Ctrl-C does; before anything is imported."""
+    # Linear algebra in one thread: scenes are solved side by side, and their matrices are small.
+    for library in ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+    if threading.current_thread() is threading.main_thread():  # batch systems send SIGTERM when time is up
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+def answer_question(asked: StudyQuestion, path: Path, quiet: bool, log_json: bool, **how: Any) -> bool:
+    """Answer a question, write the results file and print what came out.
+
+    how : keyword arguments of `api.running.run_study`
+
+    Returns whether every scene was solved.
+    """
+    from pounding_cli.batch.progress import JsonLines
+
+    return not _run_question(asked, path, quiet, JsonLines() if log_json else None, **how).failures
+
+
+def _run_question(asked: StudyQuestion, path: Path, quiet: bool, log: JsonLines | None, **how: Any) -> RunOutcome:
+    """Answer a question, write the results file and print or log what came out; return the outcome."""
+    from pounding_cli.api.running import run_study, summarize
+    from pounding_cli.batch.progress import choose_progress
+
     outcome = run_study(asked, path, progress=log or choose_progress(quiet), **how)
     if log:
         _log_outcome(log, outcome)
@@ -138,12 +170,7 @@ def solve_study(
         if not quiet:
             summarize(outcome).print()
         _print_outcome(outcome, quiet)
-    is_written = write is None or _write_best(cast("Optimise", asked), outcome, write)
-    if not is_written:
-        click.echo(f"{write} is not written: there is no optimum", err=True)
-    elif write is not None and not (quiet or log):
-        click.echo(f"Best study: {write}; simulate it with: pound run {write}")
-    return is_written and not outcome.failures
+    return outcome
 
 
 def _print_outcome(outcome: RunOutcome, quiet: bool) -> None:

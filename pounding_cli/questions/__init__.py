@@ -23,6 +23,7 @@ TITLES = {
     "fragility": "Find how likely limits are passed.",
     "sensitivity": "Find which uncertain keys matter most.",
     "optimise": "Find the best values of keys.",
+    "screen": "Rank the pairs of neighbours of a street by how often they strike.",
 }
 """Every question by the name of its module here, with its line in `pound --help`."""
 

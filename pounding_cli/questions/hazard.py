@@ -294,6 +294,32 @@ def compute_contact_rates(
     log_closings : of the closings [m], shape (levels, motions)
     draws : how often each takes every motion, shape (draws, motions)
     """
+    edges, intercept, slope = _fit_contact_lines(log_gaps, log_intensities, log_closings, draws)
+    return hazard.contributions(edges, intercept, slope).sum(axis=1)
+
+
+def compute_contact_probability(
+    intensity: float, gap: float, log_intensities: np.ndarray, log_closings: np.ndarray
+) -> float:  # fmt: skip
+    """Return the probability that a gap closes at an intensity [-].
+
+    gap : [m]
+    log_intensities : rising, shape (levels,)
+    log_closings : of the closings [m], shape (levels, motions)
+    """
+    from scipy.special import ndtr  # here: reading a study takes no SciPy
+
+    draws = np.ones((1, log_closings.shape[1]))
+    edges, intercept, slope = _fit_contact_lines(np.log([gap]), log_intensities, log_closings, draws)
+    part = int(np.clip(np.searchsorted(edges, intensity, side="right") - 1, 0, edges.size - 2))
+    return float(ndtr(intercept[0, part] + slope[0, part] * np.log(intensity)))
+
+
+def _fit_contact_lines(
+    log_gaps: np.ndarray, log_intensities: np.ndarray, log_closings: np.ndarray, draws: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return intensities, shape (levels + 1,), and between them c and b of the probability of contact
+    Phi(c + b ln x), of every draw, shape (draws, levels); arguments as of `compute_contact_rates`."""
     count = draws.sum(axis=1, keepdims=True)
     mean = draws @ log_closings.T / count
     variance = np.maximum(draws @ (log_closings**2).T / count - mean**2, 0.0)
@@ -302,8 +328,19 @@ def compute_contact_rates(
     score = (mean - log_gaps[:, None]) / spread
     slope = np.concatenate([1.0 / spread[:, :1], np.diff(score, axis=1) / np.diff(log_intensities)], axis=1)
     slope[:, -1] = np.maximum(slope[:, -1], 0.0)
-    intercept = score - slope * log_intensities
-    return hazard.contributions(edges, intercept, slope).sum(axis=1)
+    return edges, score - slope * log_intensities, slope
+
+
+def find_intensity(hazard: Hazard, rate: float) -> float:
+    """Return the intensity that is exceeded at an annual rate [1/year]; of a table at most its first one for rates that
+    it does not have."""
+    low = np.log(MIN_GAP)
+    high = np.log(MAX_GAP)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        is_too_often = float(hazard.rate(np.exp([middle]))[0]) > rate
+        low, high = (middle, high) if is_too_often else (low, middle)
+    return float(np.exp(0.5 * (low + high)))
 
 
 def find_gaps(

@@ -62,6 +62,7 @@ class Question:
     notes : results -> what a reader should know of the numbers
     figures : results -> figures, the most important first
     further_sections : results, further arguments of the report -> sections of the page behind the answer
+    scope : results -> what was computed, in a line, where the time histories of the file are not all of it
     is_sampled : whether its time histories are those of samples, whose own tables say nothing by themselves
     cite : study with every default filled in -> keys of references, and what each was used for
     """
@@ -75,6 +76,7 @@ class Question:
     notes: Callable[[ResultTables], Sequence[str]] = _no_lines
     figures: Callable[[ResultTables], Sequence[Picture]] = _no_lines
     further_sections: Callable[..., Sequence[Any]] = _no_lines
+    scope: Callable[[ResultTables], str] | None = None
     is_sampled: bool = False
     cite: Callable[[Mapping[str, Any]], Iterable[tuple[str, str]]] = _no_references
 

@@ -66,8 +66,8 @@ def build_report(
         answer,
         lambda: question.figures(results),
         more,
-        describe_scope(results, shown, question.is_sampled),
-        sketch,
+        describe_scope(results, shown, question.is_sampled) if question.scope is None else question.scope(results),
+        sketch if question.scope is None else None,
         results.study_text,
     )
 

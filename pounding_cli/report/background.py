@@ -32,6 +32,9 @@ _TITLES = {
 }  # fmt: skip
 """The tables of scenes that a report has, and what they are called."""
 
+_COMMAND_OF_STUDY = {"screen": "gap"}
+"""Command that wrote a file -> the command that takes the study in it, where that is another one."""
+
 STIFFNESS = "impact.stiffness"
 
 ADVICE = (
@@ -277,7 +280,8 @@ def _build_study(results: ResultTables) -> Section:
     for name in ("created", "method", "accuracy", "engine", "workers", "scenes", "scenes_failed", "solver_seconds"):
         if (value := results.attrs.get(name)) is not None:
             rows.append([name.replace("_", " "), format_number(value, 3) if isinstance(value, float) else str(value)])
-    said = [f"Save the study as `STUDY.yaml`; `pound {results.workflow} STUDY.yaml` runs it again."]
+    command = _COMMAND_OF_STUDY.get(results.workflow, results.workflow)
+    said = [f"Save the study as `STUDY.yaml`; `pound {command} STUDY.yaml` runs it again."]
     return Section(
         "Study and versions", said, [table_of_texts("Software and run", ("what", "value"), rows)], widget="study"
     )

@@ -59,6 +59,11 @@ class RateBasis:
         rates = compute_contact_rates(self.hazard, log_gaps, *_take_logarithms(closings), draws)
         return build_estimate("rate", rates, CONFIDENCE, motions)
 
+    def take_logarithms(self, other: Point, analysis: str, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the logarithms of intensities, shape (levels,), and of the closings of a pair, shape
+        (levels, columns); arguments as of `estimate_rate`."""
+        return _take_logarithms(self.closings[other, analysis, number])
+
 
 def build_rate_basis(
     plan: Plan,

@@ -1,0 +1,130 @@
+"""The figure of `pound screen`: the street, its buildings to scale and its gaps coloured by the rate of contact."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from pounding_cli.questions.screen.tables import SCREEN_TABLE
+from pounding_cli.report.document import Picture
+from pounding_cli.report.style import finish, styled
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap, LogNorm
+    from matplotlib.figure import Figure
+
+    from pounding_cli.results.results import ResultTables
+
+LINE_WIDTH = 34.0
+"""Width of a line of buildings, so that a page of a telephone shows the ranks of pairs."""
+
+_WIDTH = 3.0
+_GAP = 0.9
+_SPACE = 1.2
+"""Widths of a building, of a gap and of the space between pairs, in units of the drawing."""
+
+_WALL = "0.80"
+_EDGE = "0.35"
+
+
+class _Placed(NamedTuple):
+    """A pair in the drawing.
+
+    row : of the table
+    begin : where its left building begins
+    is_shared : whether the pair before has drawn it
+    """
+
+    row: dict[Any, Any]
+    begin: float
+    is_shared: bool
+
+
+def list_figures(results: ResultTables) -> list[Picture]:
+    """Return the street; nothing where no pair has a rate."""
+    frame = results.answer(SCREEN_TABLE).frame
+    if not (frame["rate"] > 0).any():
+        return []
+    text = (
+        "Pairs of neighbours in the order of the table, heights to scale, gaps coloured by the annual rate of contact."
+    )
+    draw = partial(draw_street, frame, results.title)
+    return [Picture("street", "The street", text, draw, has_scale=True)]
+
+
+@styled
+def draw_street(frame: pd.DataFrame, title: str) -> Figure:
+    """Draw the pairs in the order of their rows, a few in each line; numbers are ranks."""
+    import matplotlib.pyplot as plt
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LogNorm
+
+    rows: list[dict[Any, Any]] = frame.sort_values("row").to_dict("records")
+    lines = _break_lines(rows)
+    tallest = float(frame[["left_height", "right_height"]].max().max())
+    rates = frame["rate"][frame["rate"] > 0]
+    low = float(rates.min())
+    high = float(rates.max())
+    norm = LogNorm(low / 1.5 if low == high else low, high * 1.5 if low == high else high)
+    colours = plt.get_cmap("YlOrRd")
+    height = 0.9 + 0.75 * len(lines)
+    figure, axes = plt.subplots(len(lines), 1, figsize=(3.4, height), squeeze=False, layout="constrained")
+    for ax, line in zip(axes[:, 0], lines, strict=True):
+        _draw_line(ax, line, tallest, colours, norm)
+    scale = ScalarMappable(norm, colours)
+    bar = figure.colorbar(scale, ax=axes[:, 0].tolist(), location="top", aspect=40, shrink=0.9, pad=0.02)
+    bar.set_label("annual rate of contact [1/year]")
+    finish(figure, title, "Buildings to scale in height; the number below a gap is the rank of the pair, 1 the worst.")
+    return figure
+
+
+def _break_lines(rows: list[dict[Any, Any]]) -> list[list[_Placed]]:
+    """Return the pairs line by line, each with its place; a building that two of them share stands once."""
+    lines: list[list[_Placed]] = []
+    x = 0.0
+    before = ""
+    for row in rows:
+        is_shared = bool(before) and row["left_name"] == before
+        begin = x - _WIDTH if is_shared else x + _SPACE
+        if not lines or begin + 2 * _WIDTH + _GAP > LINE_WIDTH:
+            lines.append([])
+            is_shared = False
+            begin = 0.0
+        lines[-1].append(_Placed(row, begin, is_shared))
+        x = begin + 2 * _WIDTH + _GAP
+        before = str(row["right_name"])
+    return lines
+
+
+def _draw_line(ax: Axes, line: list[_Placed], tallest: float, colours: Colormap, norm: LogNorm) -> None:
+    """Draw some pairs side by side."""
+    for row, begin, is_shared in line:
+        if not is_shared:
+            _draw_building(ax, begin, row["left_height"], row["left_storeys"])
+        x = begin + _WIDTH
+        colour = colours(norm(row["rate"])) if row["rate"] > 0 else "1.0"
+        facing = min(row["left_height"], row["right_height"])
+        ax.add_patch(_build_box(x, _GAP, facing, facecolor=colour, edgecolor="none"))
+        ax.text(x + _GAP / 2, -0.04 * tallest, str(row["rank"]), ha="center", va="top", fontsize=8)
+        _draw_building(ax, x + _GAP, row["right_height"], row["right_storeys"])
+    ax.set_xlim(-0.2, LINE_WIDTH + 0.2)
+    ax.set_ylim(-0.28 * tallest, 1.05 * tallest)
+    ax.axhline(0.0, color=_EDGE, lw=0.8)
+    ax.axis("off")
+
+
+def _draw_building(ax: Axes, x: float, height: float, storeys: float) -> None:
+    """Draw a building with its floors."""
+    ax.add_patch(_build_box(x, _WIDTH, height, facecolor=_WALL, edgecolor=_EDGE, lw=0.6))
+    floors = np.linspace(0.0, height, int(storeys) + 1)[1:-1]
+    ax.hlines(floors, x, x + _WIDTH, color="1.0", lw=0.5)
+
+
+def _build_box(x: float, width: float, height: float, **look: Any) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((x, 0.0), width, height, **look)
