@@ -246,7 +246,9 @@ class _Building:
         self.turns = slice(self._first_turn, self._first_turn + b.storeys)
         square_radius = find_square_radii(plan.inertia, b.mass)
         for j, stiffness in enumerate(plan.torsional_stiffness.tolist()):
-            load = 0.0 if b.gravity_load is None else float(b.gravity_load[j] * square_radius[j] / b.height[j])
+            load = 0.0
+            if b.gravity_load is not None:
+                load = float(b.gravity_load[j] * square_radius[j] / b.height[j])
             storey = _storey(stiffness, b.beta * stiffness)
             storey |= {"load": load, "twists": self._twists(j), "mate": self.floors.start + j}
             self._add(
@@ -267,7 +269,8 @@ class _Building:
                 weights = {turn: lever, turn_below: -lever}
                 if is_along:
                     weights |= {self.floors.start + j: 1.0, below: -1.0, self.foot: -float(b.height[j])}
-                element = _storey(law.stiffness, b.beta * law.stiffness, law if yields and law.can_yield else None)
+                yielding = law if yields and law.can_yield else None
+                element = _storey(law.stiffness, b.beta * law.stiffness, yielding)
                 limit = float(b.collapse_drift[j]) if collapses and is_along else math.inf
                 element |= {"collapse": limit, "storey": self.floors.start + j, "mate": turn}
                 element |= {"along": float(is_along), "lever": lever}
@@ -358,7 +361,8 @@ def _column_shears(
                 higher = other.at > own.at if above else other.at >= own.at
                 weight = other.cosine * (1.0 - to_above if higher else -to_above)
                 terms.append((weight if own.on_left else -weight, first_link + other.link))
-            terms += [(own.share, line) for line in _lines_of_storey(made, own.building, own.storey - 1, first_line)]
+            lines = _lines_of_storey(made, own.building, own.storey - 1, first_line)
+            terms += [(own.share, line) for line in lines]
             storey = made[own.building].floors.start + own.storey - 1
             shears.append({"share": own.share, "storey": storey, "first": first, "last": len(terms)})
     return shears
@@ -402,7 +406,14 @@ def layout_of(scene: Scene) -> Layout:
     """Lay out the buildings and links of a scene."""
     effects, links = effects_of(scene), scene.links
     ties = tuple(
-        Tie(link.ends, link.columns, link.cosine, (link.left_arm, link.right_arm), type(link.law)) for link in links
+        Tie(
+            ends=link.ends,
+            columns=link.columns,
+            cosine=link.cosine,
+            arms=(link.left_arm, link.right_arm),
+            law=type(link.law),
+        )
+        for link in links
     )
     return _layout_of(scene.buildings, ties, effects.yielding, effects.collapse)
 

@@ -89,7 +89,11 @@ def list_twist_tables(shown: Evidence) -> list[Table]:
     twisting = [name for name in shown.buildings_without_walls if does_twist(shown, name)]
     if not twisting:
         return []
-    tables = [_build_line_table(shown, twisting), _build_edge_table(shown, twisting), _build_place_table(shown)]
+    tables = [
+        _build_line_table(shown, twisting),
+        _build_edge_table(shown, twisting),
+        _build_place_table(shown),
+    ]
     return [table for table in tables if len(table.frame)]
 
 
@@ -135,12 +139,20 @@ def _iter_lines(shown: Evidence, case: str, analysis: str, building: str) -> Ite
         for name in ("mu", "mu0", "mu_ratio"):
             means[name] = np.full_like(means[name], np.nan)
     with np.errstate(invalid="ignore"):
-        means["drift_ratio0"] = means["drift_ratio"] * means["drift0"] / np.where(means["drift"] > 0, means["drift"], 1)
+        drift = np.where(means["drift"] > 0, means["drift"], 1)
+        means["drift_ratio0"] = means["drift_ratio"] * means["drift0"] / drift
     along = shown.values("line_street", building=building)
     across = shown.values("line_x", building=building)
     for number in np.flatnonzero(np.isfinite(along) | np.isfinite(across)).tolist():
-        row: dict[str, Any] = {"case": shown.mark_case(case), "analysis": analysis, "building": building}
-        row |= {"line": number + 1, "street": along[number], "x": across[number], "motions": int(is_known.sum())}
+        row: dict[str, Any] = {
+            "case": shown.mark_case(case),
+            "analysis": analysis,
+            "building": building,
+            "line": number + 1,
+            "street": along[number],
+            "x": across[number],
+            "motions": int(is_known.sum()),
+        }
         for name in ("V", "V_ratio", "mu", "mu_ratio", "drift_ratio"):
             by_storey = means[name][:, number]
             known = np.isfinite(by_storey).any()
@@ -260,10 +272,12 @@ def _build_place_table(shown: Evidence) -> Table:
         ),
     ]  # fmt: skip
     many = len(shown.names("record")) > 1
-    over = "force and closing the largest of all floors"
-    over = f"contacts the mean of the motions, {over} and motions" if many else f"contacts of all floors, {over}"
+    over = "contacts of all floors, force and closing the largest of all floors"
+    if many:
+        over = "contacts the mean of the motions, force and closing the largest of all floors and motions"
     point = f", at {shown.label}" if shown.label else ""
-    return Table("", pd.DataFrame(_list_places(shown)), columns, f"Contact by place along the street: {over}{point}")
+    frame = pd.DataFrame(_list_places(shown))
+    return Table("", frame, columns, f"Contact by place along the street: {over}{point}")
 
 
 def _list_places(shown: Evidence) -> list[dict[str, Any]]:
@@ -316,6 +330,9 @@ def _over_motions(shown: Evidence, frame: pd.DataFrame) -> str:
     """
     motions = len(shown.names("record"))
     is_complete = len(frame) == 0 or frame["motions"].min() == motions
-    mean = f"mean of {motions} motions" if is_complete else f"mean of those of {motions} motions that have numbers"
-    mean = f", {mean}" if motions > 1 else ""
+    mean = f", mean of {motions} motions"
+    if not is_complete:
+        mean = f", mean of those of {motions} motions that have numbers"
+    if motions == 1:
+        mean = ""
     return f"{mean}{f', at {shown.label}' if shown.label else ''}"
