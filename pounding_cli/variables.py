@@ -166,7 +166,7 @@ TWIST_VARIABLES = (
         label="residual drift of the line",
     ),
 )  # fmt: skip
-"""Variables of responses that files have where some building has a plan."""
+"""What responses have where some building has a plan: edges, twists and frame lines."""
 
 RESPONSE_VARIABLES = (
     Variable("V", STOREY_DIMS, "N",
