@@ -38,13 +38,15 @@ def without_plan(building: Building) -> Building:
 
 
 def merge_links(buildings: Sequence[Building], links: Sequence[Link]) -> tuple[Link, ...]:
-    """Return the links of a row; where no floor twists, parts of one link at several places as one link."""
+    """Return the links of a row; where neither end turns, parts of one link at several places as one link."""
     if all(link.whole_law is None for link in links):
         return tuple(links)
     twists = find_twisting(tuple(buildings), tuple(links))
     merged: dict[Link, None] = {}
     for link in links:
-        if link.whole_law is not None and not (twists[link.left] or twists[link.left + 1]):
+        left_turns = twists[link.left] and turns_at(link.left_floor)
+        right_turns = twists[link.left + 1] and turns_at(link.right_floor)
+        if link.whole_law is not None and not left_turns and not right_turns:
             link = replace(link, law=link.whole_law, whole_law=None, left_arm=0.0, right_arm=0.0)
         merged[link] = None
     return tuple(merged)
@@ -107,7 +109,8 @@ def _describe_links_that_turn(buildings: Sequence[Building], links: Sequence[Lin
         joined = [link for link in links if link.left == pair]
         if not joined:
             continue
-        arms = [link.right_arm if pair < place else link.left_arm for link in joined]
+        end = 1 if pair < place else 0  # of the link, at this building
+        arms = [_find_turning_arms(buildings, link)[end] for link in joined]
         name = buildings[other].name
         mean = float(np.average(arms, weights=[link.share for link in joined]))
         if abs(mean) > 1e-9 * max(map(abs, arms), default=0.0):
@@ -149,11 +152,14 @@ def find_eccentric_link(buildings: Sequence[Building], links: Sequence[Link]) ->
 
 def _find_turning_arms(buildings: Sequence[Building], link: Link) -> tuple[float, float]:
     """Return the arms of both ends of a link at floors that may twist [m], 0 at others."""
-    has_plans = (buildings[place].plan is not None for place in (link.left, link.left + 1))
-    left_arm, right_arm = (
-        arm if has_plan else 0.0 for arm, has_plan in zip((link.left_arm, link.right_arm), has_plans, strict=True)
-    )
-    return left_arm, right_arm
+    may_turn_left = buildings[link.left].plan is not None and turns_at(link.left_floor)
+    may_turn_right = buildings[link.left + 1].plan is not None and turns_at(link.right_floor)
+    return (link.left_arm if may_turn_left else 0.0, link.right_arm if may_turn_right else 0.0)
+
+
+def turns_at(floor: int) -> bool:
+    """Return whether a floor of a building that twists turns: a base sways and rocks, but does not turn."""
+    return floor > 0
 
 
 def _are_mirrored(

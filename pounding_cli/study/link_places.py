@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from pounding_cli.model.building import Building
 from pounding_cli.model.links import BASE, Link
 from pounding_cli.model.meetings import Strike, deflection_of_columns, find_end_level, find_meetings, reach_of_slabs
+from pounding_cli.model.twist import turns_at
 from pounding_cli.model.wall import Wall
 from pounding_cli.numbers import pluralize
 from pounding_cli.study.floor_places import FloorPair, FloorPlace
@@ -119,12 +120,20 @@ class Meeting:
 
     def find_street_place(self, link: Link) -> float:
         """Return the place of the left end of a link along the street [m], of its right end where the left building has
-        no plan; NaN where neither has one."""
+        no plan; NaN where neither has one, or the link is at a base."""
+        if not self.has_turning_end(link):
+            return math.nan
         if self.left.street is not None:
             return self.left.street.centre + link.left_arm
         if self.right.street is not None:
             return self.right.street.centre + link.right_arm
         return math.nan
+
+    def has_turning_end(self, link: Link) -> bool:
+        """Return whether an end of a link is at a floor that may turn."""
+        left_turns = self.left.street is not None and turns_at(link.left_floor)
+        right_turns = self.right.street is not None and turns_at(link.right_floor)
+        return left_turns or right_turns
 
     def has_facing_ends(self, link: Link | LinkEnds) -> bool:
         """Return whether the ends of a link are as high as each other, within the slabs of both buildings."""

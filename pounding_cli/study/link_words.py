@@ -66,7 +66,10 @@ def _describe_street_places(links: Mapping[Link, Sequence[Link]], group: Group) 
         if meeting.left.street is None and meeting.right.street is None:
             continue
         pair = f"{meeting.left.name}|{meeting.right.name} " if len(group.meetings) > 1 else ""
-        texts[f"{pair}{_describe_places_of_parts(parts, meeting)}"] = None
+        if meeting.has_turning_end(whole):
+            texts[f"{pair}{_describe_places_of_parts(parts, meeting)}"] = None
+        else:
+            texts[f"{pair}whole at the base, which does not turn"] = None
     return join_limited(texts)
 
 

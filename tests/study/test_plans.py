@@ -232,3 +232,47 @@ def test_check_tells_where_links_stand_with_their_shares(tmp_path):
         cases = section(check(path, STUDY.replace("{link: pounding, gap: 2 cm}", link + written)), "cases")
         assert "3 x connector, gap 2 cm, 10 kN/mm" in cases
         assert told in cases
+
+
+ISOLATED = """\
+records: {use: [elcentro], scale: {pga: 0.6 g}, duration: 4 s}
+analyses: [elastic]
+estimate: none
+buildings:
+  tower:
+    storeys: 2
+    period: 0.3 s
+    foundation: {mass: 200 t, isolation: {radius: 3.1 m, friction: 6 %, capacity: 40 cm}}
+    plan: {width: 30 m, depth: 20 m, eccentricity: 12 %, frequency_ratio: 1.1}
+  moat: {wall: {height: 3 m}}
+group: [tower, moat]
+cases:
+  near: {link: pounding, gap: 4 cm}
+"""
+
+
+def test_a_base_does_not_turn_and_is_struck_once(tmp_path):
+    """Fails if a base has a contact at both ends of the edge, whose dashpots add up to more than that of the whole."""
+    path = tmp_path / "study.yaml"
+    cases = section(check(path, ISOLATED), "cases")
+    assert "2 x pounding" in cases
+    assert "whole at the base, which does not turn, half at each end of the edge that they share" in cases
+    (scene,) = [scene for _, scene, _ in scenes(path) if scene.links]
+    at_base = [link for link in scene.links if link.left_floor == 0]
+    above = [link for link in scene.links if link.left_floor == 1]
+    assert [link.law for link in at_base] == [above[0].whole_law]
+    assert len(above) == 2
+
+    link = pound.run(path, tmp_path / "study.h5", workers=1).link()
+    base = link[link["floor"] == 0]
+    assert base["impacts"].tolist() == [base["impacts"].max()]
+    assert base["impacts"].max() > 0
+    assert base["street"].isna().all()
+
+
+def test_a_link_off_the_centre_of_a_base_turns_nothing(tmp_path):
+    """Fails if a link that ends on bases alone makes a plan twist in which nothing is eccentric."""
+    path = tmp_path / "study.yaml"
+    still = ISOLATED.replace("12 %", "0 %").replace("4 cm}", "4 cm, floors: [base], places: 6 m}")
+    twist = section(check(path, still), "twist")
+    assert twist.count("nothing is eccentric, and buildings run without their plans") == 2

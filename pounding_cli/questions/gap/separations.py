@@ -22,7 +22,7 @@ from pounding_cli.model.separation import (
     first_mode_damping,
     root_of_squares,
 )
-from pounding_cli.model.twist import is_eccentric
+from pounding_cli.model.twist import is_eccentric, turns_at
 from pounding_cli.model.wall import Wall
 from pounding_cli.questions.gap.edges import EdgeMovements
 from pounding_cli.questions.gap.spec import GapSpec
@@ -216,14 +216,15 @@ def has_ends(plan: Plan) -> bool:
 
 
 def find_street_columns(plan: Plan, index: Point, place: int) -> Place:
-    """Return where two floors face each other along the street, as columns of tables; nowhere if neither twists.
+    """Return where two floors face each other along the street, as columns of tables; nowhere if neither turns.
 
     place : number of the link among `plan.links`
     """
     links = plan.links
     left = links.places[place].left
+    floors = (links.places[place].left_floor, links.places[place].right_floor)
     pair = [plan.study.building(index, number) for number in (left, left + 1)]
-    if not any(map(is_eccentric, pair)):
+    if not any(is_eccentric(building) and turns_at(floor) for building, floor in zip(pair, floors, strict=True)):
         return {"end": "", "street": np.nan}
     sides = [StreetSide.of(building) for building in pair]
     at = (*index, 0, place)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from pounding_cli.model.links import BASE
 from pounding_cli.model.scene import Analysis
 from pounding_cli.report.evidence import Evidence
 from pounding_cli.results.columns import column_of
@@ -288,9 +289,10 @@ def _list_places(shown: Evidence) -> list[dict[str, Any]]:
     link = link.assign(street=link["street"].round(6))
     pair_keys = ["case", "analysis", "left", "right"]
     rows = []
-    for place, here in link.groupby([*pair_keys, "street"], sort=False):
+    keys = [*pair_keys, "street"]
+    for place, here in link.groupby(keys, sort=False, dropna=False):  # a base does not turn: NaN
         if np.isfinite(here["peak_force"]).any():
-            values = zip([*pair_keys, "street"], place, strict=True)
+            values = zip(keys, place, strict=True)
             rows.append(dict(values) | _summarize_place(shown, here))
     pairs = [tuple(row[key] for key in pair_keys) for row in rows]
     return [row for row, pair in zip(rows, pairs, strict=True) if pairs.count(pair) > 1]
@@ -317,9 +319,9 @@ def _format_contacts(row: Row) -> str:
 
 
 def _format_floors(link: Any) -> str:
-    """Return the floors that a link joins: "floor 3", "floors 3|2" where they differ."""
+    """Return the floors that a link joins: "floor 3", "floors 3|2" where they differ, "base" of bases."""
     if link["floor"] == link["right_floor"]:
-        return f"floor {link['floor']}"
+        return f"floor {link['floor']}" if link["floor"] else BASE
     return f"floors {link['floor']}|{link['right_floor']}"
 
 
