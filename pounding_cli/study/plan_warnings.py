@@ -11,8 +11,9 @@ from pounding_cli.model.plan import FloorPlan
 from pounding_cli.model.twist import is_eccentric
 from pounding_cli.numbers import join_limited
 from pounding_cli.study.doubts import AS_MEANT, Doubts, format_value, units_of_size
-from pounding_cli.study.file import Problems
+from pounding_cli.study.file import Problems, get
 from pounding_cli.study.issues import KeyPath
+from pounding_cli.study.link_specs import list_links
 from pounding_cli.study.plan_spec import PlanSpec
 
 if TYPE_CHECKING:
@@ -30,11 +31,17 @@ MAX_ECCENTRICITY = 0.35
 """Eccentricity over the width [-] above which it is warned of: a core at one end, frames at the other give a third."""
 
 
+MAX_OFFSET_ACROSS = 0.1
+"""Distance of the centre of the lines across from that of mass, over that of the line farthest from it [-], above which
+it is warned of the motion along the street that is left out."""
+
+
 def warn_plan(spec: PlanSpec, building: Building, root: Any, path: KeyPath, doubts: Doubts) -> None:
     """Note a plan that hardly any building has: eccentricity, rotary inertia, resistance to the twist."""
     plan = building.plan
     assert plan is not None
     _warn_eccentricity(spec, plan, root, path, doubts)
+    _warn_lines_across(plan, root, path, doubts)
     if spec.inertia is not None:
         _warn_inertia(spec, plan, building.mass, root, path, doubts)
     _warn_frequency_ratio(spec, building.name, plan.frequency_ratio(building.mass), root, path, doubts)
@@ -90,6 +97,28 @@ def _warn_frequency_ratio(spec: PlanSpec, name: str, ratio: float, root: Any, pa
     doubts.add(root, at, at, message, hint, excess=abs(float(np.log10(ratio))))
 
 
+def _warn_lines_across(plan: FloorPlan, root: Any, path: KeyPath, doubts: Doubts) -> None:
+    """Note lines across the row that move floors along the street when these twist, which is left out."""
+    if not plan.lines_across:
+        return
+    places = np.array([line.arm for line in plan.lines_across])
+    stiffness = np.array([line.stiffness for line in plan.lines_across])  # shape (lines, storeys)
+    at: KeyPath = (*path, "across")
+    farthest = float(np.abs(places).max())
+    if farthest == 0.0:
+        message = "all lines across the row stand at the centre of mass, where they resist no twist"
+        doubts.add(root, at, at, message, f"let `x` be where they stand; otherwise leave it, {AS_MEANT}")
+        return
+    offset = float(np.abs(places @ stiffness / stiffness.sum(axis=0)).max())
+    if offset > MAX_OFFSET_ACROSS * farthest:
+        message = (
+            f"the centre of the lines across the row stands {offset:.3g} m from that of mass: floors that twist then "
+        )
+        message += "also move along the street, which is left out"
+        hint = f"write all frames and walls across the row, on both sides; otherwise leave it, {AS_MEANT}"
+        doubts.add(root, at, at, message, hint, excess=offset / farthest)
+
+
 def warn_missing_accidental(study: Study, notes: Problems) -> None:
     """Note that codes, with whose displacements `gap:` compares, ask for an accidental eccentricity."""
     if study.tree.get("gap") is None:
@@ -113,3 +142,27 @@ def _has_accidental(study: Study, name: str) -> bool:
     """Return whether the centres of mass of a building move off at some point of the sweep."""
     specs = (spec for _, spec in study.resolved.building_specs[name].iter_values())
     return any(spec.plan is not None and spec.plan.accidental for spec in specs)
+
+
+def warn_shift_without_effect(study: Study, notes: Problems) -> None:
+    """Note that the place of a plan along the street does nothing where no neighbour and no link has one."""
+    with_plans = [
+        name
+        for name in study.spec.group
+        if any(spec.plan is not None for _, spec in study.resolved.building_specs[name].iter_values())
+    ]
+    cases = study.spec.cases.items()
+    has_places = any(link.places is not None for case in cases for link, _ in list_links(*case))
+    if len(with_plans) != 1 or len(study.spec.group) == 1 or has_places:
+        return
+    (name,) = with_plans
+    key = f"buildings.{name}.plan.shift"
+    varied: list[KeyPath] = [("sweep",), ("uncertain",), ("optimise", "over")]
+    paths = [(*section, key) for section in varied if key in (get(study.tree, *section) or ())]
+    if any(spec.plan is not None and spec.plan.shift for _, spec in study.resolved.building_specs[name].iter_values()):
+        paths.append(("buildings", name, "plan", "shift"))
+    if paths:
+        message = f"`shift` of {name} has no effect: no other building has a plan, so each is as wide as {name}, "
+        message += "and no link names its places"
+        hint = f"give the neighbours of {name} a `plan:`, or the links their `places:`; otherwise leave it, {AS_MEANT}"
+        notes.at(study.tree, paths[0], message, hint)

@@ -35,7 +35,7 @@ from pounding_cli.study.issues import Issues, KeyPath
 from pounding_cli.study.like import resolve_all_likes, resolve_like
 from pounding_cli.study.link_warnings import warn_case
 from pounding_cli.study.motions import MotionUse, Suite
-from pounding_cli.study.plan_warnings import warn_missing_accidental, warn_plan
+from pounding_cli.study.plan_warnings import warn_missing_accidental, warn_plan, warn_shift_without_effect
 from pounding_cli.study.quantity import FORCES, NUMBER, PLAUSIBLE_RANGES, Quantity
 from pounding_cli.study.records_spec import RecordsSpec
 from pounding_cli.study.resolve import Resolved, changes_part, resolve, tree_at
@@ -78,6 +78,7 @@ def find_warnings(study: Study) -> tuple[Problem, ...]:
     notes.extend(warner.doubts.iter_merged())
     warn_held_period(study, notes)
     warn_missing_accidental(study, notes)
+    warn_shift_without_effect(study, notes)
     if study.spec.impact.dashpot == "printed":
         message = "eq. (7) as printed has the unit 1/s, not kg/s: its dashpot depends on the unit of mass"
         hint = "leave it out for the dashpot that gives the coefficient of restitution"
